@@ -1,0 +1,123 @@
+#pragma once
+
+// The element types of stored tensors, as the safetensors format names them, and the two 16-bit
+// floating-point formats that C++20 has no type for.
+
+#include <tactnet/detail/config.hpp>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+enum class element_type {
+    boolean,
+    uint8,
+    int8,
+    int16,
+    uint16,
+    float16,
+    bfloat16,
+    int32,
+    uint32,
+    float32,
+    float64,
+    int64,
+    uint64
+};
+
+namespace detail {
+
+struct element_type_row {
+    element_type type;
+    std::string_view name;
+    std::size_t size;
+};
+
+// In the order of the enumeration, so that a type is its own index.
+inline constexpr std::array<element_type_row, 13> element_type_table{{
+    {element_type::boolean, "BOOL", 1},
+    {element_type::uint8, "U8", 1},
+    {element_type::int8, "I8", 1},
+    {element_type::int16, "I16", 2},
+    {element_type::uint16, "U16", 2},
+    {element_type::float16, "F16", 2},
+    {element_type::bfloat16, "BF16", 2},
+    {element_type::int32, "I32", 4},
+    {element_type::uint32, "U32", 4},
+    {element_type::float32, "F32", 4},
+    {element_type::float64, "F64", 8},
+    {element_type::int64, "I64", 8},
+    {element_type::uint64, "U64", 8},
+}};
+
+} // namespace detail
+
+/// The size of one element in bytes.
+constexpr std::size_t element_size(element_type type) noexcept {
+    return detail::element_type_table[static_cast<std::size_t>(type)].size;
+}
+
+/// The name in a file: "F32", "U8", ….
+constexpr std::string_view element_type_name(element_type type) noexcept {
+    return detail::element_type_table[static_cast<std::size_t>(type)].name;
+}
+
+/// The inverse of element_type_name; nothing for a name that is not known.
+constexpr std::optional<element_type> find_element_type(std::string_view name) noexcept {
+    for (const auto& row : detail::element_type_table)
+        if (row.name == name)
+            return row.type;
+    return std::nullopt;
+}
+
+/// Arithmetic types that a file can hold bit by bit.
+template <class T>
+concept storable = std::is_same_v<T, float> || std::is_same_v<T, double> || std::is_same_v<T, std::uint8_t> ||
+    std::is_same_v<T, std::int8_t> || std::is_same_v<T, std::uint16_t> || std::is_same_v<T, std::int16_t> ||
+    std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t> || std::is_same_v<T, std::uint64_t> ||
+    std::is_same_v<T, std::int64_t>;
+
+/// The element type that has the very representation of the C++ type `T`.
+template <storable T>
+constexpr element_type element_type_of() noexcept {
+    if constexpr (std::is_floating_point_v<T>) {
+        return sizeof(T) == 4 ? element_type::float32 : element_type::float64;
+    } else {
+        constexpr std::array<std::pair<element_type, element_type>, 4> by_width{{
+            {element_type::int8, element_type::uint8},
+            {element_type::int16, element_type::uint16},
+            {element_type::int32, element_type::uint32},
+            {element_type::int64, element_type::uint64},
+        }};
+        constexpr auto row = by_width[static_cast<std::size_t>(std::countr_zero(sizeof(T)))];
+        return std::is_signed_v<T> ? row.first : row.second;
+    }
+}
+
+/// The value of an IEEE 754 binary16 number. Exact; the payload of a NaN is kept.
+constexpr float float16_to_float(std::uint16_t bits) noexcept {
+    const std::uint32_t sign = static_cast<std::uint32_t>(bits & 0x8000U) << 16;
+    const std::uint32_t exponent = (bits >> 10) & 0x1FU;
+    const std::uint32_t fraction = bits & 0x3FFU;
+    if (exponent == 0x1F)
+        return std::bit_cast<float>(sign | 0x7F80'0000U | (fraction << 13));
+    if (exponent != 0)
+        return std::bit_cast<float>(sign | ((exponent + 112) << 23) | (fraction << 13));
+    // Zero and subnormals count in units of 2^-24, and each is a normal number in float32.
+    const float magnitude = static_cast<float>(fraction) * 0x1p-24F;
+    return sign != 0 ? -magnitude : magnitude;
+}
+
+/// The value of a bfloat16 number, the upper half of a float32. Exact.
+constexpr float bfloat16_to_float(std::uint16_t bits) noexcept {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 16);
+}
+
+} // namespace tactnet::inline TACTNET_ARCH

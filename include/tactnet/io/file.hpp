@@ -1,0 +1,199 @@
+#pragma once
+
+// Whole files in and out. A reader gets all of a file or a sentence that says why not; a writer leaves either
+// the old file or the new one, also when the disk fills up or the program is killed half-way: the bytes go to
+// a temporary file in the same folder, are flushed to the disk, and take the name by a rename, which is
+// atomic.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/file_error.hpp>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <fcntl.h>
+#include <unistd.h>
+#endif
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// What `read_file` refuses to exceed unless told otherwise, in bytes: 2 GiB less one.
+inline constexpr std::size_t default_file_limit = 0x7fff'ffff;
+
+namespace detail {
+
+struct close_file {
+    void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+};
+using file_handle = std::unique_ptr<std::FILE, close_file>;
+
+inline file_handle open_file(const std::filesystem::path& path, const char* mode) {
+    errno = 0;
+#if defined(_WIN32)
+    const std::wstring wide_mode(mode, mode + std::char_traits<char>::length(mode));
+    return file_handle(::_wfopen(path.c_str(), wide_mode.c_str()));
+#else
+    return file_handle(std::fopen(path.c_str(), mode));
+#endif
+}
+
+inline std::string error_text(int code) {
+    return code == 0 ? std::string("an unknown error") : std::generic_category().message(code);
+}
+
+/// Returns 0 or the error number. A file is only on the disk when the system says so.
+inline int write_and_flush(std::FILE* file, std::span<const std::span<const std::byte>> pieces) {
+    errno = 0;
+    for (const auto piece : pieces)
+        if (!piece.empty() && std::fwrite(piece.data(), 1, piece.size(), file) != piece.size())
+            return errno != 0 ? errno : EIO;
+    if (std::fflush(file) != 0)
+        return errno != 0 ? errno : EIO;
+#if defined(__unix__) || defined(__APPLE__)
+    // Pipes and terminals cannot be synchronised, and say so with EINVAL.
+    if (::fsync(::fileno(file)) != 0 && errno != EINVAL && errno != ENOTSUP && errno != EROFS)
+        return errno;
+#endif
+    return 0;
+}
+
+/// The rename itself is on the disk only once the folder is; if that cannot be had the file is still whole.
+inline void flush_folder([[maybe_unused]] const std::filesystem::path& folder) noexcept {
+#if defined(__unix__) || defined(__APPLE__)
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor >= 0) {
+        static_cast<void>(::fsync(descriptor));
+        ::close(descriptor);
+    }
+#endif
+}
+
+/// A hidden name that no other writer uses: exclusive creation decides, the number only makes clashes rare.
+inline std::filesystem::path temporary_name(const std::filesystem::path& folder) {
+    static std::atomic<std::uint64_t> calls{0};
+    const auto now = static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+    return folder / (".tactnet-" + std::to_string(now) + "-" + std::to_string(calls++) + ".partial");
+}
+
+} // namespace detail
+
+/// All bytes of the file at `path`.
+/// Throws file_error when it is missing, a folder, unreadable, or longer than `limit` bytes.
+inline std::vector<std::byte> read_file(const std::filesystem::path& path,
+                                        std::size_t limit = default_file_limit) {
+    std::error_code code;
+    const auto status = std::filesystem::status(path, code);
+    if (status.type() == std::filesystem::file_type::not_found)
+        throw file_error(path.string(), "", "a file", "nothing of that name");
+    if (status.type() == std::filesystem::file_type::directory)
+        throw file_error(path.string(), "", "a file", "a folder");
+    const auto file = detail::open_file(path, "rb");
+    if (!file)
+        throw file_error(path.string(), "", "a readable file", "'" + detail::error_text(errno) + "'");
+
+    // The size is only a hint: a file may grow while it is read, and devices have none.
+    std::vector<std::byte> bytes;
+    const auto size = std::filesystem::file_size(path, code);
+    if (!code && size <= limit)
+        bytes.reserve(static_cast<std::size_t>(size) + 1);
+    constexpr std::size_t step = std::size_t{1} << 20;
+    for (;;) {
+        const std::size_t have = bytes.size();
+        const std::size_t room = bytes.capacity() > have ? bytes.capacity() - have : step;
+        bytes.resize(have + room);
+        errno = 0;
+        const std::size_t got = std::fread(bytes.data() + have, 1, room, file.get());
+        bytes.resize(have + got);
+        if (bytes.size() > limit)
+            throw file_error(path.string(), "", "at most " + std::to_string(limit) + " bytes",
+                             code ? "more" : std::to_string(size) + " bytes");
+        if (got < room) {
+            if (std::ferror(file.get()) != 0)
+                throw file_error(path.string(), "byte " + std::to_string(bytes.size()), "to read on",
+                                 "'" + detail::error_text(errno) + "'");
+            return bytes;
+        }
+    }
+}
+
+/// Writes the pieces one after the other as the file at `path`, all or nothing. An existing file is replaced
+/// and its permissions are kept; a link is followed; a device or pipe is written to directly. Throws
+/// file_error; what was there before is then untouched and no temporary file stays behind.
+inline void write_file(const std::filesystem::path& path,
+                       std::span<const std::span<const std::byte>> pieces) {
+    using std::filesystem::file_type;
+    const auto fail = [&](const char* expected, int code) {
+        throw file_error(path.string(), "", expected, "'" + detail::error_text(code) + "'");
+    };
+    std::error_code code;
+    const auto status = std::filesystem::status(path, code);
+    if (status.type() == file_type::directory || path.filename().empty())
+        throw file_error(path.string(), "", "a file to write", "a folder");
+    if (status.type() != file_type::regular && std::filesystem::exists(status)) {
+        const auto device = detail::open_file(path, "wb");
+        if (!device)
+            fail("a writable file", errno);
+        if (const int error = detail::write_and_flush(device.get(), pieces); error != 0)
+            fail("to write all bytes", error);
+        return;
+    }
+
+    std::filesystem::path target = path;
+    if (std::filesystem::is_symlink(path, code))
+        if (auto resolved = std::filesystem::weakly_canonical(path, code); !code)
+            target = std::move(resolved);
+    const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+
+    std::filesystem::path temporary;
+    detail::file_handle file;
+    for (int attempt = 0; attempt < 100 && !file; ++attempt) {
+        temporary = detail::temporary_name(folder);
+        file = detail::open_file(temporary, "wbx");
+        if (!file && errno != EEXIST)
+            fail("a folder to write in", errno);
+    }
+    if (!file)
+        fail("a folder to write in", EEXIST);
+
+    int error = detail::write_and_flush(file.get(), pieces);
+    if (std::fclose(file.release()) != 0 && error == 0)
+        error = errno != 0 ? errno : EIO;
+    code.clear();
+    if (error == 0) {
+        if (std::filesystem::exists(status))
+            std::filesystem::permissions(temporary, status.permissions(), code);
+        code.clear();
+        std::filesystem::rename(temporary, target, code);
+        error = code.value();
+    }
+    if (error != 0) {
+        std::error_code ignored;
+        std::filesystem::remove(temporary, ignored);
+        fail("to write all bytes", error);
+    }
+    detail::flush_folder(folder);
+}
+
+/// The same for bytes in one piece.
+inline void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    write_file(path, std::span<const std::span<const std::byte>>(&bytes, 1));
+}
+
+/// The same for text, byte by byte: line ends are not translated.
+inline void write_file(const std::filesystem::path& path, std::string_view text) {
+    write_file(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+} // namespace tactnet::inline TACTNET_ARCH

@@ -1,0 +1,252 @@
+#pragma once
+
+// Just enough JSON (RFC 8259) for the header of a safetensors file, read as what it is: text from a stranger.
+// No tree is built; the caller says what it expects next, and each deviation is a file_error with its byte.
+// Duplicate keys are refused, since readers that keep the first and readers that keep the last would see two
+// different files.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/io/text.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+class json_scanner {
+public:
+    /// `file` names the file in errors, `origin` is the byte of the file that `text` begins at.
+    json_scanner(std::string_view text, std::string file, std::size_t origin)
+        : text_(text), file_(std::move(file)), origin_(origin) {}
+
+    /// Reads an object and calls `member(key)` with the scanner at the value, once a member.
+    template <class Member>
+    void object(Member member) {
+        std::set<std::string, std::less<>> keys;
+        expect('{');
+        if (consume('}'))
+            return;
+        do {
+            skip_space();
+            const std::size_t at = position_;
+            const auto [key, is_new] = keys.insert(string());
+            if (!is_new)
+                fail_at(at, "each key once", in_quotes(*key) + " again");
+            expect(':');
+            member(std::as_const(*key));
+        } while (consume(','));
+        expect('}');
+    }
+
+    /// Reads an array and calls `element()` with the scanner at each element.
+    template <class Element>
+    void array(Element element) {
+        expect('[');
+        if (consume(']'))
+            return;
+        do
+            element();
+        while (consume(','));
+        expect(']');
+    }
+
+    /// Reads a string with its escapes; the result is well-formed UTF-8.
+    std::string string() {
+        expect('"', "a string");
+        const std::size_t at = position_;
+        std::string value;
+        for (;;) {
+            if (position_ == text_.size())
+                fail("the end of a string");
+            const char c = text_[position_];
+            if (static_cast<unsigned char>(c) < 0x20)
+                fail("a printable character");
+            ++position_;
+            if (c == '"')
+                break;
+            if (c == '\\')
+                escape(value);
+            else
+                value += c;
+        }
+        if (!is_utf8(value))
+            fail_at(at, "UTF-8", in_quotes(value));
+        return value;
+    }
+
+    /// Reads a number without sign, fraction or exponent.
+    std::uint64_t unsigned_integer() {
+        skip_space();
+        const std::size_t at = position_;
+        if (!is_digit())
+            fail("a whole number");
+        std::uint64_t value = 0;
+        while (is_digit()) {
+            const auto digit = static_cast<std::uint64_t>(text_[position_] - '0');
+            if (value > (std::numeric_limits<std::uint64_t>::max() - digit) / 10)
+                fail_at(at, "a number below 2^64", "a larger one");
+            value = value * 10 + digit;
+            ++position_;
+        }
+        if (position_ - at > 1 && text_[at] == '0')
+            fail_at(at, "a number without leading zeros", in_quotes(text_.substr(at, position_ - at)));
+        if (position_ < text_.size() && (text_[position_] == '.' || (text_[position_] | 0x20) == 'e'))
+            fail("a whole number");
+        return value;
+    }
+
+    /// Reads past any value, nested at most `depth` deep, so that no text can exhaust the stack.
+    void skip_value(int depth = 16) {
+        if (depth == 0)
+            fail("less nesting");
+        skip_space();
+        const char c = position_ < text_.size() ? text_[position_] : '\0';
+        if (c == '{')
+            object([&](const std::string&) { skip_value(depth - 1); });
+        else if (c == '[')
+            array([&] { skip_value(depth - 1); });
+        else if (c == '"')
+            static_cast<void>(string());
+        else if (c == '-' || is_digit())
+            skip_number();
+        else if (!skip_word("true") && !skip_word("false") && !skip_word("null"))
+            fail("a value");
+    }
+
+    /// Nothing but white space may follow.
+    void end() {
+        skip_space();
+        if (position_ != text_.size())
+            fail("nothing more");
+    }
+
+private:
+    void expect(char wanted, const char* what = nullptr) {
+        if (!consume(wanted))
+            fail(what != nullptr ? what : in_quotes(std::string_view(&wanted, 1)));
+    }
+
+    bool consume(char wanted) {
+        skip_space();
+        if (position_ == text_.size() || text_[position_] != wanted)
+            return false;
+        ++position_;
+        return true;
+    }
+
+    bool is_digit() const {
+        return position_ < text_.size() && text_[position_] >= '0' && text_[position_] <= '9';
+    }
+
+    void skip_space() { position_ = std::min(text_.find_first_not_of(" \t\n\r", position_), text_.size()); }
+
+    bool skip_word(std::string_view word) {
+        if (text_.substr(position_, word.size()) != word)
+            return false;
+        position_ += word.size();
+        return true;
+    }
+
+    void skip_digits() {
+        if (!is_digit())
+            fail("a digit");
+        while (is_digit())
+            ++position_;
+    }
+
+    void skip_number() {
+        static_cast<void>(skip_word("-"));
+        if (!skip_word("0"))
+            skip_digits();
+        if (skip_word("."))
+            skip_digits();
+        if (skip_word("e") || skip_word("E")) {
+            if (!skip_word("+"))
+                static_cast<void>(skip_word("-"));
+            skip_digits();
+        }
+    }
+
+    void escape(std::string& value) {
+        constexpr std::string_view letters = "\"\\/bfnrt";
+        constexpr std::string_view meanings = "\"\\/\b\f\n\r\t";
+        if (skip_word("u")) {
+            std::uint32_t code = four_hexadecimal_digits();
+            if (code >= 0xD800 && code <= 0xDBFF) {
+                if (!skip_word("\\u"))
+                    fail("the second half of a surrogate pair");
+                const std::uint32_t low = four_hexadecimal_digits();
+                if (low < 0xDC00 || low > 0xDFFF)
+                    fail_at(position_ - 4, "the second half of a surrogate pair", "another character");
+                code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
+            } else if (code >= 0xDC00 && code <= 0xDFFF) {
+                fail_at(position_ - 4, "a character", "the second half of a surrogate pair alone");
+            }
+            append_utf8(value, code);
+            return;
+        }
+        const auto letter =
+            position_ < text_.size() ? letters.find(text_[position_]) : std::string_view::npos;
+        if (letter == std::string_view::npos)
+            fail("an escape of JSON");
+        value += meanings[letter];
+        ++position_;
+    }
+
+    std::uint32_t four_hexadecimal_digits() {
+        std::uint32_t code = 0;
+        for (int i = 0; i < 4; ++i, ++position_) {
+            const char c = position_ < text_.size() ? text_[position_] : '\0';
+            const char lower = static_cast<char>(c | 0x20);
+            if (c >= '0' && c <= '9')
+                code = code * 16 + static_cast<std::uint32_t>(c - '0');
+            else if (lower >= 'a' && lower <= 'f')
+                code = code * 16 + static_cast<std::uint32_t>(lower - 'a') + 10;
+            else
+                fail("four hexadecimal digits");
+        }
+        return code;
+    }
+
+    static void append_utf8(std::string& value, std::uint32_t code) {
+        const auto put = [&](std::uint32_t byte) { value += static_cast<char>(byte); };
+        const auto rest = [&](unsigned shift) { put(0x80 | ((code >> shift) & 0x3F)); };
+        if (code < 0x80) {
+            put(code);
+        } else if (code < 0x800) {
+            put(0xC0 | (code >> 6));
+            rest(0);
+        } else if (code < 0x10000) {
+            put(0xE0 | (code >> 12));
+            rest(6), rest(0);
+        } else {
+            put(0xF0 | (code >> 18));
+            rest(12), rest(6), rest(0);
+        }
+    }
+
+    [[noreturn]] void fail(const std::string& expected) const {
+        fail_at(position_, expected,
+                position_ == text_.size() ? "the end of the header" : in_quotes(text_.substr(position_, 1)));
+    }
+
+    [[noreturn]] void fail_at(std::size_t position, const std::string& expected,
+                              const std::string& found) const {
+        throw file_error(file_, "header, byte " + std::to_string(origin_ + position), expected, found);
+    }
+
+    std::string_view text_;
+    std::string file_;
+    std::size_t origin_;
+    std::size_t position_ = 0;
+};
+
+} // namespace tactnet::inline TACTNET_ARCH

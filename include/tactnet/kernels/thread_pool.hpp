@@ -1,0 +1,99 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Threads that divide work into equal, fixed shares. Which thread does what depends on the counts alone, and nothing
+/// is added up across shares, so results cannot depend on timing. One thread starts none.
+class thread_pool {
+  public:
+    explicit thread_pool(std::size_t threads = 1) : threads_(threads > 0 ? threads : 1) {
+        workers_.reserve(threads_ - 1);
+        for (std::size_t index = 1; index < threads_; ++index)
+            workers_.emplace_back([this, index] { work(index); });
+    }
+    thread_pool(const thread_pool&) = delete;
+    thread_pool& operator=(const thread_pool&) = delete;
+    ~thread_pool() {
+        call_ = nullptr;
+        announce();
+        for (std::thread& worker : workers_)
+            worker.join();
+    }
+
+    [[nodiscard]] std::size_t threads() const { return threads_; }
+
+    /// body(begin, end) for as many shares of 0 … count − 1 as there are threads. Must not throw, nor call this again.
+    template <class Body>
+    void for_each_share(std::size_t count, const Body& body) {
+        if (threads_ == 1 || count <= 1) {
+            if (count > 0)
+                body(std::size_t{0}, count);
+            return;
+        }
+        body_ = &body;
+        call_ = [](const void* f, std::size_t begin, std::size_t end) noexcept {
+            (*static_cast<const Body*>(f))(begin, end);
+        };
+        count_ = count;
+        busy_.store(threads_ - 1, std::memory_order_relaxed);
+        announce();
+        run(0);
+        for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != 0; ++spin)
+            if (spin > patience)
+                std::this_thread::yield();
+    }
+    /// body(i) for 0 … count − 1.
+    template <class Body>
+    void for_each(std::size_t count, const Body& body) {
+        for_each_share(count, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                body(i);
+        });
+    }
+
+  private:
+    // Layers follow each other within microseconds: a short wait in place saves the way through the scheduler.
+    static constexpr std::size_t patience = 4096;
+
+    void announce() {
+        round_.fetch_add(1, std::memory_order_release);
+        round_.notify_all();
+    }
+    void run(std::size_t index) {
+        const std::size_t begin = count_ * index / threads_, end = count_ * (index + 1) / threads_;
+        if (begin < end)
+            call_(body_, begin, end);
+    }
+    void work(std::size_t index) {
+        std::uint32_t seen = 0;
+        while (true) {
+            for (std::size_t spin = 0; spin < patience && round_.load(std::memory_order_acquire) == seen; ++spin) {
+            }
+            round_.wait(seen, std::memory_order_acquire);
+            ++seen; // one at a time: a round is not announced before the last one is done
+            if (!call_)
+                return;
+            run(index);
+            busy_.fetch_sub(1, std::memory_order_release);
+        }
+    }
+
+    std::size_t threads_;
+    std::atomic<std::uint32_t> round_{0};
+    std::atomic<std::size_t> busy_{0};
+    void (*call_)(const void*, std::size_t, std::size_t) noexcept = nullptr;
+    const void* body_ = nullptr;
+    std::size_t count_ = 0;
+    std::vector<std::thread> workers_;
+};
+
+} // namespace tactnet

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#ifndef TACTNET_NO_SIMD
+#include <xsimd/xsimd.hpp>
+#endif
+
+// The few vector operations that the kernels use, on xsimd's widest batch for the instruction set compiled for, or on
+// plain numbers when there is none. Kernels name no instruction set.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+#ifndef TACTNET_NO_SIMD
+
+template <class T>
+using vector = xsimd::batch<T>;
+template <class T>
+using mask = typename xsimd::batch<T>::batch_bool_type;
+/// Elements in one vector register: also the samples in one group of a batch.
+template <class T>
+inline constexpr std::size_t lanes = xsimd::batch<T>::size;
+
+template <class T>
+[[nodiscard]] inline vector<T> load(const T* from) {
+    return vector<T>::load_aligned(from);
+}
+template <class T>
+inline void store(T* to, const vector<T>& values) {
+    values.store_aligned(to);
+}
+template <class T>
+[[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
+    return xsimd::fma(a, b, c);
+}
+template <class T>
+[[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
+    return xsimd::sqrt(a);
+}
+template <class T>
+[[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {
+    return xsimd::select(condition, yes, no);
+}
+/// Element i of the result is the sum over the lanes of rows[i].
+template <class T>
+[[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, lanes<T>>& rows) {
+    return xsimd::haddp(rows.data());
+}
+
+#else
+
+/// A register of one lane, so that kernels read the same with and without SIMD.
+template <class T>
+struct vector {
+    T value;
+
+    vector() = default;
+    vector(T v) : value(v) {}
+    friend vector operator+(vector a, vector b) { return a.value + b.value; }
+    friend vector operator-(vector a, vector b) { return a.value - b.value; }
+    friend vector operator*(vector a, vector b) { return a.value * b.value; }
+    friend vector operator/(vector a, vector b) { return a.value / b.value; }
+    friend vector& operator+=(vector& a, vector b) { return a = a + b; }
+    friend bool operator>(vector a, vector b) { return a.value > b.value; }
+    friend bool operator<(vector a, vector b) { return a.value < b.value; }
+    friend bool operator==(vector a, vector b) { return a.value == b.value; }
+    friend bool operator!=(vector a, vector b) { return a.value != b.value; }
+};
+template <class T>
+using mask = bool;
+template <class T>
+inline constexpr std::size_t lanes = 1;
+
+template <class T>
+[[nodiscard]] inline vector<T> load(const T* from) {
+    return *from;
+}
+template <class T>
+inline void store(T* to, const vector<T>& values) {
+    *to = values.value;
+}
+template <class T>
+[[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
+    return a * b + c;
+}
+template <class T>
+[[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
+    return std::sqrt(a.value);
+}
+template <class T>
+[[nodiscard]] inline vector<T> choose(bool condition, const vector<T>& yes, const vector<T>& no) {
+    return condition ? yes : no;
+}
+template <class T>
+[[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, 1>& rows) {
+    return rows[0];
+}
+
+#endif
+
+/// The larger of both; a NaN in either is kept, so that a broken number is seen and not hidden by a pool.
+template <class T>
+[[nodiscard]] inline vector<T> maximum(const vector<T>& a, const vector<T>& b) {
+    return choose<T>((a > b) || (a != a), a, b);
+}
+
+/// Vector registers that kernels may plan with.
+#if defined(__AVX512F__) || defined(__aarch64__)
+inline constexpr std::size_t vector_registers = 32;
+#else
+inline constexpr std::size_t vector_registers = 16;
+#endif
+
+} // namespace tactnet

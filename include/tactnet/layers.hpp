@@ -1,0 +1,12 @@
+#pragma once
+
+#include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/conv2d.hpp>
+#include <tactnet/layers/dense.hpp>
+#include <tactnet/layers/dropout.hpp>
+#include <tactnet/layers/layer.hpp>
+#include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/relu.hpp>
+#include <tactnet/layers/residual.hpp>
+#include <tactnet/layers/sequence.hpp>
+#include <tactnet/layers/softmax.hpp>

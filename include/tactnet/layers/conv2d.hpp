@@ -1,0 +1,106 @@
+#pragma once
+
+#include <tactnet/kernels/convolution.hpp>
+#include <tactnet/kernels/convolution_gradient.hpp>
+#include <tactnet/kernels/reductions.hpp>
+#include <tactnet/layers/layer.hpp>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+template <std::size_t KernelRows, std::size_t KernelColumns, std::size_t PaddedRows, std::size_t PaddedColumns>
+concept kernel_fits_padded_input = KernelRows <= PaddedRows && KernelColumns <= PaddedColumns;
+
+/// Two-dimensional convolution (cross-correlation, as everywhere in the field) with bias.
+/// Weights are [filter][channel][row][column] (PyTorch's OIHW).
+template <std::size_t Filters, extent Kernel, extent Stride = 1, padding Padding = same>
+struct conv2d {
+    static constexpr std::string_view name = "conv";
+    static constexpr bool numbered = true;
+
+    template <class T, shape Input>
+    struct layer : layer_without_parameters<T, Input, shape{}> {
+        static_assert(Filters > 0 && Kernel.area() > 0 && Stride.area() > 0,
+                      "conv2d: filters, kernel and stride must be at least 1");
+        static constexpr sliding_window window = sliding_window::over(Input, Kernel, Stride, Padding);
+        static_assert(kernel_fits_padded_input<Kernel.rows, Kernel.columns, Input.rows + window.top + window.bottom,
+                                               Input.columns + window.left + window.right>,
+                      "conv2d: the kernel is larger than the padded input; kernel_fits_padded_input shows kernel rows, "
+                      "kernel columns, padded rows, padded columns");
+
+        static constexpr shape output{window.output_rows(), window.output_columns(), Filters};
+        static constexpr std::size_t fan_in = Input.channels * Kernel.area();
+        static constexpr std::size_t weights = Filters * fan_in;
+        static constexpr std::size_t parameters = weights + Filters;
+        static constexpr std::size_t multiply_adds = output.area() * weights;
+        static constexpr std::size_t multiply_adds_on_pixels = window.taps_on_pixels() * Input.channels * Filters;
+
+        struct memory {
+            aligned_vector<T> forward_weights, backward_weights;
+            aligned_vector<double> totals;
+            void resize(std::size_t) {}
+        };
+
+        static void describe(const std::string& prefix, std::vector<parameter>& list) {
+            describe_array(list, prefix + ".weight", role::weight, {Filters, Input.channels, Kernel.rows, Kernel.columns},
+                           0, fan_in);
+            describe_array(list, prefix + ".bias", role::bias, {Filters}, weights);
+        }
+
+        static void prepare(const pass&, const T* values, const T*, memory& m) {
+            m.forward_weights.resize(weights);
+            pack_weights<ahead>(m.forward_weights.data(), [&](auto filter, auto channel, auto row, auto column) {
+                return values[((filter * Input.channels + channel) * Kernel.rows + row) * Kernel.columns + column];
+            });
+        }
+
+        static void infer(const pass& p, const T* values, const T*, memory& m, input_view<T, Input> in,
+                          output_view<T, output> out) {
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                correlate<ahead>(in.group(g), m.forward_weights.data(), values + weights, out.group(g));
+            });
+        }
+        static void forward(const pass& p, const T* values, T* none, memory& m, input_view<T, Input> in,
+                            output_view<T, output> out) {
+            infer(p, values, none, m, in, out);
+        }
+
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in, input_view<T, output>,
+                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
+            using plan = weight_gradient_plan<window, Filters, T>;
+            m.totals.assign(parameters, 0.0);
+            p.threads.for_each_share(plan::pieces, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t g = 0; g < in.groups(); ++g)
+                    add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g), m.totals.data(), begin, end);
+            });
+            p.threads.for_each(Filters, [&](std::size_t filter) {
+                for (std::size_t g = 0; g < in.groups(); ++g) {
+                    const T* from = out_gradient.group(g) + filter * output.area() * lanes<T>;
+                    m.totals[weights + filter] += sum_terms<1, T>(output.area(), [&](std::size_t i) {
+                        return std::array<vector<T>, 1>{load(from + i * lanes<T>)};
+                    })[0];
+                }
+            });
+            for (std::size_t i = 0; i < parameters; ++i)
+                gradients[i] = static_cast<T>(m.totals[i]);
+
+            if (in_gradient.data() == nullptr)
+                return;
+            m.backward_weights.resize(weights);
+            pack_weights<back>(m.backward_weights.data(), [&](auto channel, auto filter, auto row, auto column) {
+                return values[((filter * Input.channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
+                                  Kernel.columns +
+                              (Kernel.columns - 1 - column)];
+            });
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                correlate<back>(out_gradient.group(g), m.backward_weights.data(), static_cast<const T*>(nullptr),
+                                in_gradient.group(g));
+            });
+        }
+
+      private:
+        static constexpr correlation ahead = correlation::forward(window, Filters);
+        static constexpr correlation back = correlation::backward(window, Filters);
+    };
+};
+
+} // namespace tactnet

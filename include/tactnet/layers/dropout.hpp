@@ -1,0 +1,56 @@
+#pragma once
+
+#include <tactnet/layers/layer.hpp>
+
+#include <algorithm>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Dropout (Srivastava et al., 2014): in training each element is zeroed with the given probability in percent and the
+/// others are scaled to keep the mean; afterwards nothing is done. Which ones depends on seed, step and sample only.
+template <unsigned Percent>
+struct dropout {
+    static constexpr std::string_view name = "dropout";
+    static constexpr bool numbered = true;
+    static_assert(Percent < 100, "dropout: the percentage must be below 100");
+
+    template <class T, shape Input>
+    struct layer : layer_without_parameters<T, Input, Input> {
+        static constexpr bool in_place = true;
+
+        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+                          output_view<T, Input> out) {
+            if (in.data() != out.data())
+                p.threads.for_each(in.groups(), [&](std::size_t g) {
+                    std::copy_n(in.group(g), in.group_size, out.group(g));
+                });
+        }
+        static void forward(const pass& p, const T*, T*, no_memory&, input_view<T, Input> in,
+                            output_view<T, Input> out) {
+            scale_kept(p, in, out);
+        }
+        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>, input_view<T, Input>,
+                             input_view<T, Input> out_gradient, output_view<T, Input> in_gradient, T*) {
+            if (in_gradient.data() != nullptr)
+                scale_kept(p, out_gradient, in_gradient);
+        }
+
+      private:
+        static constexpr std::uint64_t threshold = (std::uint64_t{1} << 32) * Percent / 100;
+
+        static void scale_kept(const pass& p, input_view<T, Input> in, output_view<T, Input> out) {
+            const T scale = static_cast<T>(100.0 / (100 - Percent));
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                for (std::size_t lane = 0; lane < lanes<T>; ++lane) {
+                    const std::uint64_t layer_seed = p.seed + (std::uint64_t{p.depth} << 40);
+                    random_stream random(layer_seed, draw::dropout, p.step,
+                                         static_cast<std::uint32_t>(g * lanes<T> + lane));
+                    for (std::size_t e = lane; e < in.group_size; e += lanes<T>)
+                        out.group(g)[e] = random.bits() < threshold ? T{} : in.group(g)[e] * scale;
+                }
+            });
+        }
+    };
+};
+
+} // namespace tactnet

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <tactnet/kernels/pooling.hpp>
+#include <tactnet/layers/layer.hpp>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+template <std::size_t WindowRows, std::size_t WindowColumns, std::size_t PaddedRows, std::size_t PaddedColumns>
+concept window_fits_padded_input = WindowRows <= PaddedRows && WindowColumns <= PaddedColumns;
+
+/// Max pooling. `same` padding gives ceil(size / stride) outputs; padding is never looked at.
+template <extent Window, extent Stride = Window, padding Padding = same>
+struct max_pool {
+    static constexpr std::string_view name = "pool";
+    static constexpr bool numbered = true;
+
+    template <class T, shape Input>
+    struct layer : layer_without_parameters<T, Input, shape{}> {
+        static_assert(Window.area() > 0 && Stride.area() > 0, "max_pool: window and stride must be at least 1");
+        static constexpr sliding_window window = sliding_window::over(Input, Window, Stride, Padding);
+        static_assert(window_fits_padded_input<Window.rows, Window.columns, Input.rows + window.top + window.bottom,
+                                               Input.columns + window.left + window.right>,
+                      "max_pool: the window is larger than the padded input; window_fits_padded_input shows window rows, "
+                      "window columns, padded rows, padded columns");
+        static_assert(window.top < Window.rows && window.bottom < Window.rows && window.left < Window.columns &&
+                          window.right < Window.columns,
+                      "max_pool: the padding must be smaller than the window, or a window holds no pixel");
+
+        static constexpr shape output{window.output_rows(), window.output_columns(), Input.channels};
+        static constexpr bool keeps_output = true;
+
+        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+                          output_view<T, output> out) {
+            p.threads.for_each(in.groups(),
+                               [&](std::size_t g) { max_pool_forward<window>(in.group(g), out.group(g)); });
+        }
+        static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
+                            output_view<T, output> out) {
+            infer(p, none, none, m, in, out);
+        }
+        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input> in, input_view<T, output> out,
+                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T*) {
+            if (in_gradient.data() == nullptr)
+                return;
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                max_pool_backward<window>(in.group(g), out.group(g), out_gradient.group(g), in_gradient.group(g));
+            });
+        }
+    };
+};
+
+} // namespace tactnet

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <tactnet/kernels/elementwise.hpp>
+#include <tactnet/layers/sequence.hpp>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannels, std::size_t SkipRows,
+          std::size_t SkipColumns, std::size_t SkipChannels>
+concept branches_agree = MainRows == SkipRows && MainColumns == SkipColumns && MainChannels == SkipChannels;
+
+/// The skip of a residual block that passes its input on as it is.
+using identity = sequence<>;
+
+/// Residual block (He, Zhang, Ren, Sun, 2016): main(x) + skip(x), where skip is `identity` or a projection. The ReLU
+/// behind the sum is a layer of its own.
+template <class Main, class Skip = identity>
+struct residual {
+    static constexpr std::string_view name = "block";
+    static constexpr bool numbered = true;
+
+    template <class T, shape Input>
+    struct layer {
+        using value_type = T;
+        using main = typename Main::template layer<T, Input>;
+        using skip = typename Skip::template layer<T, Input>;
+        static constexpr shape input = Input, output = main::output;
+        static_assert(branches_agree<main::output.rows, main::output.columns, main::output.channels, skip::output.rows,
+                                     skip::output.columns, skip::output.channels>,
+                      "residual: both branches must give the same shape; branches_agree shows rows, columns and channels "
+                      "of the main branch, then those of the skip");
+
+        static constexpr std::size_t parameters = main::parameters + skip::parameters;
+        static constexpr std::size_t statistics = main::statistics + skip::statistics;
+        static constexpr std::size_t multiply_adds = main::multiply_adds + skip::multiply_adds;
+        static constexpr std::size_t multiply_adds_on_pixels =
+            main::multiply_adds_on_pixels + skip::multiply_adds_on_pixels;
+        static constexpr bool projects = Skip::size > 0;
+        static constexpr std::size_t inner_activations =
+            (main::keeps_output ? output.size() : 0) +
+            std::max(main::inner_activations, projects ? output.size() + skip::inner_activations : 0);
+        static constexpr bool in_place = false, keeps_output = false;
+
+        struct memory {
+            typename main::memory main_memory;
+            typename skip::memory skip_memory;
+            aligned_vector<T> skip_output, skip_gradient, main_output;
+            void resize(std::size_t samples) {
+                main_memory.resize(samples);
+                skip_memory.resize(samples);
+                const std::size_t groups = (samples + lanes<T> - 1) / lanes<T>;
+                if constexpr (main::keeps_output)
+                    main_output.resize(groups * lanes<T> * output.size());
+                if constexpr (projects) {
+                    skip_output.resize(groups * lanes<T> * output.size());
+                    skip_gradient.resize(groups * lanes<T> * Input.size());
+                }
+            }
+        };
+
+        static void describe(const std::string& prefix, std::vector<parameter>& list) {
+            main::describe(prefix, list);
+            const std::size_t first = list.size();
+            skip::describe(prefix + ".projection", list);
+            for (std::size_t p = first; p < list.size(); ++p)
+                list[p].offset += learnable(list[p].what) ? main::parameters : main::statistics;
+        }
+        static void prepare(const pass& p, const T* values, const T* running, memory& m) {
+            main::prepare(p, values, running, m.main_memory);
+            skip::prepare(p, values + main::parameters, running + main::statistics, m.skip_memory);
+        }
+        static void infer(const pass& p, const T* values, const T* running, memory& m, input_view<T, Input> in,
+                          output_view<T, output> out) {
+            const output_view<T, output> main_out = main_result(m, out);
+            main::infer(p, values, running, m.main_memory, in, main_out);
+            if constexpr (projects)
+                skip::infer(p, values + main::parameters, running + main::statistics, m.skip_memory, in,
+                            {m.skip_output.data(), in.samples()});
+            sum<output>(p, main_out, skipped(m, in), out);
+        }
+        static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
+                            output_view<T, output> out) {
+            const output_view<T, output> main_out = main_result(m, out);
+            main::forward(p, values, running, m.main_memory, in, main_out);
+            if constexpr (projects)
+                skip::forward(p, values + main::parameters, running + main::statistics, m.skip_memory, in,
+                              {m.skip_output.data(), in.samples()});
+            sum<output>(p, main_out, skipped(m, in), out);
+        }
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in, input_view<T, output> out,
+                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
+            main::backward(p, values, m.main_memory, in,
+                           main::keeps_output ? input_view<T, output>(m.main_output.data(), in.samples()) : out,
+                           out_gradient, in_gradient, gradients);
+            const T* skip_gradient = out_gradient.data();
+            if constexpr (projects) {
+                T* to = in_gradient.data() ? m.skip_gradient.data() : nullptr;
+                skip::backward(p, values + main::parameters, m.skip_memory, in, {m.skip_output.data(), in.samples()},
+                               out_gradient, {to, in.samples()}, gradients + main::parameters);
+                skip_gradient = to;
+            }
+            if (in_gradient.data() == nullptr)
+                return;
+            sum<Input>(p, in_gradient, {skip_gradient, in.samples()}, in_gradient);
+        }
+
+      private:
+        /// The sum may take the place of the main branch's result unless the way back needs that.
+        static output_view<T, output> main_result(memory& m, output_view<T, output> out) {
+            if constexpr (main::keeps_output)
+                return {m.main_output.data(), out.samples()};
+            else
+                return out;
+        }
+        static input_view<T, output> skipped(const memory& m, input_view<T, Input> in) {
+            if constexpr (projects)
+                return {m.skip_output.data(), in.samples()};
+            else
+                return {in.data(), in.samples()};
+        }
+        template <shape Shape>
+        static void sum(const pass& p, input_view<T, Shape> a, input_view<T, Shape> b, output_view<T, Shape> to) {
+            p.threads.for_each(to.groups(), [&](std::size_t g) {
+                add(a.group(g), b.group(g), to.group(g), to.group_size);
+            });
+        }
+    };
+};
+
+} // namespace tactnet

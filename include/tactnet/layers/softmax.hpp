@@ -1,0 +1,79 @@
+#pragma once
+
+#include <tactnet/layers/layer.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// exp(x) / Σ exp(x), from the largest logit down so that nothing overflows. Sums in double. May work in place.
+template <class T>
+void softmax_of(std::span<const T> logits, std::span<T> probabilities) noexcept {
+    const double largest = static_cast<double>(*std::max_element(logits.begin(), logits.end()));
+    double sum = 0;
+    for (const T logit : logits)
+        sum += std::exp(static_cast<double>(logit) - largest);
+    for (std::size_t i = 0; i < logits.size(); ++i)
+        probabilities[i] = static_cast<T>(std::exp(static_cast<double>(logits[i]) - largest) / sum);
+}
+
+/// Softmax over the channels of every pixel, for lists that end in probabilities. The networks of the paper end in
+/// logits; training joins softmax and cross-entropy (training/loss.hpp), which is exact where probabilities are not.
+struct softmax {
+    static constexpr std::string_view name = "softmax";
+    static constexpr bool numbered = false;
+
+    template <class T, shape Input>
+    struct layer : layer_without_parameters<T, Input, Input> {
+        static constexpr bool in_place = true, keeps_output = true;
+
+        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+                          output_view<T, Input> out) {
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                for_each_pixel(in.samples_in(g), [&](std::size_t first) {
+                    std::array<T, Input.channels> x;
+                    for (std::size_t c = 0; c < Input.channels; ++c)
+                        x[c] = in.group(g)[first + c * plane];
+                    softmax_of<T>(x, x);
+                    for (std::size_t c = 0; c < Input.channels; ++c)
+                        out.group(g)[first + c * plane] = x[c];
+                });
+            });
+        }
+        static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
+                            output_view<T, Input> out) {
+            infer(p, none, none, m, in, out);
+        }
+        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>, input_view<T, Input> out,
+                             input_view<T, Input> out_gradient, output_view<T, Input> in_gradient, T*) {
+            if (in_gradient.data() == nullptr)
+                return;
+            p.threads.for_each(out.groups(), [&](std::size_t g) {
+                for_each_pixel(lanes<T>, [&](std::size_t first) {
+                    const T *y = out.group(g) + first, *dy = out_gradient.group(g) + first;
+                    double product = 0;
+                    for (std::size_t c = 0; c < Input.channels; ++c)
+                        product += static_cast<double>(y[c * plane]) * static_cast<double>(dy[c * plane]);
+                    for (std::size_t c = 0; c < Input.channels; ++c)
+                        in_gradient.group(g)[first + c * plane] =
+                            static_cast<T>(static_cast<double>(y[c * plane]) *
+                                           (static_cast<double>(dy[c * plane]) - product));
+                });
+            });
+        }
+
+      private:
+        static constexpr std::size_t plane = Input.area() * lanes<T>;
+
+        template <class Body>
+        static void for_each_pixel(std::size_t samples, Body&& body) {
+            for (std::size_t pixel = 0; pixel < Input.area(); ++pixel)
+                for (std::size_t lane = 0; lane < samples; ++lane)
+                    body(pixel * lanes<T> + lane);
+        }
+    };
+};
+
+} // namespace tactnet

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/networks/resolution.hpp>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Kernels of TactNet-4's three convolutions.
+struct tactnet4_form {
+    std::size_t kernel1 = 5, kernel2 = 3, kernel3 = 3;
+
+    /// As published: 3, 2, 2 at 14 × 25 and 5, 3, 3 at the other resolutions.
+    [[nodiscard]] static constexpr tactnet4_form at(shape image) {
+        if (form_of(image) == resolution::r14x25)
+            return {.kernel1 = 3, .kernel2 = 2, .kernel3 = 2};
+        return {};
+    }
+};
+
+/// TactNet-4 (Gandarias et al., 2019, table I): three convolutions and a dense layer. Every map is halved three times.
+template <shape Input, std::size_t Classes, tactnet4_form Form = tactnet4_form::at(Input)>
+using tactnet4 = network<Input,                                                              //
+                         conv2d<8, Form.kernel1>, batch_norm, relu, max_pool<2>,             //
+                         conv2d<16, Form.kernel2>, batch_norm, relu, max_pool<2>,            //
+                         conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>,            //
+                         dense<Classes>>;
+
+} // namespace tactnet

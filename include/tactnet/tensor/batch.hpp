@@ -1,0 +1,88 @@
+#pragma once
+
+#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <type_traits>
+
+// Samples side by side. `Lanes` samples form a group, ordered [channel][row][column][lane]: one vector register
+// holds the same element of as many samples. A kernel written for one sample then runs on all lanes at once, at any
+// image size and channel count, without a remainder and without a sum across lanes in the forward pass; and a
+// sample's result does not depend on its neighbours. Lanes past the last sample hold zeros.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Samples that someone else owns, as a batch. T may be const.
+template <class T, shape Shape, std::size_t Lanes>
+class batch_view {
+  public:
+    static constexpr shape extents = Shape;
+    static constexpr std::size_t lanes = Lanes;
+    static constexpr std::size_t group_size = Shape.size() * Lanes;
+
+    constexpr batch_view(T* data, std::size_t samples) : data_(data), samples_(samples) {}
+    constexpr batch_view(const batch_view<std::remove_const_t<T>, Shape, Lanes>& other)
+        requires std::is_const_v<T>
+        : data_(other.data()), samples_(other.samples()) {}
+    constexpr batch_view(const batch_view&) = default;
+    constexpr batch_view& operator=(const batch_view&) = default;
+
+    [[nodiscard]] constexpr T* data() const { return data_; }
+    [[nodiscard]] constexpr std::size_t samples() const { return samples_; }
+    [[nodiscard]] constexpr std::size_t groups() const { return (samples_ + Lanes - 1) / Lanes; }
+    [[nodiscard]] constexpr T* group(std::size_t index) const { return data_ + index * group_size; }
+    /// Samples in one group: `Lanes`, or fewer in the last.
+    [[nodiscard]] constexpr std::size_t samples_in(std::size_t group) const {
+        return std::min(Lanes, samples_ - group * Lanes);
+    }
+    [[nodiscard]] constexpr T& operator()(std::size_t sample, std::size_t element) const {
+        return group(sample / Lanes)[element * Lanes + sample % Lanes];
+    }
+
+  private:
+    T* data_;
+    std::size_t samples_;
+};
+
+/// A batch that owns its samples.
+template <class T, shape Shape, std::size_t Lanes>
+class batch {
+  public:
+    using view_type = batch_view<T, Shape, Lanes>;
+    using const_view_type = batch_view<const T, Shape, Lanes>;
+
+    batch() = default;
+    explicit batch(std::size_t samples) { resize(samples); }
+
+    /// Afterwards all elements are zero. Keeps its memory when it shrinks.
+    void resize(std::size_t samples) {
+        samples_ = samples;
+        elements_.assign((samples + Lanes - 1) / Lanes * view_type::group_size, T{});
+    }
+    [[nodiscard]] std::size_t samples() const { return samples_; }
+    [[nodiscard]] view_type view() { return {elements_.data(), samples_}; }
+    [[nodiscard]] const_view_type view() const { return {elements_.data(), samples_}; }
+    operator view_type() { return view(); }
+    operator const_view_type() const { return view(); }
+
+    [[nodiscard]] T& operator()(std::size_t sample, std::size_t element) { return view()(sample, element); }
+    [[nodiscard]] const T& operator()(std::size_t sample, std::size_t element) const {
+        return view()(sample, element);
+    }
+    void set(std::size_t sample, tensor_view<const T, Shape> values) {
+        for (std::size_t e = 0; e < Shape.size(); ++e)
+            (*this)(sample, e) = values.data()[e];
+    }
+    void get(std::size_t sample, tensor_view<T, Shape> values) const {
+        for (std::size_t e = 0; e < Shape.size(); ++e)
+            values.data()[e] = (*this)(sample, e);
+    }
+
+  private:
+    aligned_vector<T> elements_;
+    std::size_t samples_ = 0;
+};
+
+} // namespace tactnet

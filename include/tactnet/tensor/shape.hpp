@@ -1,0 +1,111 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <array>
+#include <cstddef>
+
+// Sizes known when compiling. All of these are structural types, so that they can be template arguments.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// The size of one sample: a pressure image of `rows` × `columns` tactels, or a stack of `channels` such maps.
+/// Elements are ordered [channel][row][column].
+struct shape {
+    std::size_t rows = 1;
+    std::size_t columns = 1;
+    std::size_t channels = 1;
+
+    [[nodiscard]] constexpr std::size_t area() const { return rows * columns; }
+    [[nodiscard]] constexpr std::size_t size() const { return rows * columns * channels; }
+    friend constexpr bool operator==(const shape&, const shape&) = default;
+};
+
+/// Rows and columns of a kernel, a window or a stride. One number means the same in both directions.
+struct extent {
+    std::size_t rows;
+    std::size_t columns;
+
+    constexpr extent(std::size_t both) : rows(both), columns(both) {} // implicit: conv2d<8, 5> reads as 5 × 5
+    constexpr extent(std::size_t rows_, std::size_t columns_) : rows(rows_), columns(columns_) {}
+    [[nodiscard]] constexpr std::size_t area() const { return rows * columns; }
+    friend constexpr bool operator==(const extent&, const extent&) = default;
+};
+
+/// What surrounds an image before a window slides over it. `same` keeps ceil(size / stride) outputs; what it must
+/// add is halved, and an odd rest goes to the bottom and to the right (so an even kernel pads only there).
+struct padding {
+    enum class rule { same, given };
+
+    rule how = rule::same;
+    std::size_t top = 0, bottom = 0, left = 0, right = 0;
+
+    friend constexpr bool operator==(const padding&, const padding&) = default;
+};
+
+inline constexpr padding same{};
+inline constexpr padding valid{padding::rule::given};
+
+/// Explicit zeros: as many on every side, or side by side.
+[[nodiscard]] constexpr padding pad(std::size_t all) { return {padding::rule::given, all, all, all, all}; }
+[[nodiscard]] constexpr padding pad(std::size_t top, std::size_t bottom, std::size_t left, std::size_t right) {
+    return {padding::rule::given, top, bottom, left, right};
+}
+
+/// A window that slides over an image: everything that is known about where its taps fall.
+struct sliding_window {
+    shape input;
+    extent kernel;
+    extent stride;
+    std::size_t top = 0, bottom = 0, left = 0, right = 0;
+
+    /// Resolves a padding rule for one input.
+    [[nodiscard]] static constexpr sliding_window over(shape input, extent kernel, extent stride, padding around) {
+        sliding_window w{input, kernel, stride};
+        if (around.how == padding::rule::given) {
+            w.top = around.top, w.bottom = around.bottom, w.left = around.left, w.right = around.right;
+        } else {
+            const std::size_t vertical = missing(input.rows, kernel.rows, stride.rows);
+            const std::size_t horizontal = missing(input.columns, kernel.columns, stride.columns);
+            w.top = vertical / 2, w.bottom = vertical - vertical / 2;
+            w.left = horizontal / 2, w.right = horizontal - horizontal / 2;
+        }
+        return w;
+    }
+
+    /// Whether the padded input holds the window at least once.
+    [[nodiscard]] constexpr bool fits() const {
+        return input.rows + top + bottom >= kernel.rows && input.columns + left + right >= kernel.columns;
+    }
+    [[nodiscard]] constexpr std::size_t output_rows() const {
+        return fits() ? (input.rows + top + bottom - kernel.rows) / stride.rows + 1 : 1;
+    }
+    [[nodiscard]] constexpr std::size_t output_columns() const {
+        return fits() ? (input.columns + left + right - kernel.columns) / stride.columns + 1 : 1;
+    }
+
+    /// Taps of one channel over all outputs that fall on real pixels, not on padding.
+    [[nodiscard]] constexpr std::size_t taps_on_pixels() const {
+        return count(output_rows(), kernel.rows, stride.rows, top, input.rows) *
+               count(output_columns(), kernel.columns, stride.columns, left, input.columns);
+    }
+
+    friend constexpr bool operator==(const sliding_window&, const sliding_window&) = default;
+
+  private:
+    static constexpr std::size_t missing(std::size_t size, std::size_t kernel, std::size_t stride) {
+        const std::size_t outputs = (size + stride - 1) / stride;
+        const std::size_t reach = (outputs - 1) * stride + kernel;
+        return reach > size ? reach - size : 0;
+    }
+    static constexpr std::size_t count(std::size_t outputs, std::size_t kernel, std::size_t stride,
+                                       std::size_t before, std::size_t size) {
+        std::size_t taps = 0;
+        for (std::size_t o = 0; o < outputs; ++o)
+            for (std::size_t k = 0; k < kernel; ++k)
+                taps += o * stride + k >= before && o * stride + k - before < size;
+        return taps;
+    }
+};
+
+} // namespace tactnet
