@@ -135,7 +135,7 @@ template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Chan
             const T* w = weights + ((channel * C.kernel.rows + row_kernel_first + row * C.spacing.rows) * C.kernel.columns +
                                     Columns.first) *
                                        Channels;
-            const auto add_tap = [&](std::size_t tap) [[gnu::always_inline]] {
+            const auto add_tap = [&](std::size_t tap) {
                 std::array<vector<T>, Outputs> x;
                 unroll<Outputs>([&](auto o) { x[o] = load(from + (tap + o * Columns.step) * width); });
                 unroll<Channels>([&](auto c) {
@@ -158,7 +158,7 @@ template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Chan
 
 /// output = bias + correlation of input and weights, for one group. `bias` may be null.
 template <correlation C, class T>
-void correlate(const T* input, const T* packed_weights, const T* bias, T* output) {
+[[gnu::flatten]] void correlate(const T* input, const T* packed_weights, const T* bias, T* output) {
     constexpr std::size_t width = lanes<T>;
     blocked<C.output.channels, block_channels>([&](auto channels, std::size_t first_channel) {
         const T* weights = packed_weights + first_channel * C.input.channels * C.kernel.area();

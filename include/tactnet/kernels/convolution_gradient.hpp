@@ -63,7 +63,7 @@ template <std::size_t Filters, std::size_t Taps, class T>
 
 /// One tile, one input channel, one kernel row: `Filters` filters × `Taps` kernel columns from `first_column` on.
 template <sliding_window W, std::size_t Filters, std::size_t Taps, class T>
-inline void gather_tile(const T* input, const T* gradient, std::size_t begin_row, std::size_t end_row,
+[[gnu::flatten]] inline void gather_tile(const T* input, const T* gradient, std::size_t begin_row, std::size_t end_row,
                         std::size_t kernel_row, std::size_t first_column, double* totals, std::size_t filter_stride) {
     constexpr std::size_t width = lanes<T>, columns = W.output_columns(), plane = W.output_rows() * columns;
     std::array<std::array<vector<T>, Taps>, Filters> sums;

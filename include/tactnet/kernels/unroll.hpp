@@ -15,7 +15,10 @@ using constant = std::integral_constant<std::size_t, N>;
 /// body(constant<0>{}), …, body(constant<Count - 1>{}), written out by the compiler.
 template <std::size_t Count, class Body>
 [[gnu::always_inline]] inline constexpr void unroll(Body&& body) {
-    [&]<std::size_t... I>(std::index_sequence<I...>) { (body(constant<I>{}), ...); }(std::make_index_sequence<Count>{});
+    [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+        (body(constant<I>{}), ...);
+    }
+    (std::make_index_sequence<Count>{});
 }
 
 /// Splits `Total` into blocks of `Block` and one smaller rest: body(constant<size>{}, first), where the size is a

@@ -108,6 +108,12 @@ template <class T>
     return choose<T>((a > b) || (a != a), a, b);
 }
 
+/// Elements in whole vectors that hold `count`.
+template <class T>
+[[nodiscard]] constexpr std::size_t padded_size(std::size_t count) {
+    return (count + lanes<T> - 1) / lanes<T> * lanes<T>;
+}
+
 /// Vector registers that kernels may plan with.
 #if defined(__AVX512F__) || defined(__aarch64__)
 inline constexpr std::size_t vector_registers = 32;

@@ -64,7 +64,7 @@ class basic_network {
     };
 
     /// All zero but for scales and running variances, which are one. See initialise() in training.
-    basic_network() : values_(parameters), statistics_(statistics) {
+    basic_network() : values_(padded_size<T>(parameters)), statistics_(padded_size<T>(statistics)) {
         for_each_parameter([](const parameter& p, std::span<T> values) {
             if (p.what == role::scale || p.what == role::running_variance)
                 std::fill(values.begin(), values.end(), T{1});
@@ -74,14 +74,12 @@ class basic_network {
     /// What batch norms add to a variance.
     double epsilon = 1e-5;
 
-    [[nodiscard]] std::span<T, parameters> learnable_values() { return std::span<T, parameters>(values_); }
-    [[nodiscard]] std::span<const T, parameters> learnable_values() const {
-        return std::span<const T, parameters>(values_);
-    }
-    [[nodiscard]] std::span<T, statistics> running_statistics() { return std::span<T, statistics>(statistics_); }
-    [[nodiscard]] std::span<const T, statistics> running_statistics() const {
-        return std::span<const T, statistics>(statistics_);
-    }
+    /// All learnable parameters, then zeros up to a whole vector.
+    [[nodiscard]] std::span<T> learnable_values() { return values_; }
+    [[nodiscard]] std::span<const T> learnable_values() const { return values_; }
+    /// All running statistics, then zeros up to a whole vector.
+    [[nodiscard]] std::span<T> running_statistics() { return statistics_; }
+    [[nodiscard]] std::span<const T> running_statistics() const { return statistics_; }
 
     /// All arrays in order, with PyTorch's names.
     [[nodiscard]] static std::vector<parameter> describe() {
@@ -117,10 +115,10 @@ class basic_network {
         space.resize(in.samples());
         layers::forward(make_pass(threads, seed, step), values_.data(), statistics_.data(), space.memory_, in, out);
     }
-    /// Gradients of the learnable parameters, after `forward` with the same arguments; `in_gradient` may be a null view.
+    /// Gradients of the learnable parameters (as many as `learnable_values`, or without the zeros behind), after `forward` with the same arguments; `in_gradient` may be a null view.
     void backward(thread_pool& threads, workspace& space, const_input in, const_output out,
                   const_output out_gradient, input_type in_gradient,
-                  std::span<T, parameters> gradients, std::uint64_t seed = 0, std::uint32_t step = 0) const {
+                  std::span<T> gradients, std::uint64_t seed = 0, std::uint32_t step = 0) const {
         layers::backward(make_pass(threads, seed, step), values_.data(), space.memory_, in, out, out_gradient,
                          in_gradient, gradients.data());
     }

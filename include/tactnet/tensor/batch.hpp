@@ -64,6 +64,7 @@ class batch {
     [[nodiscard]] std::size_t samples() const { return samples_; }
     [[nodiscard]] view_type view() { return {elements_.data(), samples_}; }
     [[nodiscard]] const_view_type view() const { return {elements_.data(), samples_}; }
+    [[nodiscard]] const_view_type as_const() const { return view(); }
     operator view_type() { return view(); }
     operator const_view_type() const { return view(); }
 

@@ -1,0 +1,5 @@
+#pragma once
+
+#include <tactnet/image/augmentation.hpp>
+#include <tactnet/image/normalisation.hpp>
+#include <tactnet/image/resize.hpp>

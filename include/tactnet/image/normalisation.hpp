@@ -1,0 +1,45 @@
+#pragma once
+
+#include <tactnet/tensor/tensor.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// How 8-bit counts become a network's input: (count − mean) × scale. The mean is an image, that of the training set
+/// as in the paper; all zero and a scale of 1/255 give plain scaling.
+template <shape Shape>
+struct normalisation {
+    tensor<float, Shape> mean{};
+    float scale = 1;
+
+    /// The mean over images stored one after the other; summed in integers, so that no rounding adds up.
+    [[nodiscard]] static tensor<float, Shape> mean_of(std::span<const std::uint8_t> images,
+                                                      std::span<const std::size_t> chosen) {
+        tensor<float, Shape> result;
+        for (std::size_t e = 0; e < Shape.size() && !chosen.empty(); ++e) {
+            std::uint64_t sum = 0;
+            for (const std::size_t image : chosen)
+                sum += images[image * Shape.size() + e];
+            result.data()[e] = static_cast<float>(static_cast<double>(sum) / static_cast<double>(chosen.size()));
+        }
+        return result;
+    }
+
+    /// Counts as stored, or after an augmentation, in place.
+    void apply(tensor_view<float, Shape> image) const {
+        for (std::size_t e = 0; e < Shape.size(); ++e)
+            image.data()[e] = (image.data()[e] - mean.data()[e]) * scale;
+    }
+    [[nodiscard]] tensor<float, Shape> operator()(std::span<const std::uint8_t, Shape.size()> counts) const {
+        tensor<float, Shape> result;
+        for (std::size_t e = 0; e < Shape.size(); ++e)
+            result.data()[e] = static_cast<float>(counts[e]);
+        apply(result.view());
+        return result;
+    }
+};
+
+} // namespace tactnet

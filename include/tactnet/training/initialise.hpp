@@ -1,0 +1,42 @@
+#pragma once
+
+#include <tactnet/kernels/random.hpp>
+#include <tactnet/layers/layer.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <variant>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Weights from N(0, deviation²), as in the paper.
+struct fixed_normal {
+    double deviation = 0.01;
+};
+/// Weights from N(0, 2 / inputs of one output) (He, Zhang, Ren, Sun, 2015).
+struct he_normal {};
+
+using initialisation = std::variant<fixed_normal, he_normal>;
+
+/// Draws all weights; biases, shifts and running means become zero, scales and running variances one.
+template <class Network>
+void initialise(Network& network, const initialisation& rule, std::uint64_t seed) {
+    std::uint32_t index = 0;
+    network.for_each_parameter([&](const parameter& p, auto values) {
+        using number = typename decltype(values)::value_type;
+        if (p.what != role::weight) {
+            const bool one = p.what == role::scale || p.what == role::running_variance;
+            std::fill(values.begin(), values.end(), number(one ? 1 : 0));
+            return;
+        }
+        const auto* fixed = std::get_if<fixed_normal>(&rule);
+        const double deviation = fixed ? fixed->deviation : std::sqrt(2.0 / static_cast<double>(p.fan_in));
+        random_stream random(seed, draw::initial_weights, index++);
+        for (number& value : values)
+            value = static_cast<number>(deviation * random.normal());
+    });
+}
+
+} // namespace tactnet

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <tactnet/image/augmentation.hpp>
+#include <tactnet/training/initialise.hpp>
+#include <tactnet/training/optimiser.hpp>
+#include <tactnet/training/schedule.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// How counts become the input of the network.
+enum class input_rule {
+    subtract_mean, ///< minus the mean image of the training set, as in the paper
+    scale          ///< divided by 255
+};
+
+/// Where new images come from.
+enum class augmentation_rule {
+    none,
+    each_epoch, ///< every image is drawn anew in every epoch
+    sixfold     ///< every image and five drawn ones, once and for all: the paper's 704 → 4224
+};
+
+/// Everything about a training that is not the data, the split and the network.
+struct recipe {
+    std::string_view name = "default";
+    std::size_t epochs = 160;
+    std::size_t batch = 32; ///< samples a step; 0 is the whole training set
+    double rate = 1e-2;     ///< highest learning rate
+    tactnet::optimiser optimiser = adamw{};
+    tactnet::schedule schedule = one_cycle{};
+    tactnet::initialisation initialisation = he_normal{};
+    input_rule input = input_rule::subtract_mean;
+    augmentation_rule augmentation = augmentation_rule::each_epoch;
+    augmentation_ranges ranges{};
+    double label_smoothing = 0.1;
+    double mixing = 0;           ///< alpha of mixup's beta distribution; 0 is off
+    double averaging = 0;        ///< share of the past in a running average of the parameters; 0 is off
+    double epsilon = 1e-5;       ///< of batch norms
+    std::size_t validate_every = 1; ///< epochs
+    std::size_t patience = 0;    ///< validations without a smaller loss before it stops; 0 never stops
+
+    /// The paper's recipe (section IV-B). What differs between the networks is an argument.
+    [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns, double rate, double drop_period,
+                                          std::size_t patience) {
+        recipe r;
+        r.name = "published";
+        r.epochs = 1000;
+        r.batch = 0;
+        r.rate = rate;
+        r.optimiser = sgd{.momentum = 0.8, .l2 = 1e-4};
+        r.schedule = drop_period > 0 ? schedule_type(step_drop{.period = drop_period, .factor = 0.1}) : constant_rate{};
+        r.initialisation = fixed_normal{0.01};
+        r.ranges = augmentation_ranges::published(rows, columns);
+        r.label_smoothing = 0;
+        r.validate_every = 10;
+        r.patience = patience;
+        return r;
+    }
+
+  private:
+    using schedule_type = tactnet::schedule;
+};
+
+} // namespace tactnet

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <variant>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// The learning rate stays.
+struct constant_rate {};
+
+/// The learning rate is multiplied by `factor` every `period` epochs.
+struct step_drop {
+    double period = 100;
+    double factor = 0.1;
+};
+
+/// The learning rate rises as half a cosine from rate / 25 over the `warm_up` share of all steps, and falls as another
+/// to almost nothing (Smith and Topin, 2018).
+struct one_cycle {
+    double warm_up = 0.25;
+};
+
+using schedule = std::variant<constant_rate, step_drop, one_cycle>;
+
+[[nodiscard]] inline double rate_at(const constant_rate&, double rate, double, double) { return rate; }
+[[nodiscard]] inline double rate_at(const step_drop& rule, double rate, double epoch, double) {
+    return rate * std::pow(rule.factor, std::floor(epoch / rule.period));
+}
+[[nodiscard]] inline double rate_at(const one_cycle& rule, double rate, double epoch, double epochs) {
+    constexpr double start = 1.0 / 25, finish = 1e-6;
+    const auto cosine = [](double from, double to, double share) {
+        return to + (from - to) * (1 + std::cos(std::numbers::pi * share)) / 2;
+    };
+    const double share = epoch / epochs;
+    if (share < rule.warm_up)
+        return rate * cosine(start, 1, share / rule.warm_up);
+    return rate * cosine(1, finish, (share - rule.warm_up) / (1 - rule.warm_up));
+}
+
+/// The rate after `epoch` (with its fraction) of `epochs`, for a highest rate of `rate`.
+[[nodiscard]] inline double rate_at(const schedule& rule, double rate, double epoch, double epochs) {
+    return std::visit([&](const auto& chosen) { return rate_at(chosen, rate, epoch, epochs); }, rule);
+}
+
+} // namespace tactnet

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <tactnet/kernels/random.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Shares of each class: the paper's 32, 8 and 10 of 50. The rest of the rounding goes to training.
+struct split_shares {
+    double validation = 8.0 / 50;
+    double test = 10.0 / 50;
+};
+
+/// Which images are for what.
+struct data_split {
+    std::vector<std::size_t> training, validation, test;
+};
+
+enum class split_rule {
+    random, ///< any image may go anywhere
+    blocked ///< images that follow each other in a class stay together, since neighbours are near-duplicates
+};
+
+/// Divides every class alike. `labels` are in the order of recording within each class. Blocked: around the circle of
+/// a class's images, the test block, then the validation block, the rest for training; where it starts is drawn.
+/// Every part holds at least one image of each class that has three or more.
+[[nodiscard]] inline data_split split_data(std::span<const std::size_t> labels, std::size_t classes, split_rule rule,
+                                           std::uint64_t seed, split_shares shares = {}) {
+    data_split result;
+    for (std::size_t label = 0; label < classes; ++label) {
+        std::vector<std::size_t> members;
+        for (std::size_t i = 0; i < labels.size(); ++i)
+            if (labels[i] == label)
+                members.push_back(i);
+        if (members.empty())
+            continue;
+        random_stream random(seed, draw::split, static_cast<std::uint32_t>(label));
+        if (rule == split_rule::random) {
+            random.shuffle(members);
+        } else {
+            const auto start = random.below(static_cast<std::uint32_t>(members.size()));
+            std::rotate(members.begin(), members.begin() + start, members.end());
+        }
+        const auto part = [&](double share) {
+            const auto n = static_cast<std::size_t>(std::lround(share * static_cast<double>(members.size())));
+            return members.size() >= 3 && share > 0 ? std::max<std::size_t>(n, 1) : n;
+        };
+        const std::size_t test = std::min(part(shares.test), members.size());
+        const std::size_t validation = std::min(part(shares.validation), members.size() - test);
+        const auto middle = members.begin() + static_cast<std::ptrdiff_t>(test);
+        const auto rest = middle + static_cast<std::ptrdiff_t>(validation);
+        result.test.insert(result.test.end(), members.begin(), middle);
+        result.validation.insert(result.validation.end(), middle, rest);
+        result.training.insert(result.training.end(), rest, members.end());
+    }
+    return result;
+}
+
+} // namespace tactnet
