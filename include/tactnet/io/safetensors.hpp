@@ -20,6 +20,7 @@
 #include <limits>
 #include <map>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -119,10 +120,12 @@ public:
             case element_type::uint64:
                 return convert<T, std::uint64_t>(name, cast);
             }
+            throw std::logic_error("tactnet: an element type that does not exist");
+        } else {
+            throw file_error(file_, detail::tensor_place(name),
+                             "element type " + std::string(element_type_name(element_type_of<T>())),
+                             std::string(element_type_name(type)));
         }
-        throw file_error(file_, detail::tensor_place(name),
-                         "element type " + std::string(element_type_name(element_type_of<T>())),
-                         std::string(element_type_name(type)));
     }
 
 private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/convolution.hpp>
+#include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
 #include <array>

@@ -4,6 +4,8 @@
 #include <tactnet/kernels/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
+#include <array>
+
 namespace tactnet::inline TACTNET_ARCH {
 
 /// Fully connected layer with bias. Weights are [output][channel][row][column]: PyTorch's order behind a flatten.
@@ -21,8 +23,8 @@ struct dense {
         static constexpr std::size_t multiply_adds = weights, multiply_adds_on_pixels = weights;
 
         struct memory {
-            aligned_vector<double> totals;
-            aligned_vector<T> part;
+            aligned_vector<T> parts;                          // of every group
+            std::array<aligned_vector<double>, Outputs> row; // of every output
             void resize(std::size_t) {}
         };
 
@@ -48,24 +50,27 @@ struct dense {
 
         static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in, input_view<T, output>,
                              input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
-            m.totals.assign(parameters, 0.0);
-            m.part.resize(weights);
-            // Rows of the weight matrix are shared out; every thread adds the groups in the same order.
-            p.threads.for_each_share(Outputs, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t g = 0; g < in.groups(); ++g) {
-                    const T* dy = out_gradient.group(g) + begin * lanes<T>;
-                    multiply_transposed_right(dy, in.group(g), m.part.data() + begin * inputs, end - begin, lanes<T>,
-                                              inputs);
-                    for (std::size_t i = begin * inputs; i < end * inputs; ++i)
-                        m.totals[i] += static_cast<double>(m.part[i]);
-                    for (std::size_t o = begin; o < end; ++o)
-                        m.totals[weights + o] += sum_terms<1, T>(1, [&](std::size_t) {
-                            return std::array<vector<T>, 1>{load(out_gradient.group(g) + o * lanes<T>)};
-                        })[0];
-                }
+            // One product for each group, always of the same size: its rounding must not depend on the threads.
+            m.parts.resize(in.groups() * weights);
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                multiply_transposed_right(out_gradient.group(g), in.group(g), m.parts.data() + g * weights, Outputs,
+                                          lanes<T>, inputs);
             });
-            for (std::size_t i = 0; i < parameters; ++i)
-                gradients[i] = static_cast<T>(m.totals[i]);
+            p.threads.for_each(Outputs, [&](std::size_t o) {
+                m.row[o].assign(inputs, 0.0);
+                double bias = 0;
+                for (std::size_t g = 0; g < in.groups(); ++g) {
+                    const T* part = m.parts.data() + g * weights + o * inputs;
+                    for (std::size_t i = 0; i < inputs; ++i)
+                        m.row[o][i] += static_cast<double>(part[i]);
+                    bias += sum_terms<1, T>(1, [&](std::size_t) {
+                        return std::array<vector<T>, 1>{load(out_gradient.group(g) + o * lanes<T>)};
+                    })[0];
+                }
+                for (std::size_t i = 0; i < inputs; ++i)
+                    gradients[o * inputs + i] = static_cast<T>(m.row[o][i]);
+                gradients[weights + o] = static_cast<T>(bias);
+            });
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(in.groups(), [&](std::size_t g) {

@@ -28,7 +28,7 @@ enum class augmentation_rule {
 struct recipe {
     std::string_view name = "default";
     std::size_t epochs = 160;
-    std::size_t batch = 32; ///< samples a step; 0 is the whole training set
+    std::size_t batch = 32; ///< samples a step; 0 is as many as there are training images
     double rate = 1e-2;     ///< highest learning rate
     tactnet::optimiser optimiser = adamw{};
     tactnet::schedule schedule = one_cycle{};

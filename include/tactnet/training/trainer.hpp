@@ -74,7 +74,7 @@ class trainer {
     /// Trains for one epoch, and validates when due. Throws training_diverged.
     const epoch_report& run_epoch() {
         const std::size_t epoch = history_.size(), count = images_per_epoch();
-        const std::size_t batch = how_.batch == 0 ? count : std::min(how_.batch, count);
+        const std::size_t batch = how_.batch == 0 ? split_.training.size() : std::min(how_.batch, count);
         const std::size_t steps = (count + batch - 1) / batch;
         std::vector<std::size_t> order(count);
         std::iota(order.begin(), order.end(), std::size_t{0});

@@ -1,0 +1,33 @@
+# How the project's own programs are built: warnings, this machine's instruction set. None of it reaches a user of
+# tactnet::tactnet.
+
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug, RelWithDebInfo or MinSizeRel" FORCE)
+endif()
+
+add_library(tactnet_warnings INTERFACE)
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+    target_compile_options(tactnet_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+    # GCC 12 warns of overlapping copies inside std::string where there are none (its bug 105329).
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+        target_compile_options(tactnet_warnings INTERFACE -Wno-restrict)
+    endif()
+    if(TACTNET_WARNINGS_AS_ERRORS)
+        target_compile_options(tactnet_warnings INTERFACE -Werror)
+    endif()
+endif()
+
+add_library(tactnet_native INTERFACE)
+if(TACTNET_NATIVE)
+    include(CheckCXXCompilerFlag)
+    check_cxx_compiler_flag(-march=native TACTNET_HAS_MARCH_NATIVE)
+    if(TACTNET_HAS_MARCH_NATIVE)
+        target_compile_options(tactnet_native INTERFACE -march=native)
+    endif()
+endif()
+
+# tactnet_use(target): what every one of the project's own programs links.
+function(tactnet_use target)
+    target_link_libraries(${target} PRIVATE tactnet::tactnet tactnet_warnings tactnet_native)
+    set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+endfunction()

@@ -1,0 +1,28 @@
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(tactnet_package_folder "${CMAKE_INSTALL_DATADIR}/cmake/tactnet")
+
+target_include_directories(tactnet INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+install(TARGETS tactnet EXPORT tactnetTargets)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.hpp")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(EXPORT tactnetTargets NAMESPACE tactnet:: DESTINATION "${tactnet_package_folder}")
+
+configure_package_config_file(
+    "${PROJECT_SOURCE_DIR}/cmake/tactnetConfig.cmake.in"
+    "${PROJECT_BINARY_DIR}/tactnetConfig.cmake"
+    INSTALL_DESTINATION "${tactnet_package_folder}"
+    NO_SET_AND_CHECK_MACRO
+)
+# Before 1.0 a new minor version may change the interface.
+write_basic_package_version_file(
+    "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake" COMPATIBILITY SameMinorVersion ARCH_INDEPENDENT
+)
+install(
+    FILES
+        "${PROJECT_BINARY_DIR}/tactnetConfig.cmake"
+        "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake"
+        "${PROJECT_SOURCE_DIR}/cmake/tactnet_dependencies.cmake"
+    DESTINATION "${tactnet_package_folder}"
+)

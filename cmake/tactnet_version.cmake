@@ -1,0 +1,12 @@
+# Reads the version from the header, its only source.
+function(tactnet_read_version header result)
+    file(READ "${header}" text)
+    foreach(part IN ITEMS MAJOR MINOR PATCH)
+        if(NOT text MATCHES "#define TACTNET_VERSION_${part} ([0-9]+)")
+            message(FATAL_ERROR "${header} does not define TACTNET_VERSION_${part}.")
+        endif()
+        list(APPEND parts "${CMAKE_MATCH_1}")
+    endforeach()
+    list(JOIN parts "." version)
+    set(${result} "${version}" PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,55 @@
+"""Conan 2 recipe: headers only, packaged from this checkout with `conan create .`"""
+
+import os
+import re
+
+from conan import ConanFile
+from conan.tools.build import check_min_cppstd
+from conan.tools.files import copy, load
+
+required_conan_version = ">=2.0"
+
+
+class TactnetConan(ConanFile):
+    name = "tactnet"
+    description = "Recognises touched objects from the pressure images of tactile arrays"
+    license = "MIT"
+    topics = ("tactile-sensing", "neural-networks", "header-only")
+    package_type = "header-library"
+    settings = "os", "arch", "compiler", "build_type"
+    options = {"simd": [True, False]}
+    default_options = {"simd": True}
+    exports_sources = "include/*", "LICENSE"
+    no_copy_source = True
+
+    def set_version(self):
+        header = load(self, os.path.join(self.recipe_folder, "include", "tactnet", "version.hpp"))
+        parts = [re.search(rf"#define TACTNET_VERSION_{part} (\d+)", header) for part in ("MAJOR", "MINOR", "PATCH")]
+        self.version = ".".join(part.group(1) for part in parts)
+
+    def requirements(self):
+        # The versions that the library is tested with.
+        self.requires("eigen/3.4.0", transitive_headers=True)
+        if self.options.simd:
+            self.requires("xsimd/8.1.0", transitive_headers=True)
+
+    def validate(self):
+        check_min_cppstd(self, 20)
+
+    def package(self):
+        copy(self, "LICENSE", self.source_folder, os.path.join(self.package_folder, "licenses"))
+        copy(self, "*.hpp", os.path.join(self.source_folder, "include"), os.path.join(self.package_folder, "include"))
+
+    def package_id(self):
+        # The headers are the same whatever the settings and options.
+        self.info.clear()
+
+    def package_info(self):
+        self.cpp_info.bindirs = []
+        self.cpp_info.libdirs = []
+        self.cpp_info.set_property("cmake_file_name", "tactnet")
+        self.cpp_info.set_property("cmake_target_name", "tactnet::tactnet")
+        if not self.options.simd:
+            self.cpp_info.defines = ["TACTNET_NO_SIMD"]
+        if self.settings.os in ("Linux", "FreeBSD"):
+            self.cpp_info.system_libs = ["pthread"]

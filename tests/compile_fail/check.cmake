@@ -1,0 +1,77 @@
+# One case: a source file that must not compile. Its first lines say what the compiler must print:
+#
+#   // expect: a regular expression, in CMake's dialect (no \d, no {n}), found somewhere in the output
+#   // expect: another; all must be found
+#   // at-most: 1          errors, so that the sentence is not buried under others (optional)
+#
+# cmake -DCOMPILER=... -DSOURCE=... -DINCLUDES=a|b -DDEFINITIONS=a|b -DOPTIONS=a|b -P check.cmake
+cmake_minimum_required(VERSION 3.22)
+
+# The leading spaces keep CMake from breaking the lines.
+function(fail text)
+    message(FATAL_ERROR "  ${SOURCE}: ${text}")
+endfunction()
+
+file(READ "${SOURCE}" rest)
+set(patterns 0)
+set(at_most "")
+while(rest MATCHES "^// *(expect|at-most): *([^\n]*)\n")
+    set(key "${CMAKE_MATCH_1}")
+    set(value "${CMAKE_MATCH_2}")
+    string(LENGTH "${CMAKE_MATCH_0}" length)
+    string(SUBSTRING "${rest}" ${length} -1 rest)
+    if(key STREQUAL "expect")
+        math(EXPR patterns "${patterns} + 1")
+        set(pattern_${patterns} "${value}")
+    else()
+        set(at_most "${value}")
+    endif()
+endwhile()
+if(patterns EQUAL 0)
+    fail("says nothing of what is expected: its first line must be '// expect: ...'.")
+endif()
+
+set(arguments -std=c++20 -fsyntax-only)
+foreach(kind IN ITEMS INCLUDES DEFINITIONS OPTIONS)
+    string(REPLACE "|" ";" ${kind} "${${kind}}")
+endforeach()
+list(APPEND arguments ${OPTIONS})
+foreach(folder IN LISTS INCLUDES)
+    if(folder)
+        list(APPEND arguments "-I${folder}")
+    endif()
+endforeach()
+foreach(definition IN LISTS DEFINITIONS)
+    if(definition)
+        list(APPEND arguments "-D${definition}")
+    endif()
+endforeach()
+
+set(ENV{LC_ALL} C) # quotation marks and words as they are written in the cases
+execute_process(
+    COMMAND "${COMPILER}" ${arguments} "${SOURCE}"
+    RESULT_VARIABLE status
+    OUTPUT_VARIABLE output
+    ERROR_VARIABLE output
+)
+
+if(status EQUAL 0)
+    fail("it compiles, but must not.")
+endif()
+# A missing header stops the compiler before it has seen anything of the case.
+if(NOT status EQUAL 1 OR output MATCHES "fatal error:")
+    fail("the compiler could not do its work (${status}):\n${output}")
+endif()
+foreach(index RANGE 1 ${patterns})
+    if(NOT output MATCHES "${pattern_${index}}")
+        fail("expected the compiler to say\n  ${pattern_${index}}\nfound\n${output}")
+    endif()
+endforeach()
+if(NOT at_most STREQUAL "")
+    string(REGEX MATCHALL " error: " errors "${output}")
+    list(LENGTH errors count)
+    if(count GREATER at_most)
+        fail("expected at most ${at_most} error, found ${count}:\n${output}")
+    endif()
+endif()
+message("${output}")

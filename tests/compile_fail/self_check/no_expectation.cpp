@@ -1,0 +1,3 @@
+int main() {
+    static_assert(false, "a case that does not say what it expects");
+}

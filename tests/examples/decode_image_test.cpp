@@ -1,0 +1,310 @@
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/image_folder.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <decode_image.hpp>
+#include <filesystem>
+#include <functional>
+#include <jpeglib.h>
+#include <png.h>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <support/data_folder.hpp>
+#include <support/temporary_folder.hpp>
+#include <vector>
+
+using tactnet::file_error;
+
+namespace {
+
+using samples = std::vector<std::uint8_t>;
+
+/// Smooth enough that a JPEG of the best quality keeps it within two grey levels.
+samples gradient(std::size_t rows, std::size_t columns) {
+    samples pixels;
+    for (std::size_t row = 0; row < rows; ++row)
+        for (std::size_t column = 0; column < columns; ++column)
+            pixels.push_back(static_cast<std::uint8_t>(20 + 3 * row + 2 * column));
+    return pixels;
+}
+
+/// Each value `times` times in a row, as grey written in colour.
+samples repeated(const samples& values, std::size_t times) {
+    samples result;
+    for (const std::uint8_t value : values)
+        result.insert(result.end(), times, value);
+    return result;
+}
+
+samples make_jpeg(std::size_t rows, std::size_t columns, J_COLOR_SPACE space, int channels,
+                  const samples& values, bool progressive = false) {
+    jpeg_compress_struct info{};
+    jpeg_error_mgr errors{};
+    info.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&info);
+    unsigned char* target = nullptr;
+    unsigned long size = 0;
+    jpeg_mem_dest(&info, &target, &size);
+    info.image_width = static_cast<JDIMENSION>(columns);
+    info.image_height = static_cast<JDIMENSION>(rows);
+    info.input_components = channels;
+    info.in_color_space = space;
+    jpeg_set_defaults(&info);
+    jpeg_set_quality(&info, 100, TRUE);
+    if (progressive)
+        jpeg_simple_progression(&info);
+    jpeg_start_compress(&info, TRUE);
+    samples copy = values;
+    while (info.next_scanline < info.image_height) {
+        JSAMPROW row = copy.data() + info.next_scanline * columns * static_cast<std::size_t>(channels);
+        jpeg_write_scanlines(&info, &row, 1);
+    }
+    jpeg_finish_compress(&info);
+    samples file(target, target + size);
+    jpeg_destroy_compress(&info);
+    std::free(target);
+    return file;
+}
+
+samples make_png(std::size_t rows, std::size_t columns, int depth, int colour, const samples& packed,
+                 const std::function<void(png_structp, png_infop)>& adjust = {},
+                 int interlace = PNG_INTERLACE_NONE) {
+    samples file;
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png_create_info_struct(png);
+    png_set_write_fn(
+        png, &file,
+        [](png_structp to, png_bytep data, std::size_t size) {
+            auto& out = *static_cast<samples*>(png_get_io_ptr(to));
+            out.insert(out.end(), data, data + size);
+        },
+        [](png_structp) {});
+    png_set_IHDR(png, info, static_cast<png_uint_32>(columns), static_cast<png_uint_32>(rows), depth, colour,
+                 interlace, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (adjust)
+        adjust(png, info);
+    samples copy = packed;
+    std::vector<png_bytep> lines;
+    for (std::size_t row = 0; row < rows; ++row)
+        lines.push_back(copy.data() + row * packed.size() / rows);
+    png_write_info(png, info);
+    png_write_image(png, lines.data());
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    return file;
+}
+
+class decoder {
+public:
+    tactnet::grey_image operator()(const samples& file) {
+        tactnet::write_file(path_, std::as_bytes(std::span(file)));
+        return decode_image(path_);
+    }
+
+    /// The sentence behind the file's name, or "no error".
+    std::string error(const samples& file) {
+        try {
+            (*this)(file);
+        } catch (const file_error& error) {
+            CHECK(error.file() == path_.string());
+            return std::string(error.what()).substr(path_.string().size() + 2);
+        }
+        return "no error";
+    }
+
+private:
+    support::temporary_folder folder_;
+    // A wrong ending on purpose: the content decides.
+    std::filesystem::path path_ = folder_ / "image.txt";
+};
+
+void check_close(const tactnet::grey_image& image, std::size_t rows, std::size_t columns,
+                 const samples& pixels) {
+    CHECK(image.rows == rows);
+    CHECK(image.columns == columns);
+    REQUIRE(image.pixels.size() == pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+        CHECK(std::abs(int{image.pixels[i]} - int{pixels[i]}) <= 2);
+}
+
+void check_equal(const tactnet::grey_image& image, std::size_t rows, std::size_t columns,
+                 const samples& pixels) {
+    CHECK(image.rows == rows);
+    CHECK(image.columns == columns);
+    CHECK(image.pixels == pixels);
+}
+
+} // namespace
+
+TEST_SUITE("examples/decode_image") {
+    TEST_CASE("JPEG: grey, grey in colour, progressive") {
+        decoder decode;
+        const samples pixels = gradient(28, 50);
+        check_close(decode(make_jpeg(28, 50, JCS_GRAYSCALE, 1, pixels)), 28, 50, pixels);
+        check_close(decode(make_jpeg(28, 50, JCS_GRAYSCALE, 1, pixels, true)), 28, 50, pixels);
+        check_close(decode(make_jpeg(28, 50, JCS_RGB, 3, repeated(pixels, 3))), 28, 50, pixels);
+        check_close(decode(make_jpeg(1, 1, JCS_GRAYSCALE, 1, {9})), 1, 1, {9});
+    }
+
+    TEST_CASE("JPEG: what is not a grey image") {
+        decoder decode;
+        samples colours = repeated(gradient(8, 8), 3);
+        for (std::size_t i = 0; i < colours.size(); i += 3)
+            colours[i] = 200;
+        CHECK(decode.error(make_jpeg(8, 8, JCS_RGB, 3, colours)).find("expected a grey image, found red ") !=
+              std::string::npos);
+        CHECK(decode.error(make_jpeg(8, 8, JCS_CMYK, 4, repeated(gradient(8, 8), 4))) ==
+              "JPEG data: expected one grey channel, or red, green and blue, found 4 channels");
+        CHECK(decode.error(make_jpeg(1, 8193, JCS_GRAYSCALE, 1, samples(8193))) ==
+              "JPEG data: expected 1 to 8192 rows and as many columns, found 1 rows and 8193 columns");
+    }
+
+    TEST_CASE("JPEG: a file cut short anywhere is an error") {
+        decoder decode;
+        for (const bool progressive : {false, true}) {
+            const samples file = make_jpeg(28, 50, JCS_GRAYSCALE, 1, gradient(28, 50), progressive);
+            CHECK(decode.error(file) == "no error");
+            for (std::size_t size = 0; size < file.size(); ++size)
+                CHECK(decode.error({file.begin(), file.begin() + static_cast<std::ptrdiff_t>(size)}) !=
+                      "no error");
+        }
+    }
+
+    TEST_CASE("JPEG: guesses of the decoder are errors") {
+        decoder decode;
+        samples file = make_jpeg(28, 50, JCS_GRAYSCALE, 1, gradient(28, 50));
+        // A marker in the middle of the pixels: libjpeg would fill up the rest with grey.
+        file[file.size() - 40] = 0xFF;
+        file[file.size() - 39] = 0xD9;
+        CHECK(
+            decode.error(file).starts_with("JPEG data: expected an intact image, found 'Corrupt JPEG data"));
+    }
+
+    TEST_CASE("JPEG and PNG: any single damaged byte is an image or an error") {
+        decoder decode;
+        for (const samples& file : {make_jpeg(9, 10, JCS_GRAYSCALE, 1, gradient(9, 10), true),
+                                    make_png(9, 10, 8, PNG_COLOR_TYPE_GRAY, gradient(9, 10))})
+            for (std::size_t at = 0; at < file.size(); ++at)
+                for (const unsigned mask : {0x01U, 0x80U, 0xFFU}) {
+                    samples damaged = file;
+                    damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ mask);
+                    CHECK_NOTHROW(static_cast<void>(decode.error(damaged)));
+                }
+    }
+
+    TEST_CASE("PNG: every way to write 8-bit greys gives the very values") {
+        decoder decode;
+        const samples pixels = gradient(28, 50);
+        check_equal(decode(make_png(28, 50, 8, PNG_COLOR_TYPE_GRAY, pixels)), 28, 50, pixels);
+        check_equal(decode(make_png(28, 50, 8, PNG_COLOR_TYPE_GRAY, pixels, {}, PNG_INTERLACE_ADAM7)), 28, 50,
+                    pixels);
+        check_equal(decode(make_png(28, 50, 8, PNG_COLOR_TYPE_RGB, repeated(pixels, 3))), 28, 50, pixels);
+        const auto with_gamma = [](png_structp png, png_infop info) { png_set_gAMA(png, info, 1.0); };
+        check_equal(decode(make_png(28, 50, 8, PNG_COLOR_TYPE_GRAY, pixels, with_gamma)), 28, 50, pixels);
+
+        samples grey_alpha, colour_alpha;
+        for (const std::uint8_t pixel : pixels) {
+            grey_alpha.insert(grey_alpha.end(), {pixel, 255});
+            colour_alpha.insert(colour_alpha.end(), {pixel, pixel, pixel, 255});
+        }
+        check_equal(decode(make_png(28, 50, 8, PNG_COLOR_TYPE_GRAY_ALPHA, grey_alpha)), 28, 50, pixels);
+        check_equal(decode(make_png(28, 50, 8, PNG_COLOR_TYPE_RGB_ALPHA, colour_alpha)), 28, 50, pixels);
+
+        // Few bits stand for evenly spaced greys.
+        check_equal(decode(make_png(1, 8, 1, PNG_COLOR_TYPE_GRAY, {0b01100101})), 1, 8,
+                    {0, 255, 255, 0, 0, 255, 0, 255});
+        check_equal(decode(make_png(1, 4, 2, PNG_COLOR_TYPE_GRAY, {0b00011011})), 1, 4, {0, 85, 170, 255});
+        check_equal(decode(make_png(1, 2, 4, PNG_COLOR_TYPE_GRAY, {0x3F})), 1, 2, {51, 255});
+
+        const auto grey_palette = [](png_structp png, png_infop info) {
+            const png_color colours[] = {{7, 7, 7}, {200, 200, 200}, {1, 2, 3}};
+            png_set_PLTE(png, info, colours, 3);
+        };
+        check_equal(decode(make_png(1, 3, 8, PNG_COLOR_TYPE_PALETTE, {1, 0, 1}, grey_palette)), 1, 3,
+                    {200, 7, 200});
+        CHECK(decode.error(make_png(1, 3, 8, PNG_COLOR_TYPE_PALETTE, {1, 0, 2}, grey_palette)) ==
+              "pixel in row 0, column 2: expected a grey image, found red 1, green 2, blue 3");
+    }
+
+    TEST_CASE("PNG: what is not an opaque image of 8-bit greys") {
+        decoder decode;
+        CHECK(decode.error(make_png(2, 2, 16, PNG_COLOR_TYPE_GRAY, samples(8))) ==
+              "PNG data: expected 8 bits per channel, found 16");
+        CHECK(decode.error(make_png(2, 2, 16, PNG_COLOR_TYPE_RGB, samples(24))) ==
+              "PNG data: expected 8 bits per channel, found 16");
+        CHECK(decode.error(make_png(2, 2, 8, PNG_COLOR_TYPE_RGB, {1, 1, 1, 2, 2, 2, 3, 4, 3, 5, 5, 5})) ==
+              "pixel in row 1, column 0: expected a grey image, found red 3, green 4, blue 3");
+        CHECK(decode.error(make_png(1, 2, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {9, 255, 9, 254})) ==
+              "pixel in row 0, column 1: expected an opaque image, found alpha 254 of 255");
+        const auto transparent = [](png_structp png, png_infop info) {
+            png_color_16 colour{};
+            colour.gray = 9;
+            png_set_tRNS(png, info, nullptr, 0, &colour);
+        };
+        CHECK(decode.error(make_png(1, 2, 8, PNG_COLOR_TYPE_GRAY, {8, 8}, transparent)) == "no error");
+        CHECK(decode.error(make_png(1, 2, 8, PNG_COLOR_TYPE_GRAY, {8, 9}, transparent)) ==
+              "pixel in row 0, column 1: expected an opaque image, found alpha 0 of 255");
+        CHECK(decode.error(make_png(8193, 1, 8, PNG_COLOR_TYPE_GRAY, samples(8193))) ==
+              "PNG data: expected 1 to 8192 rows and as many columns, found 8193 rows and 1 columns");
+    }
+
+    TEST_CASE("PNG: a file cut short or changed anywhere is an error") {
+        decoder decode;
+        const samples file = make_png(28, 50, 8, PNG_COLOR_TYPE_GRAY, gradient(28, 50));
+        CHECK(decode.error(file) == "no error");
+        for (std::size_t at = 0; at < file.size(); ++at) {
+            CAPTURE(at);
+            CHECK(decode.error({file.begin(), file.begin() + static_cast<std::ptrdiff_t>(at)}) != "no error");
+            samples damaged = file;
+            damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ 0x10);
+            CHECK(decode.error(damaged) != "no error");
+        }
+        CHECK(decode.error({file.begin(), file.end() - 1}) ==
+              "PNG data: expected an intact image, found 'the file ends too early'");
+    }
+
+    TEST_CASE("what is no image") {
+        decoder decode;
+        CHECK(decode.error({}) == "expected a JPEG or PNG image, found an empty file");
+        CHECK(decode.error({'G', 'I', 'F', '8', '9', 'a', 1, 2, 3}) ==
+              "expected a JPEG or PNG image, found a file that begins with 'GIF89a\\x01\\x02'");
+        CHECK(decode.error({0xFF}) == "expected a JPEG or PNG image, found a file that begins with '\\xff'");
+        const support::temporary_folder folder;
+        CHECK_THROWS_AS(decode_image(folder.path()), file_error);
+        CHECK_THROWS_AS(decode_image(folder / "missing.png"), file_error);
+    }
+
+    TEST_CASE("grey values written as PNG are read again") {
+        const support::temporary_folder folder;
+        samples all(256);
+        for (std::size_t i = 0; i < all.size(); ++i)
+            all[i] = static_cast<std::uint8_t>(i);
+        write_png(folder / "all.png", 8, 32, all);
+        check_equal(decode_image(folder / "all.png"), 8, 32, all);
+        CHECK_THROWS_AS(write_png(folder / "x.png", 8, 31, all), std::invalid_argument);
+        CHECK_THROWS_AS(write_png(folder / "x.png", 0, 0, {}), std::invalid_argument);
+        CHECK_THROWS_AS(write_png(folder / "missing" / "x.png", 8, 32, all), file_error);
+        CHECK_FALSE(std::filesystem::exists(folder / "x.png"));
+    }
+
+    TEST_CASE("the real recordings") {
+        const auto root = support::find_data("tactile_images");
+        if (!root)
+            return;
+        const auto set = tactnet::load_images(tactnet::list_image_folder(*root), 28, 50, decode_image);
+        CHECK(set.size() == 1100);
+        CHECK(set.pixels.size() == std::size_t{1100} * 28 * 50);
+        // Some tactels are pressed and some are not.
+        CHECK(std::ranges::count(set.pixels, 0) > 100'000);
+        CHECK(std::ranges::count_if(set.pixels, [](std::uint8_t value) { return value > 100; }) > 10'000);
+    }
+}

@@ -1,0 +1,130 @@
+// Any bytes as a safetensors file: they are read, or refused with a file_error, and nothing else happens.
+// What was read can be written, and reads as the same again.
+
+#include "fuzz_target.hpp"
+
+#include <tactnet/io/safetensors.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using tactnet::element_type;
+using tactnet::safetensors;
+
+void require(bool holds) {
+    if (!holds)
+        std::abort();
+}
+
+template <class T>
+void read_as(const safetensors& file, const std::string& name, std::size_t elements) {
+    try {
+        require(file.values<T>(name).size() == elements);
+    } catch (const tactnet::file_error&) {
+        // Another element type, or a number too large.
+    }
+}
+
+void check(std::vector<std::byte> bytes) {
+    try {
+        const auto file = safetensors::parse(std::move(bytes), "input");
+        tactnet::safetensors_writer writer;
+        writer.metadata = file.metadata();
+        for (const auto& [name, entry] : file.tensors()) {
+            const std::span<const std::byte> stored = file.bytes(name);
+            const std::size_t elements = stored.size() / tactnet::element_size(entry.type);
+            read_as<float>(file, name, elements);
+            read_as<double>(file, name, elements);
+            read_as<std::uint8_t>(file, name, elements);
+            read_as<std::int64_t>(file, name, elements);
+            writer.add(name, entry.type, entry.extents, stored);
+        }
+        const auto again = safetensors::parse(writer.to_bytes(), "again");
+        require(again.metadata() == file.metadata());
+        require(again.tensors().size() == file.tensors().size());
+        for (const auto& [name, entry] : file.tensors()) {
+            require(again.at(name).type == entry.type);
+            require(again.at(name).extents == entry.extents);
+            require(std::ranges::equal(again.bytes(name), file.bytes(name)));
+        }
+        require(!file.contains("no such tensor") || again.contains("no such tensor"));
+    } catch (const tactnet::file_error& error) {
+        require(error.file() == "input" && !error.expected().empty() && !error.found().empty());
+        require(!std::string_view(error.what()).empty());
+    }
+}
+
+std::vector<std::uint8_t> as_input(const std::vector<std::byte>& bytes) {
+    std::vector<std::uint8_t> input(bytes.size());
+    std::memcpy(input.data(), bytes.data(), bytes.size());
+    return input;
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const auto input = std::as_bytes(std::span(data, size));
+    check({input.begin(), input.end()});
+
+    // Once more with what stands before the first byte 0xFF, which is never part of text, as the header and
+    // the rest as the data: so the length in front, which few mutations get right, is out of the way.
+    const std::size_t header =
+        static_cast<std::size_t>(std::find(data, data + size, std::uint8_t{0xFF}) - data);
+    const std::uint64_t length = header;
+    std::vector<std::byte> framed(sizeof(length));
+    std::memcpy(framed.data(), &length, sizeof(length));
+    framed.insert(framed.end(), input.begin(), input.begin() + static_cast<std::ptrdiff_t>(header));
+    if (header < size)
+        framed.insert(framed.end(), input.begin() + static_cast<std::ptrdiff_t>(header) + 1, input.end());
+    check(std::move(framed));
+    return 0;
+}
+
+std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
+    std::vector<std::vector<std::uint8_t>> seeds;
+    const auto add = [&](const tactnet::safetensors_writer& writer) {
+        const auto bytes = writer.to_bytes();
+        seeds.push_back(as_input(bytes));
+        // And in the second form.
+        std::uint64_t length = 0;
+        std::memcpy(&length, bytes.data(), sizeof(length));
+        auto framed = as_input({bytes.begin() + 8, bytes.end()});
+        framed.insert(framed.begin() + static_cast<std::ptrdiff_t>(length), 0xFF);
+        seeds.push_back(std::move(framed));
+    };
+    tactnet::safetensors_writer empty;
+    add(empty);
+
+    tactnet::safetensors_writer network;
+    network.metadata["format"] = "pt";
+    network.metadata["escapes \" \\ \n"] = "\xC3\xA9\xF0\x9F\x98\x80";
+    network.add("conv1.weight", {2, 1, 2, 2}, std::vector<float>{1, -2, 3, 0.5F, 0, 1e-40F, -0.0F, 7});
+    network.add("conv1.bias", {2}, std::vector<float>{0.25F, 1e30F});
+    network.add("bn1.num_batches_tracked", {}, std::vector<std::int64_t>{17});
+    network.add("empty", {0, 3}, std::vector<double>{});
+    add(network);
+
+    tactnet::safetensors_writer types;
+    constexpr std::array<std::byte, 8> some{std::byte{1}, std::byte{0}, std::byte{60}, std::byte{128}};
+    for (const auto& row : tactnet::detail::element_type_table)
+        types.add(std::string(row.name), row.type, {8 / row.size}, some);
+    add(types);
+
+    const std::string by_hand = R"( {"a":{"x":[1.5e-3,{"y":[true,false,null]}],"dtype":"U8","shape":[1,2],)"
+                                R"("data_offsets":[0,2]},"\u00e9\ud83d\ude00":{"shape":[],"dtype":"I8",)"
+                                R"("data_offsets":[2,3]}})"
+                                "\xFF\1\2\3";
+    seeds.emplace_back(by_hand.begin() + 1, by_hand.end());
+    return seeds;
+}

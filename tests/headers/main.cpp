@@ -1,0 +1,12 @@
+// That this program links is the test: a function defined in a header without inline would be there twice.
+
+#include "units.hpp"
+
+#include <cstdio>
+#include <every_header.hpp>
+
+int main() {
+    std::printf("%s, %s, %s\n", arch_of_first().data(), arch_of_second().data(), arch_of_scalar().data());
+    const bool right = arch_of_first() == arch_of_second() && arch_of_scalar() == "scalar";
+    return right ? 0 : 1;
+}

@@ -1,0 +1,88 @@
+# Checks that the arrows between the library's rooms point one way.
+#
+# cmake -DROOT=<folder that holds tactnet/> -P check.cmake
+cmake_minimum_required(VERSION 3.22)
+
+# What each room may include, apart from itself, detail and the version.
+set(room_detail "")
+set(room_version "")
+set(room_tensor "")
+set(room_kernels tensor)
+set(room_layers kernels tensor)
+set(room_networks layers kernels tensor)
+set(room_deployment networks layers kernels tensor)
+set(room_training networks layers kernels tensor)
+set(room_image kernels tensor)
+set(room_svm kernels tensor)
+set(room_features kernels tensor)
+set(room_io kernels tensor) # io/parameters.hpp takes a network as a template argument and includes none
+set(room_sensors image io kernels tensor)
+set(room_simulation image io kernels tensor)
+set(room_forward tensor)
+# The core umbrella: a user of inference never pays for training.
+set(room_tactnet forward tensor layers networks deployment)
+
+# What only kernels/ may know.
+set(kernel_headers "^(Eigen|unsupported|xsimd)/|^(immintrin|x86intrin|arm_neon|arm_sve)\\.h$")
+# What the standard library leaves to the system: files that are safe on disk, an interrupt from the keyboard.
+set(system_headers "^(unistd|fcntl|io|windows)\\.h$|^sys/[a-z]+\\.h$")
+
+set(problems "")
+macro(problem text)
+    string(APPEND problems "  ${text}\n")
+endmacro()
+
+file(GLOB_RECURSE headers RELATIVE "${ROOT}/tactnet" "${ROOT}/tactnet/*")
+if(NOT headers)
+    message(FATAL_ERROR "There are no headers in ${ROOT}/tactnet.")
+endif()
+list(SORT headers)
+
+foreach(header IN LISTS headers)
+    # A room is a folder; an umbrella <room>.hpp beside the folders belongs to the room.
+    string(REGEX REPLACE "/.*|\\.hpp$" "" room "${header}")
+    if(NOT DEFINED room_${room})
+        problem("${header}: there is no room '${room}'; give it its place in tests/layering/check.cmake")
+        continue()
+    endif()
+
+    file(READ "${ROOT}/tactnet/${header}" text)
+    if(NOT text MATCHES "(^|\n)#pragma once\n")
+        problem("${header}: has no '#pragma once'")
+    endif()
+    # Brackets and semicolons mean something to CMake's lists, not here.
+    string(REGEX REPLACE "[][;]" " " text "${text}")
+    string(REPLACE "\n" ";" lines "${text}")
+    set(number 0)
+    foreach(line IN LISTS lines)
+        math(EXPR number "${number} + 1")
+        set(place "${header}:${number}")
+        if(line MATCHES "^ *namespace tactnet" AND NOT line MATCHES "^ *namespace tactnet::inline TACTNET_ARCH")
+            problem("${place}: opens namespace tactnet without ::inline TACTNET_ARCH")
+        elseif(line MATCHES "^ *# *include +\"")
+            problem("${place}: public headers include by angle brackets, found ${line}")
+        elseif(line MATCHES "^ *# *include +<([^>]*)>")
+            set(included "${CMAKE_MATCH_1}")
+            if(included MATCHES "^tactnet/(.*)$")
+                string(REGEX REPLACE "/.*|\\.hpp$" "" target "${CMAKE_MATCH_1}")
+                if(NOT DEFINED room_${target})
+                    problem("${place}: <${included}> is in no room")
+                elseif(NOT target IN_LIST room_${room} AND NOT target MATCHES "^(${room}|detail|version)$")
+                    problem("${place}: room '${room}' may not include <${included}>")
+                endif()
+            elseif(included MATCHES "${kernel_headers}")
+                if(NOT room STREQUAL "kernels")
+                    problem("${place}: only kernels/ may include <${included}>")
+                endif()
+            elseif(included MATCHES "[./]" AND NOT included MATCHES "${system_headers}")
+                problem("${place}: <${included}> is neither the library's nor the standard's, nor Eigen or xsimd")
+            endif()
+        endif()
+    endforeach()
+endforeach()
+
+if(problems)
+    message(FATAL_ERROR "The arrows between the rooms point one way (see CONTRIBUTING.md):\n${problems}")
+endif()
+list(LENGTH headers count)
+message("${count} headers, every include points the right way")

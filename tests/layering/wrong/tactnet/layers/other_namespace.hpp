@@ -1,0 +1,6 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+namespace tactnet {
+int other();
+}

@@ -1,0 +1,1 @@
+#include <tactnet/detail/config.hpp>

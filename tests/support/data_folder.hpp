@@ -1,0 +1,30 @@
+#pragma once
+
+// Recordings that do not belong to the project: the folder TACTNET_DATA, else ../shared/data beside the
+// sources.
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <system_error>
+
+namespace support {
+
+/// The file or folder of that name among the data at hand. Where there is none, says so and gives nothing:
+/// the test then returns at once.
+inline std::optional<std::filesystem::path> find_data(const std::string& name) {
+    const char* given = std::getenv("TACTNET_DATA");
+    const std::filesystem::path root =
+        given != nullptr ? std::filesystem::path(given)
+                         : std::filesystem::path(TACTNET_SOURCE_DIR).parent_path() / "shared" / "data";
+    std::error_code code;
+    if (std::filesystem::exists(root / name, code))
+        return root / name;
+    MESSAGE("skipped: there is no " << name << " in " << root.string() << " (set TACTNET_DATA)");
+    return std::nullopt;
+}
+
+} // namespace support
