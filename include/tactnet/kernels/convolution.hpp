@@ -112,6 +112,18 @@ void pack_weights(T* packed, Weight&& weight) {
     }
 }
 
+/// Adds one tap to a register block.
+template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Channels, class T>
+[[gnu::always_inline]] inline void add_tap(std::array<std::array<vector<T>, Outputs>, Channels>& sums,
+                                           const T* input, const T* weights, std::size_t tap) {
+    std::array<vector<T>, Outputs> x;
+    unroll<Outputs>([&](auto o) { x[o] = load(input + (tap + o * Columns.step) * lanes<T>); });
+    unroll<Channels>([&](auto c) {
+        const vector<T> weight(weights[tap * C.spacing.columns * Channels + c]);
+        unroll<Outputs>([&](auto o) { sums[c][o] = multiply_add(weight, x[o], sums[c][o]); });
+    });
+}
+
 /// Adds the taps [first_tap, last_tap) of `Outputs` neighbouring outputs × `Channels` channels.
 template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Channels, class T>
 [[gnu::always_inline]] inline void correlate_block(const T* input, const T* weights, const T* bias, T* output,
@@ -135,19 +147,11 @@ template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Chan
             const T* w = weights + ((channel * C.kernel.rows + row_kernel_first + row * C.spacing.rows) * C.kernel.columns +
                                     Columns.first) *
                                        Channels;
-            const auto add_tap = [&](std::size_t tap) {
-                std::array<vector<T>, Outputs> x;
-                unroll<Outputs>([&](auto o) { x[o] = load(from + (tap + o * Columns.step) * width); });
-                unroll<Channels>([&](auto c) {
-                    const vector<T> weight(w[tap * C.spacing.columns * Channels + c]);
-                    unroll<Outputs>([&](auto o) { sums[c][o] = multiply_add(weight, x[o], sums[c][o]); });
-                });
-            };
             if constexpr (Outputs > 1)
-                unroll<Columns.taps>([&](auto tap) { add_tap(tap); });
+                unroll<Columns.taps>([&](auto tap) { add_tap<C, Columns>(sums, from, w, tap); });
             else
                 for (std::size_t tap = first_tap; tap < last_tap; ++tap)
-                    add_tap(tap);
+                    add_tap<C, Columns>(sums, from, w, tap);
         }
     }
     unroll<Channels>([&](auto c) {

@@ -57,6 +57,14 @@ class random_stream {
         const double radius = std::sqrt(-2 * std::log((bits() + 0.5) * 0x1p-32));
         return radius * std::cos(2 * std::numbers::pi * uniform());
     }
+    /// Beta(alpha, alpha) for alpha in (0, 1], by Jöhnk's rejection.
+    [[nodiscard]] double symmetric_beta(double alpha) {
+        while (true) {
+            const double a = std::pow(uniform(), 1 / alpha), b = std::pow(uniform(), 1 / alpha);
+            if (a + b > 0 && a + b <= 1)
+                return a / (a + b);
+        }
+    }
     /// Puts the elements of a random-access range in random order (Fisher and Yates).
     template <class Range>
     constexpr void shuffle(Range& range) {

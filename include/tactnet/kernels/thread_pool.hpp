@@ -31,22 +31,25 @@ class thread_pool {
 
     [[nodiscard]] std::size_t threads() const { return threads_; }
 
-    /// body(begin, end) for as many shares of 0 … count − 1 as there are threads. Must not throw, nor call this again.
+    /// One thread's part of some work: which of `threads` it is.
+    struct share {
+        std::size_t index, threads;
+
+        /// Its part of 0 … count − 1.
+        [[nodiscard]] std::size_t begin(std::size_t count) const { return count * index / threads; }
+        [[nodiscard]] std::size_t end(std::size_t count) const { return count * (index + 1) / threads; }
+    };
+
+    /// body(share) on every thread. Must not throw, nor call this again.
     template <class Body>
-    void for_each_share(std::size_t count, const Body& body) {
-        if (threads_ == 1 || count <= 1) {
-            if (count > 0)
-                body(std::size_t{0}, count);
-            return;
-        }
+    void on_each_thread(const Body& body) {
+        if (threads_ == 1)
+            return body(share{0, 1});
         body_ = &body;
-        call_ = [](const void* f, std::size_t begin, std::size_t end) noexcept {
-            (*static_cast<const Body*>(f))(begin, end);
-        };
-        count_ = count;
+        call_ = [](const void* f, share part) noexcept { (*static_cast<const Body*>(f))(part); };
         busy_.store(threads_ - 1, std::memory_order_relaxed);
         announce();
-        run(0);
+        body(share{0, threads_});
         for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != 0; ++spin)
             if (spin > patience)
                 std::this_thread::yield();
@@ -54,8 +57,10 @@ class thread_pool {
     /// body(i) for 0 … count − 1.
     template <class Body>
     void for_each(std::size_t count, const Body& body) {
-        for_each_share(count, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
+        if (count == 1)
+            return body(std::size_t{0});
+        on_each_thread([&](share part) {
+            for (std::size_t i = part.begin(count); i < part.end(count); ++i)
                 body(i);
         });
     }
@@ -68,11 +73,6 @@ class thread_pool {
         round_.fetch_add(1, std::memory_order_release);
         round_.notify_all();
     }
-    void run(std::size_t index) {
-        const std::size_t begin = count_ * index / threads_, end = count_ * (index + 1) / threads_;
-        if (begin < end)
-            call_(body_, begin, end);
-    }
     void work(std::size_t index) {
         std::uint32_t seen = 0;
         while (true) {
@@ -82,7 +82,7 @@ class thread_pool {
             ++seen; // one at a time: a round is not announced before the last one is done
             if (!call_)
                 return;
-            run(index);
+            call_(body_, share{index, threads_});
             busy_.fetch_sub(1, std::memory_order_release);
         }
     }
@@ -90,9 +90,8 @@ class thread_pool {
     std::size_t threads_;
     std::atomic<std::uint32_t> round_{0};
     std::atomic<std::size_t> busy_{0};
-    void (*call_)(const void*, std::size_t, std::size_t) noexcept = nullptr;
+    void (*call_)(const void*, share) noexcept = nullptr;
     const void* body_ = nullptr;
-    std::size_t count_ = 0;
     std::vector<std::thread> workers_;
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #ifndef TACTNET_NO_SIMD
 #include <xsimd/xsimd.hpp>
@@ -45,10 +46,27 @@ template <class T>
 [[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {
     return xsimd::select(condition, yes, no);
 }
-/// Element i of the result is the sum over the lanes of rows[i].
+/// Element i of the result is the sum over the lanes of rows[i]. Registers of 64 bytes are folded to halves first:
+/// xsimd 8's own sums of those come out in another order in single precision.
 template <class T>
 [[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, lanes<T>>& rows) {
-    return xsimd::haddp(rows.data());
+    if constexpr (sizeof(vector<T>) <= 32) {
+        return xsimd::haddp(rows.data());
+    } else {
+        constexpr std::size_t narrow = lanes<T> / 2;
+        using half = xsimd::make_sized_batch_t<T, narrow>;
+        alignas(64) std::array<T, lanes<T>> flat;
+        alignas(64) std::array<T, lanes<T>> sums;
+        for (std::size_t first = 0; first < lanes<T>; first += narrow) {
+            std::array<half, narrow> folded;
+            for (std::size_t i = 0; i < narrow; ++i) {
+                store(flat.data(), rows[first + i]);
+                folded[i] = half::load_aligned(flat.data()) + half::load_aligned(flat.data() + narrow);
+            }
+            xsimd::haddp(folded.data()).store_aligned(sums.data() + first);
+        }
+        return load(sums.data());
+    }
 }
 
 #else
@@ -105,7 +123,7 @@ template <class T>
 /// The larger of both; a NaN in either is kept, so that a broken number is seen and not hidden by a pool.
 template <class T>
 [[nodiscard]] inline vector<T> maximum(const vector<T>& a, const vector<T>& b) {
-    return choose<T>((a > b) || (a != a), a, b);
+    return choose<T>((a > b) || !(a == a), a, b); // xsimd 8's != takes NaN as equal to itself with AVX-512
 }
 
 /// Elements in whole vectors that hold `count`.

@@ -68,33 +68,34 @@ struct conv2d {
                              input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
             using plan = weight_gradient_plan<window, Filters, T>;
             m.totals.assign(parameters, 0.0);
-            p.threads.for_each_share(plan::pieces, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t g = 0; g < in.groups(); ++g)
-                    add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g), m.totals.data(), begin, end);
-            });
-            p.threads.for_each(Filters, [&](std::size_t filter) {
+            if (in_gradient.data() != nullptr) {
+                m.backward_weights.resize(weights);
+                pack_weights<back>(m.backward_weights.data(), [&](auto channel, auto filter, auto row, auto column) {
+                    return values[((filter * Input.channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
+                                      Kernel.columns +
+                                  (Kernel.columns - 1 - column)];
+                });
+            }
+            // Threads share the weights and the biases, each adding all groups in order, and the groups of the input's
+            // gradient; group by group, so that a group is fetched from memory once.
+            p.threads.on_each_thread([&](thread_pool::share part) {
                 for (std::size_t g = 0; g < in.groups(); ++g) {
-                    const T* from = out_gradient.group(g) + filter * output.area() * lanes<T>;
-                    m.totals[weights + filter] += sum_terms<1, T>(output.area(), [&](std::size_t i) {
-                        return std::array<vector<T>, 1>{load(from + i * lanes<T>)};
-                    })[0];
+                    add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g), m.totals.data(),
+                                                         part.begin(plan::pieces), part.end(plan::pieces));
+                    for (std::size_t f = part.begin(Filters); f < part.end(Filters); ++f) {
+                        const T* from = out_gradient.group(g) + f * output.area() * lanes<T>;
+                        m.totals[weights + f] += sum_terms<1, T>(output.area(), [&](std::size_t i) {
+                            return std::array<vector<T>, 1>{load(from + i * lanes<T>)};
+                        })[0];
+                    }
+                    const bool mine = g >= part.begin(in.groups()) && g < part.end(in.groups());
+                    if (in_gradient.data() != nullptr && mine)
+                        correlate<back>(out_gradient.group(g), m.backward_weights.data(),
+                                        static_cast<const T*>(nullptr), in_gradient.group(g));
                 }
             });
             for (std::size_t i = 0; i < parameters; ++i)
                 gradients[i] = static_cast<T>(m.totals[i]);
-
-            if (in_gradient.data() == nullptr)
-                return;
-            m.backward_weights.resize(weights);
-            pack_weights<back>(m.backward_weights.data(), [&](auto channel, auto filter, auto row, auto column) {
-                return values[((filter * Input.channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
-                                  Kernel.columns +
-                              (Kernel.columns - 1 - column)];
-            });
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                correlate<back>(out_gradient.group(g), m.backward_weights.data(), static_cast<const T*>(nullptr),
-                                in_gradient.group(g));
-            });
         }
 
       private:

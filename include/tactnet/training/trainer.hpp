@@ -179,6 +179,8 @@ class trainer {
             targets[i].label = images_.labels[split_.training[places[i] / copies]];
 
         const auto step = static_cast<std::uint32_t>(optimiser_.steps);
+        if (how_.mixing > 0)
+            mix(targets, step);
         network_.prepare(threads_, space_);
         network_.forward(threads_, space_, in_, out_, seed_, step);
         const double loss = softmax_cross_entropy(out_.as_const(), std::span<const target>(targets), images_.classes,
@@ -188,6 +190,21 @@ class trainer {
         if (how_.averaging > 0)
             average();
         return loss;
+    }
+
+    /// Mixup (Zhang, Cissé, Dauphin, Lopez-Paz, 2018): every image is blended with the one behind it.
+    void mix(std::vector<target>& targets, std::uint32_t step) {
+        const typename Network::input_batch originals = in_;
+        const std::size_t count = targets.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t other = (i + 1) % count;
+            random_stream random(seed_, draw::mixing, step, static_cast<std::uint32_t>(i));
+            targets[i].other = targets[other].label;
+            targets[i].share = random.symmetric_beta(how_.mixing);
+            const auto share = static_cast<float>(targets[i].share);
+            for (std::size_t e = 0; e < input.size(); ++e)
+                in_(i, e) = originals(other, e) + share * (originals(i, e) - originals(other, e));
+        }
     }
 
     void average() {

@@ -1,0 +1,154 @@
+// Images per second in inference and in training steps of the three networks, on one core, beside the core's own
+// multiply-add peak measured in the same run. Every timed step is checked: the logits of the last run must be those of
+// the first to the bit, and the gradients must agree with a network in double precision.
+
+#include "../support/measure.hpp"
+
+#include <tactnet/networks.hpp>
+#include <tactnet/training.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace {
+
+using tactnet::lanes;
+
+constexpr std::size_t rounds = 15;
+
+/// Independent chains of multiply-adds in registers, as many as hide the latency.
+constexpr std::size_t chains = 12, chain_length = 1'000'000;
+
+[[gnu::flatten, gnu::noinline]] float run_chains(float seed) {
+    std::array<tactnet::vector<float>, chains> x;
+    tactnet::unroll<chains>([&](auto i) { x[i] = tactnet::vector<float>(seed + static_cast<float>(i)); });
+    const tactnet::vector<float> a(0.999f * seed), b(0.001f * seed);
+    for (std::size_t s = 0; s < chain_length; ++s)
+        tactnet::unroll<chains>([&](auto i) { x[i] = tactnet::multiply_add(x[i], a, b); });
+    alignas(64) std::array<float, lanes<float>> flat;
+    float sum = 0;
+    tactnet::unroll<chains>([&](auto i) {
+        tactnet::store(flat.data(), x[i]);
+        sum += flat[0];
+    });
+    return sum;
+}
+
+/// Multiply-adds per second of this core.
+double peak_multiply_adds() {
+    float check = 1;
+    const auto t = benchmark::time_rounds(rounds, [&] { check = std::isfinite(run_chains(check)) ? 1.0f : 0.0f; });
+    if (check != 1.0f)
+        std::abort();
+    return static_cast<double>(chains * chain_length * lanes<float>) / t.fastest;
+}
+
+template <class Network>
+struct fixture {
+    Network network;
+    typename Network::workspace space;
+    typename Network::input_batch in;
+    typename Network::output_batch out, gradient;
+    std::vector<tactnet::target> targets;
+    std::vector<typename Network::value_type> parameter_gradients;
+    double loss = 0;
+
+    explicit fixture(std::size_t samples)
+        : in(samples), out(samples), gradient(samples), targets(samples),
+          parameter_gradients(network.learnable_values().size()) {
+        tactnet::initialise(network, tactnet::he_normal{}, 1);
+        tactnet::random_stream random(1, tactnet::draw::order);
+        for (std::size_t s = 0; s < samples; ++s) {
+            for (std::size_t e = 0; e < Network::input_shape.size(); ++e)
+                in(s, e) = static_cast<typename Network::value_type>(random.uniform(-20, 100));
+            targets[s].label = s % Network::outputs;
+        }
+    }
+    void infer(tactnet::thread_pool& threads) {
+        network.prepare(threads, space);
+        network.infer(threads, space, in, out);
+    }
+    void train(tactnet::thread_pool& threads) {
+        network.prepare(threads, space);
+        network.forward(threads, space, in, out);
+        loss = tactnet::softmax_cross_entropy(out.as_const(), std::span<const tactnet::target>(targets),
+                                              Network::outputs, 0.1, gradient.view());
+        network.backward(threads, space, in, out, gradient, {nullptr, in.samples()}, parameter_gradients);
+    }
+};
+
+/// Largest difference of the gradients from those in double, as a share of the largest gradient.
+template <class Network>
+double gradient_error() {
+    tactnet::thread_pool one(1);
+    fixture<Network> single(32);
+    fixture<typename Network::template with_value_type<double>> exact(32);
+    for (std::size_t i = 0; i < Network::parameters; ++i)
+        exact.network.learnable_values()[i] = static_cast<double>(single.network.learnable_values()[i]);
+    for (std::size_t s = 0; s < 32; ++s)
+        for (std::size_t e = 0; e < Network::input_shape.size(); ++e)
+            exact.in(s, e) = static_cast<double>(single.in(s, e));
+    single.train(one);
+    exact.train(one);
+    double error = 0, largest = 0;
+    for (std::size_t i = 0; i < Network::parameters; ++i) {
+        const double g = exact.parameter_gradients[i];
+        error = std::max(error, std::abs(static_cast<double>(single.parameter_gradients[i]) - g));
+        largest = std::max(largest, std::abs(g));
+    }
+    return error / largest;
+}
+
+template <class Network>
+bool measure(const char* name, std::size_t samples, double peak) {
+    tactnet::thread_pool one(1);
+    fixture<Network> f(samples);
+    f.infer(one);
+    const typename Network::output_batch first = f.out;
+    const auto infer = benchmark::time_rounds(rounds, [&] { f.infer(one); });
+    bool same = true;
+    for (std::size_t s = 0; s < samples; ++s)
+        for (std::size_t o = 0; o < Network::outputs; ++o)
+            same = same && first(s, o) == f.out(s, o);
+    const auto train = benchmark::time_rounds(rounds, [&] { f.train(one); });
+    const auto rate = [&](double seconds) { return static_cast<double>(samples) / seconds; };
+    // A training step multiplies three times: forward, for the inputs (not in the first layer) and for the weights.
+    const auto share = [&](const benchmark::timing& t, double times) {
+        return 100 * rate(t.fastest) * times * static_cast<double>(Network::multiply_adds_on_pixels) / peak;
+    };
+    std::printf("%-12s %6zu %9.0f %9.0f %7.0f%% %9.0f %9.0f %7.0f%%  %s\n", name, samples, rate(infer.fastest),
+                rate(infer.median), share(infer, 1), rate(train.fastest), rate(train.median), share(train, 3),
+                same && std::isfinite(f.loss) ? "same bits" : "DIFFERENT");
+    return same && std::isfinite(f.loss);
+}
+
+template <class Network>
+bool checked(const char* name) {
+    const double error = gradient_error<Network>();
+    std::printf("%-12s gradients differ from double precision by %.1e of the largest\n", name, error);
+    return error < 1e-3; // a wrong gradient is off by its own size; single precision by some 1e-5
+}
+
+} // namespace
+
+int main() {
+    constexpr tactnet::shape image{28, 50, 1};
+    using net4 = tactnet::tactnet4<image, 22>;
+    using net6 = tactnet::tactnet6<image, 22>;
+    using residual = tactnet::tactresnet<image, 22>;
+    const double peak = peak_multiply_adds();
+    std::printf("one core, %zu lanes, peak %.1f GFLOP/s; images per second in the fastest and the median of %zu rounds;\n"
+                "shares of the peak in the fastest round, counting taps on real pixels\n\n",
+                lanes<float>, 2e-9 * peak, rounds);
+    std::printf("%-12s %6s %9s %9s %8s %9s %9s %8s\n", "network", "batch", "infer", "median", "of peak", "train",
+                "median", "of peak");
+    bool good = measure<net4>("TactNet-4", 32, peak);
+    good = measure<net6>("TactNet-6", 32, peak) && good;
+    good = measure<net6>("TactNet-6", 704, peak) && good;
+    good = measure<residual>("TactResNet", 32, peak) && good;
+    std::printf("\n");
+    good = checked<net4>("TactNet-4") && good;
+    good = checked<net6>("TactNet-6") && good;
+    return good ? EXIT_SUCCESS : EXIT_FAILURE;
+}
