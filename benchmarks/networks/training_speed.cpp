@@ -1,6 +1,6 @@
-// Images per second in inference and in training steps of the three networks, on one core, beside the core's own
-// multiply-add peak measured in the same run. Every timed step is checked: the logits of the last run must be those of
-// the first to the bit, and the gradients must agree with a network in double precision.
+// Images per second in inference and in training steps of the three networks, on one core, beside the core's
+// own multiply-add peak measured in the same run. Every timed step is checked: the logits of the last run
+// must be those of the first to the bit, and the gradients must agree with a network in double precision.
 
 #include "../support/measure.hpp"
 
@@ -38,7 +38,8 @@ constexpr std::size_t chains = 12, chain_length = 1'000'000;
 /// Multiply-adds per second of this core.
 double peak_multiply_adds() {
     float check = 1;
-    const auto t = benchmark::time_rounds(rounds, [&] { check = std::isfinite(run_chains(check)) ? 1.0f : 0.0f; });
+    const auto t =
+        benchmark::time_rounds(rounds, [&] { check = std::isfinite(run_chains(check)) ? 1.0f : 0.0f; });
     if (check != 1.0f)
         std::abort();
     return static_cast<double>(chains * chain_length * lanes<float>) / t.fastest;
@@ -55,7 +56,10 @@ struct fixture {
     double loss = 0;
 
     explicit fixture(std::size_t samples)
-        : in(samples), out(samples), gradient(samples), targets(samples),
+        : in(samples),
+          out(samples),
+          gradient(samples),
+          targets(samples),
           parameter_gradients(network.learnable_values().size()) {
         tactnet::initialise(network, tactnet::he_normal{}, 1);
         tactnet::random_stream random(1, tactnet::draw::order);
@@ -113,12 +117,14 @@ bool measure(const char* name, std::size_t samples, double peak) {
             same = same && first(s, o) == f.out(s, o);
     const auto train = benchmark::time_rounds(rounds, [&] { f.train(one); });
     const auto rate = [&](double seconds) { return static_cast<double>(samples) / seconds; };
-    // A training step multiplies three times: forward, for the inputs (not in the first layer) and for the weights.
+    // A training step multiplies three times: forward, for the inputs (not in the first layer) and for the
+    // weights.
     const auto share = [&](const benchmark::timing& t, double times) {
         return 100 * rate(t.fastest) * times * static_cast<double>(Network::multiply_adds_on_pixels) / peak;
     };
-    std::printf("%-12s %6zu %9.0f %9.0f %7.0f%% %9.0f %9.0f %7.0f%%  %s\n", name, samples, rate(infer.fastest),
-                rate(infer.median), share(infer, 1), rate(train.fastest), rate(train.median), share(train, 3),
+    std::printf("%-12s %6zu %9.0f %9.0f %7.0f%% %9.0f %9.0f %7.0f%%  %s\n", name, samples,
+                rate(infer.fastest), rate(infer.median), share(infer, 1), rate(train.fastest),
+                rate(train.median), share(train, 3),
                 same && std::isfinite(f.loss) ? "same bits" : "DIFFERENT");
     return same && std::isfinite(f.loss);
 }
@@ -138,11 +144,12 @@ int main() {
     using net6 = tactnet::tactnet6<image, 22>;
     using residual = tactnet::tactresnet<image, 22>;
     const double peak = peak_multiply_adds();
-    std::printf("one core, %zu lanes, peak %.1f GFLOP/s; images per second in the fastest and the median of %zu rounds;\n"
+    std::printf("one core, %zu lanes, peak %.1f GFLOP/s; images per second in the fastest and the median of "
+                "%zu rounds;\n"
                 "shares of the peak in the fastest round, counting taps on real pixels\n\n",
                 lanes<float>, 2e-9 * peak, rounds);
-    std::printf("%-12s %6s %9s %9s %8s %9s %9s %8s\n", "network", "batch", "infer", "median", "of peak", "train",
-                "median", "of peak");
+    std::printf("%-12s %6s %9s %9s %8s %9s %9s %8s\n", "network", "batch", "infer", "median", "of peak",
+                "train", "median", "of peak");
     bool good = measure<net4>("TactNet-4", 32, peak);
     good = measure<net6>("TactNet-6", 32, peak) && good;
     good = measure<net6>("TactNet-6", 704, peak) && good;

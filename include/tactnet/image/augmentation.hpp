@@ -13,8 +13,8 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// What may happen to a pressure image before it is shown to a network: the same object, touched elsewhere, in another
-/// direction, or harder.
+/// What may happen to a pressure image before it is shown to a network: the same object, touched elsewhere,
+/// in another direction, or harder.
 struct augmentation_ranges {
     double reflect_rows = 0;    ///< probability of turning upside down
     double reflect_columns = 0; ///< probability of exchanging left and right
@@ -23,8 +23,8 @@ struct augmentation_ranges {
     double scale = 0;           ///< size, log-uniform in 1 / (1 + scale) … 1 + scale
     double pressure = 0;        ///< all counts, log-uniform in 1 / (1 + pressure) … 1 + pressure
 
-    /// The paper's: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50, ± 2 and ± 3° at 20 × 35 and
-    /// 14 × 25, ± 1 and ± 2° at 10 × 18 and 7 × 13.
+    /// The paper's: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50, ± 2 and ± 3° at 20 × 35
+    /// and 14 × 25, ± 1 and ± 2° at 10 × 18 and 7 × 13.
     [[nodiscard]] static constexpr augmentation_ranges published(std::size_t rows, std::size_t columns) {
         augmentation_ranges r{.reflect_rows = 0.5, .reflect_columns = 0.5, .translation = 3, .rotation = 10};
         if (rows <= 10 && columns <= 18)
@@ -36,7 +36,8 @@ struct augmentation_ranges {
     friend constexpr bool operator==(const augmentation_ranges&, const augmentation_ranges&) = default;
 };
 
-/// An affine map from output to input coordinates, both counted from the image's centre, and a factor for the counts.
+/// An affine map from output to input coordinates, both counted from the image's centre, and a factor for the
+/// counts.
 struct image_transform {
     double row_by_row = 1, row_by_column = 0, row_shift = 0;
     double column_by_row = 0, column_by_column = 1, column_shift = 0;
@@ -80,16 +81,22 @@ void transform_image(const image_transform& t, std::span<const std::uint8_t, Sha
                      center_column = (static_cast<double>(Shape.columns) - 1) / 2;
         for (std::size_t y = 0; y < Shape.rows; ++y) {
             const double v = static_cast<double>(y) - center_row;
-            const double row_start = t.row_by_row * v + t.row_shift + center_row - t.row_by_column * center_column;
+            const double row_start =
+                t.row_by_row * v + t.row_shift + center_row - t.row_by_column * center_column;
             const double column_start =
                 t.column_by_row * v + t.column_shift + center_column - t.column_by_column * center_column;
             for (std::size_t x = 0; x < Shape.columns; ++x) {
                 const double u = static_cast<double>(x);
-                const float row = std::clamp(static_cast<float>(row_start + t.row_by_column * u), -1.0f, rows);
-                const float column = std::clamp(static_cast<float>(column_start + t.column_by_column * u), -1.0f, columns);
-                const int top = static_cast<int>(row + 1) + 1, left = static_cast<int>(column + 1) + 1; // ≥ 0: truncation is floor
-                const float down = row + 2 - static_cast<float>(top), right = column + 2 - static_cast<float>(left);
-                const float* p = padded.data() + static_cast<std::size_t>(top) * stride + static_cast<std::size_t>(left);
+                const float row =
+                    std::clamp(static_cast<float>(row_start + t.row_by_column * u), -1.0f, rows);
+                const float column =
+                    std::clamp(static_cast<float>(column_start + t.column_by_column * u), -1.0f, columns);
+                const int top = static_cast<int>(row + 1) + 1,
+                          left = static_cast<int>(column + 1) + 1; // ≥ 0: truncation is floor
+                const float down = row + 2 - static_cast<float>(top),
+                            right = column + 2 - static_cast<float>(left);
+                const float* p =
+                    padded.data() + static_cast<std::size_t>(top) * stride + static_cast<std::size_t>(left);
                 const float above = p[0] + right * (p[1] - p[0]);
                 const float below = p[stride] + right * (p[stride + 1] - p[stride]);
                 to(y, x, channel) = above + down * (below - above);

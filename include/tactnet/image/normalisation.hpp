@@ -8,8 +8,8 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// How 8-bit counts become a network's input: (count − mean) × scale. The mean is an image, that of the training set
-/// as in the paper; all zero and a scale of 1/255 give plain scaling.
+/// How 8-bit counts become a network's input: (count − mean) × scale. The mean is an image, that of the
+/// training set as in the paper; all zero and a scale of 1/255 give plain scaling.
 template <shape Shape>
 struct normalisation {
     tensor<float, Shape> mean{};
@@ -23,7 +23,8 @@ struct normalisation {
             std::uint64_t sum = 0;
             for (const std::size_t image : chosen)
                 sum += images[image * Shape.size() + e];
-            result.data()[e] = static_cast<float>(static_cast<double>(sum) / static_cast<double>(chosen.size()));
+            result.data()[e] =
+                static_cast<float>(static_cast<double>(sum) / static_cast<double>(chosen.size()));
         }
         return result;
     }

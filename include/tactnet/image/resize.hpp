@@ -10,9 +10,10 @@
 #include <stdexcept>
 #include <vector>
 
-// Bicubic resize of images whose size is known only when running, as the paper lowers its resolution: Keys' kernel
-// with a = −½ ("Cubic convolution interpolation for digital image processing", 1981), pixel centres at halves,
-// symmetric border, support widened by the scale when shrinking (antialiasing), weights normalised to one.
+// Bicubic resize of images whose size is known only when running, as the paper lowers its resolution: Keys'
+// kernel with a = −½ ("Cubic convolution interpolation for digital image processing", 1981), pixel centres at
+// halves, symmetric border, support widened by the scale when shrinking (antialiasing), weights normalised to
+// one.
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -35,7 +36,8 @@ struct resize_taps {
     std::vector<double> weight;
 
     resize_taps(std::size_t from, std::size_t to) {
-        const double scale = static_cast<double>(to) / static_cast<double>(from), narrow = std::min(scale, 1.0);
+        const double scale = static_cast<double>(to) / static_cast<double>(from),
+                     narrow = std::min(scale, 1.0);
         const double support = 4 / narrow;
         taps = static_cast<std::size_t>(std::ceil(support)) + 2;
         for (std::size_t o = 0; o < to; ++o) {
@@ -62,11 +64,11 @@ struct resize_taps {
 
 } // namespace detail
 
-/// Resizes a row-major 8-bit image; the result is rounded and kept within 0 … 255. Throws std::invalid_argument for
-/// an empty image or a size that does not match the pixels.
-[[nodiscard]] inline std::vector<std::uint8_t> resize_bicubic(std::span<const std::uint8_t> image, std::size_t rows,
-                                                              std::size_t columns, std::size_t new_rows,
-                                                              std::size_t new_columns) {
+/// Resizes a row-major 8-bit image; the result is rounded and kept within 0 … 255. Throws
+/// std::invalid_argument for an empty image or a size that does not match the pixels.
+[[nodiscard]] inline std::vector<std::uint8_t> resize_bicubic(std::span<const std::uint8_t> image,
+                                                              std::size_t rows, std::size_t columns,
+                                                              std::size_t new_rows, std::size_t new_columns) {
     if (rows == 0 || columns == 0 || new_rows == 0 || new_columns == 0 || image.size() != rows * columns)
         throw std::invalid_argument("resize_bicubic: expected non-empty images and rows × columns pixels");
     const detail::resize_taps vertical(rows, new_rows), horizontal(columns, new_columns);

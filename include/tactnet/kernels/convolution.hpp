@@ -8,14 +8,15 @@
 #include <array>
 #include <cstddef>
 
-// Convolution of one group of samples (see tensor/batch.hpp). A block of neighbouring outputs × output channels stays
-// in registers while all taps are added; taps on padding are never visited. The sum of one output runs over channel,
-// kernel row and kernel column in this order, whatever the blocking, so results do not depend on it.
+// Convolution of one group of samples (see tensor/batch.hpp). A block of neighbouring outputs × output
+// channels stays in registers while all taps are added; taps on padding are never visited. The sum of one
+// output runs over channel, kernel row and kernel column in this order, whatever the blocking, so results do
+// not depend on it.
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// What a convolution reads and writes. `spacing` > 1 reads the input as if spacing − 1 zeros stood between its
-/// pixels: with it, the gradient of a strided convolution is a convolution again.
+/// What a convolution reads and writes. `spacing` > 1 reads the input as if spacing − 1 zeros stood between
+/// its pixels: with it, the gradient of a strided convolution is a convolution again.
 struct correlation {
     shape input;
     shape output;
@@ -34,7 +35,8 @@ struct correlation {
                 static_cast<std::ptrdiff_t>(w.top),
                 static_cast<std::ptrdiff_t>(w.left)};
     }
-    /// The gradient with respect to the input, from that of the output: kernel turned by 180°, channels exchanged.
+    /// The gradient with respect to the input, from that of the output: kernel turned by 180°, channels
+    /// exchanged.
     [[nodiscard]] static constexpr correlation backward(const sliding_window& w, std::size_t filters) {
         return {{w.output_rows(), w.output_columns(), filters},
                 w.input,
@@ -47,8 +49,8 @@ struct correlation {
     friend constexpr bool operator==(const correlation&, const correlation&) = default;
 };
 
-/// The outputs of one direction (rows or columns) that share a phase: index = phase + spacing × i. Tap t of output i
-/// reads the input at base + i × step + t, with kernel index first + spacing × t.
+/// The outputs of one direction (rows or columns) that share a phase: index = phase + spacing × i. Tap t of
+/// output i reads the input at base + i × step + t, with kernel index first + spacing × t.
 struct tap_line {
     std::size_t outputs;
     std::size_t taps;
@@ -57,8 +59,9 @@ struct tap_line {
     std::size_t step;
     std::ptrdiff_t input;
 
-    static constexpr tap_line of(std::size_t output, std::size_t kernel, std::size_t stride, std::size_t spacing,
-                                 std::ptrdiff_t before, std::size_t input, std::size_t phase) {
+    static constexpr tap_line of(std::size_t output, std::size_t kernel, std::size_t stride,
+                                 std::size_t spacing, std::ptrdiff_t before, std::size_t input,
+                                 std::size_t phase) {
         const auto gap = static_cast<std::ptrdiff_t>(spacing);
         const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(phase * stride) - before;
         const std::size_t first = static_cast<std::size_t>(((-start) % gap + gap) % gap);
@@ -73,7 +76,8 @@ struct tap_line {
         return base + static_cast<std::ptrdiff_t>(i * step);
     }
     [[nodiscard]] constexpr std::size_t first_tap(std::size_t i) const {
-        return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(-position(i), 0, static_cast<std::ptrdiff_t>(taps)));
+        return static_cast<std::size_t>(
+            std::clamp<std::ptrdiff_t>(-position(i), 0, static_cast<std::ptrdiff_t>(taps)));
     }
     [[nodiscard]] constexpr std::size_t last_tap(std::size_t i) const {
         return static_cast<std::size_t>(
@@ -94,12 +98,13 @@ struct tap_line {
     }
 };
 
-/// Output channels × neighbouring outputs of a register block: accumulators, the inputs and a weight must fit.
+/// Output channels × neighbouring outputs of a register block: accumulators, the inputs and a weight must
+/// fit.
 inline constexpr std::size_t block_channels = vector_registers == 32 ? 8 : 4;
 inline constexpr std::size_t block_outputs = 3;
 
-/// Weights in the order of use: blocks of output channels, then [input channel][kernel row][kernel column][channel of
-/// the block]. `weight(output, input, row, column)` tells each value.
+/// Weights in the order of use: blocks of output channels, then [input channel][kernel row][kernel
+/// column][channel of the block]. `weight(output, input, row, column)` tells each value.
 template <correlation C, class T, class Weight>
 void pack_weights(T* packed, Weight&& weight) {
     for (std::size_t first = 0; first < C.output.channels; first += block_channels) {
@@ -126,12 +131,13 @@ template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Chan
 
 /// Adds the taps [first_tap, last_tap) of `Outputs` neighbouring outputs × `Channels` channels.
 template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Channels, class T>
-[[gnu::always_inline]] inline void correlate_block(const T* input, const T* weights, const T* bias, T* output,
-                                                   std::ptrdiff_t row_position, std::size_t first_row,
-                                                   std::size_t last_row, std::size_t row_kernel_first,
-                                                   std::size_t index, std::size_t first_tap, std::size_t last_tap) {
+[[gnu::always_inline]] inline void
+correlate_block(const T* input, const T* weights, const T* bias, T* output, std::ptrdiff_t row_position,
+                std::size_t first_row, std::size_t last_row, std::size_t row_kernel_first, std::size_t index,
+                std::size_t first_tap, std::size_t last_tap) {
     constexpr std::size_t width = lanes<T>;
-    constexpr std::size_t output_step = (Columns.step == 1 && C.stride.columns == 1 ? C.spacing.columns : 1) * width;
+    constexpr std::size_t output_step =
+        (Columns.step == 1 && C.stride.columns == 1 ? C.spacing.columns : 1) * width;
     std::array<std::array<vector<T>, Outputs>, Channels> sums;
     unroll<Channels>([&](auto c) {
         const vector<T> start(bias ? bias[c] : T{});
@@ -144,7 +150,8 @@ template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Chan
                                    static_cast<std::ptrdiff_t>(C.input.columns) +
                                column_position;
             const T* from = input + pixel * static_cast<std::ptrdiff_t>(width);
-            const T* w = weights + ((channel * C.kernel.rows + row_kernel_first + row * C.spacing.rows) * C.kernel.columns +
+            const T* w = weights + ((channel * C.kernel.rows + row_kernel_first + row * C.spacing.rows) *
+                                        C.kernel.columns +
                                     Columns.first) *
                                        Channels;
             if constexpr (Outputs > 1)
@@ -169,20 +176,24 @@ template <correlation C, class T>
         const T* block_bias = bias ? bias + first_channel : nullptr;
         T* block_output = output + first_channel * C.output.area() * width;
         for (std::size_t y = 0; y < C.output.rows; ++y) {
-            const tap_line rows = tap_line::of(C.output.rows, C.kernel.rows, C.stride.rows, C.spacing.rows, C.top,
-                                               C.input.rows, y % C.spacing.rows);
+            const tap_line rows = tap_line::of(C.output.rows, C.kernel.rows, C.stride.rows, C.spacing.rows,
+                                               C.top, C.input.rows, y % C.spacing.rows);
             const std::size_t line = y / C.spacing.rows;
             unroll<C.spacing.columns>([&](auto phase) {
-                constexpr tap_line columns = tap_line::of(C.output.columns, C.kernel.columns, C.stride.columns,
-                                                          C.spacing.columns, C.left, C.input.columns, phase);
+                constexpr tap_line columns =
+                    tap_line::of(C.output.columns, C.kernel.columns, C.stride.columns, C.spacing.columns,
+                                 C.left, C.input.columns, phase);
                 const auto block = [&](auto outputs, std::size_t index, std::size_t first, std::size_t last) {
                     const std::size_t x = phase + index * C.spacing.columns;
                     correlate_block<C, columns, outputs, channels>(
                         input, weights, block_bias, block_output + (y * C.output.columns + x) * width,
-                        rows.position(line), rows.first_tap(line), rows.last_tap(line), rows.first, index, first, last);
+                        rows.position(line), rows.first_tap(line), rows.last_tap(line), rows.first, index,
+                        first, last);
                 };
                 constexpr std::size_t begin = columns.interior_begin(), end = columns.interior_end();
-                const auto edge = [&](std::size_t i) { block(constant<1>{}, i, columns.first_tap(i), columns.last_tap(i)); };
+                const auto edge = [&](std::size_t i) {
+                    block(constant<1>{}, i, columns.first_tap(i), columns.last_tap(i));
+                };
                 for (std::size_t i = 0; i < begin; ++i)
                     edge(i);
                 blocked<end - begin, block_outputs>(

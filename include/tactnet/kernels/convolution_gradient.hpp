@@ -7,9 +7,9 @@
 #include <array>
 #include <cstddef>
 
-// The gradient of a convolution with respect to its weights: for every filter, channel and tap a sum over all output
-// pixels of all samples. A block of filters × taps stays in registers over a tile of output rows small enough for the
-// first-level cache; a tile's sums are added across lanes and then gathered in double.
+// The gradient of a convolution with respect to its weights: for every filter, channel and tap a sum over all
+// output pixels of all samples. A block of filters × taps stays in registers over a tile of output rows small
+// enough for the first-level cache; a tile's sums are added across lanes and then gathered in double.
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -18,7 +18,8 @@ template <sliding_window W, std::size_t Filters, class T>
 struct weight_gradient_plan {
     static constexpr std::size_t taps = std::min<std::size_t>(W.kernel.columns, 5);
     static constexpr std::size_t budget = vector_registers == 32 ? 24 : 12;
-    static constexpr std::size_t filters = std::min({std::max<std::size_t>(budget / taps, 1), std::size_t{8}, Filters});
+    static constexpr std::size_t filters =
+        std::min({std::max<std::size_t>(budget / taps, 1), std::size_t{8}, Filters});
     static constexpr std::size_t row_bytes = filters * W.output_columns() * lanes<T> * sizeof(T);
     static constexpr std::size_t tile_rows = std::clamp<std::size_t>(32768 / row_bytes, 1, W.output_rows());
     /// Pieces of work that write different weights, and so may run on different threads.
@@ -42,8 +43,9 @@ template <std::size_t Filters, std::size_t Taps, std::size_t Plane, bool Interio
 
 /// totals[f][k] of the first `Filters` filters from `totals` on += the sums across lanes.
 template <std::size_t Filters, std::size_t Taps, class T>
-[[gnu::always_inline]] inline void add_across_lanes(const std::array<std::array<vector<T>, Taps>, Filters>& sums,
-                                                    double* totals, std::size_t filter_stride) {
+[[gnu::always_inline]] inline void
+add_across_lanes(const std::array<std::array<vector<T>, Taps>, Filters>& sums, double* totals,
+                 std::size_t filter_stride) {
     constexpr std::size_t width = lanes<T>;
     alignas(alignment) std::array<T, (Filters * Taps + width - 1) / width * width> flat;
     unroll<(Filters * Taps + width - 1) / width>([&](auto block) {
@@ -62,20 +64,25 @@ template <std::size_t Filters, std::size_t Taps, class T>
             totals[f * filter_stride + tap] += static_cast<double>(flat[f * Taps + tap]);
 }
 
-/// One tile, one input channel, one kernel row: `Filters` filters × `Taps` kernel columns from `first_column` on.
+/// One tile, one input channel, one kernel row: `Filters` filters × `Taps` kernel columns from `first_column`
+/// on.
 template <sliding_window W, std::size_t Filters, std::size_t Taps, class T>
-[[gnu::flatten]] inline void gather_tile(const T* input, const T* gradient, std::size_t begin_row, std::size_t end_row,
-                        std::size_t kernel_row, std::size_t first_column, double* totals, std::size_t filter_stride) {
+[[gnu::flatten]] inline void
+gather_tile(const T* input, const T* gradient, std::size_t begin_row, std::size_t end_row,
+            std::size_t kernel_row, std::size_t first_column, double* totals, std::size_t filter_stride) {
     constexpr std::size_t width = lanes<T>, columns = W.output_columns(), plane = W.output_rows() * columns;
     std::array<std::array<vector<T>, Taps>, Filters> sums;
     unroll<Filters>([&](auto f) { unroll<Taps>([&](auto tap) { sums[f][tap] = vector<T>(T{}); }); });
 
     const auto left = static_cast<std::ptrdiff_t>(W.left) - static_cast<std::ptrdiff_t>(first_column);
-    const auto position = [&](std::size_t x) { return static_cast<std::ptrdiff_t>(x * W.stride.columns) - left; };
+    const auto position = [&](std::size_t x) {
+        return static_cast<std::ptrdiff_t>(x * W.stride.columns) - left;
+    };
     std::size_t begin = 0, end = columns;
     while (begin < columns && position(begin) < 0)
         ++begin;
-    while (end > begin && position(end - 1) + static_cast<std::ptrdiff_t>(Taps) > static_cast<std::ptrdiff_t>(W.input.columns))
+    while (end > begin && position(end - 1) + static_cast<std::ptrdiff_t>(Taps) >
+                              static_cast<std::ptrdiff_t>(W.input.columns))
         --end;
     for (std::size_t y = begin_row; y < end_row; ++y) {
         const std::size_t padded_row = y * W.stride.rows + kernel_row;
@@ -85,15 +92,17 @@ template <sliding_window W, std::size_t Filters, std::size_t Taps, class T>
         const T* g = gradient + y * columns * width;
         const auto edge = [&](std::size_t x) {
             const std::ptrdiff_t p = position(x), limit = static_cast<std::ptrdiff_t>(W.input.columns);
-            const auto first = std::clamp<std::ptrdiff_t>(-p, 0, Taps), last = std::clamp<std::ptrdiff_t>(limit - p, 0, Taps);
-            add_products<Filters, Taps, plane, false>(sums, g + x * width, from + p * static_cast<std::ptrdiff_t>(width),
-                                                      static_cast<std::size_t>(first), static_cast<std::size_t>(last));
+            const auto first = std::clamp<std::ptrdiff_t>(-p, 0, Taps),
+                       last = std::clamp<std::ptrdiff_t>(limit - p, 0, Taps);
+            add_products<Filters, Taps, plane, false>(
+                sums, g + x * width, from + p * static_cast<std::ptrdiff_t>(width),
+                static_cast<std::size_t>(first), static_cast<std::size_t>(last));
         };
         for (std::size_t x = 0; x < begin; ++x)
             edge(x);
         for (std::size_t x = begin; x < end; ++x)
-            add_products<Filters, Taps, plane, true>(sums, g + x * width,
-                                                     from + position(x) * static_cast<std::ptrdiff_t>(width), 0, Taps);
+            add_products<Filters, Taps, plane, true>(
+                sums, g + x * width, from + position(x) * static_cast<std::ptrdiff_t>(width), 0, Taps);
         for (std::size_t x = end; x < columns; ++x)
             edge(x);
     }
@@ -103,7 +112,8 @@ template <sliding_window W, std::size_t Filters, std::size_t Taps, class T>
 /// totals[filter][channel][row][column] += the weight gradient of one group, for the pieces [begin, end) of
 /// weight_gradient_plan::pieces.
 template <sliding_window W, std::size_t Filters, class T>
-void add_weight_gradient(const T* input, const T* gradient, double* totals, std::size_t begin, std::size_t end) {
+void add_weight_gradient(const T* input, const T* gradient, double* totals, std::size_t begin,
+                         std::size_t end) {
     using plan = weight_gradient_plan<W, Filters, T>;
     constexpr std::size_t width = lanes<T>, plane = W.output_rows() * W.output_columns();
     constexpr std::size_t filter_size = W.input.channels * W.kernel.area();
@@ -117,8 +127,8 @@ void add_weight_gradient(const T* input, const T* gradient, double* totals, std:
                 for (std::size_t row = 0; row < W.kernel.rows; ++row)
                     blocked<W.kernel.columns, plan::taps>([&](auto taps, std::size_t first_column) {
                         gather_tile<W, filters, taps>(
-                            input + channel * W.input.area() * width, gradient + first_filter * plane * width, y,
-                            end_row, row, first_column,
+                            input + channel * W.input.area() * width, gradient + first_filter * plane * width,
+                            y, end_row, row, first_column,
                             totals + first_filter * filter_size +
                                 (channel * W.kernel.rows + row) * W.kernel.columns + first_column,
                             filter_size);

@@ -10,20 +10,23 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Calls body(output, rows, columns) for every output pixel of one channel, with the image pixels of its window.
+/// Calls body(output, rows, columns) for every output pixel of one channel, with the image pixels of its
+/// window.
 struct pixel_range {
     std::size_t begin, end;
 };
 template <sliding_window W, class Body>
 [[gnu::always_inline]] inline void for_each_window(Body&& body) {
-    const auto range = [](std::size_t index, std::size_t kernel, std::size_t stride, std::size_t before, std::size_t size) {
+    const auto range = [](std::size_t index, std::size_t kernel, std::size_t stride, std::size_t before,
+                          std::size_t size) {
         const std::size_t begin = index * stride;
         return pixel_range{std::max(begin, before) - before, std::min(begin + kernel - before, size)};
     };
     for (std::size_t y = 0; y < W.output_rows(); ++y) {
         const pixel_range rows = range(y, W.kernel.rows, W.stride.rows, W.top, W.input.rows);
         for (std::size_t x = 0; x < W.output_columns(); ++x)
-            body(y * W.output_columns() + x, rows, range(x, W.kernel.columns, W.stride.columns, W.left, W.input.columns));
+            body(y * W.output_columns() + x, rows,
+                 range(x, W.kernel.columns, W.stride.columns, W.left, W.input.columns));
     }
 }
 

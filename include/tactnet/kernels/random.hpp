@@ -8,8 +8,9 @@
 #include <cstdint>
 #include <numbers>
 
-// Counter-based random numbers: Philox 4×32-10 (Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as
-// 1, 2, 3", SC 2011). The numbers of (seed, stream, item) are the same wherever and in whatever order they are drawn.
+// Counter-based random numbers: Philox 4×32-10 (Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy
+// as 1, 2, 3", SC 2011). The numbers of (seed, stream, item) are the same wherever and in whatever order they
+// are drawn.
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -17,7 +18,8 @@ namespace tactnet::inline TACTNET_ARCH {
 [[nodiscard]] constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
                                                             std::array<std::uint32_t, 2> key) {
     for (int round = 0; round < 10; ++round) {
-        const std::uint64_t a = std::uint64_t{0xD2511F53} * counter[0], b = std::uint64_t{0xCD9E8D57} * counter[2];
+        const std::uint64_t a = std::uint64_t{0xD2511F53} * counter[0],
+                            b = std::uint64_t{0xCD9E8D57} * counter[2];
         counter = {static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(b),
                    static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(a)};
         key[0] += 0x9E3779B9;
@@ -26,14 +28,15 @@ namespace tactnet::inline TACTNET_ARCH {
     return counter;
 }
 
-/// What random numbers are drawn for. Each purpose has numbers of its own, so that one more draw for one does not
-/// change another.
+/// What random numbers are drawn for. Each purpose has numbers of its own, so that one more draw for one does
+/// not change another.
 enum class draw : std::uint32_t { split, order, augmentation, initial_weights, dropout, mixing };
 
 /// The numbers of one item: for example (seed, draw::augmentation, epoch, sample).
 class random_stream {
-  public:
-    constexpr random_stream(std::uint64_t seed, draw purpose, std::uint32_t major = 0, std::uint32_t minor = 0)
+public:
+    constexpr random_stream(std::uint64_t seed, draw purpose, std::uint32_t major = 0,
+                            std::uint32_t minor = 0)
         : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
           counter_{0, static_cast<std::uint32_t>(purpose), major, minor} {}
 
@@ -72,7 +75,7 @@ class random_stream {
             std::swap(range[i - 1], range[below(static_cast<std::uint32_t>(i))]);
     }
 
-  private:
+private:
     std::array<std::uint32_t, 2> key_;
     std::array<std::uint32_t, 4> counter_;
     std::array<std::uint32_t, 4> values_{};

@@ -7,8 +7,8 @@
 #include <array>
 #include <cstddef>
 
-// Sums over many terms. Short runs are added in the working precision, lane by lane; the runs are added in double.
-// The error stays near that of one rounding however long the whole sum is.
+// Sums over many terms. Short runs are added in the working precision, lane by lane; the runs are added in
+// double. The error stays near that of one rounding however long the whole sum is.
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -50,8 +50,8 @@ template <class T>
     return load(flat.data());
 }
 
-/// Count, mean and sum of squared deviations. Parts are joined by Chan, Golub and LeVeque's update, which does not
-/// cancel when the mean is large against the deviation.
+/// Count, mean and sum of squared deviations. Parts are joined by Chan, Golub and LeVeque's update, which
+/// does not cancel when the mean is large against the deviation.
 struct moments {
     double count = 0;
     double mean = 0;

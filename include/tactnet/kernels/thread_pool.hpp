@@ -11,10 +11,10 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Threads that divide work into equal, fixed shares. Which thread does what depends on the counts alone, and nothing
-/// is added up across shares, so results cannot depend on timing. One thread starts none.
+/// Threads that divide work into equal, fixed shares. Which thread does what depends on the counts alone, and
+/// nothing is added up across shares, so results cannot depend on timing. One thread starts none.
 class thread_pool {
-  public:
+public:
     explicit thread_pool(std::size_t threads = 1) : threads_(threads > 0 ? threads : 1) {
         workers_.reserve(threads_ - 1);
         for (std::size_t index = 1; index < threads_; ++index)
@@ -65,8 +65,9 @@ class thread_pool {
         });
     }
 
-  private:
-    // Layers follow each other within microseconds: a short wait in place saves the way through the scheduler.
+private:
+    // Layers follow each other within microseconds: a short wait in place saves the way through the
+    // scheduler.
     static constexpr std::size_t patience = 4096;
 
     void announce() {
@@ -76,7 +77,8 @@ class thread_pool {
     void work(std::size_t index) {
         std::uint32_t seen = 0;
         while (true) {
-            for (std::size_t spin = 0; spin < patience && round_.load(std::memory_order_acquire) == seen; ++spin) {
+            for (std::size_t spin = 0; spin < patience && round_.load(std::memory_order_acquire) == seen;
+                 ++spin) {
             }
             round_.wait(seen, std::memory_order_acquire);
             ++seen; // one at a time: a round is not announced before the last one is done

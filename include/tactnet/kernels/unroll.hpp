@@ -21,8 +21,8 @@ template <std::size_t Count, class Body>
     (std::make_index_sequence<Count>{});
 }
 
-/// Splits `Total` into blocks of `Block` and one smaller rest: body(constant<size>{}, first), where the size is a
-/// constant and the first element is not.
+/// Splits `Total` into blocks of `Block` and one smaller rest: body(constant<size>{}, first), where the size
+/// is a constant and the first element is not.
 template <std::size_t Total, std::size_t Block, class Body>
 [[gnu::always_inline]] inline constexpr void blocked(Body&& body) {
     for (std::size_t first = 0; first + Block <= Total; first += Block)

@@ -11,8 +11,8 @@
 #include <xsimd/xsimd.hpp>
 #endif
 
-// The few vector operations that the kernels use, on xsimd's widest batch for the instruction set compiled for, or on
-// plain numbers when there is none. Kernels name no instruction set.
+// The few vector operations that the kernels use, on xsimd's widest batch for the instruction set compiled
+// for, or on plain numbers when there is none. Kernels name no instruction set.
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -46,8 +46,8 @@ template <class T>
 [[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {
     return xsimd::select(condition, yes, no);
 }
-/// Element i of the result is the sum over the lanes of rows[i]. Registers of 64 bytes are folded to halves first:
-/// xsimd 8's own sums of those come out in another order in single precision.
+/// Element i of the result is the sum over the lanes of rows[i]. Registers of 64 bytes are folded to halves
+/// first: xsimd 8's own sums of those come out in another order in single precision.
 template <class T>
 [[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, lanes<T>>& rows) {
     if constexpr (sizeof(vector<T>) <= 32) {

@@ -8,9 +8,9 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Batch normalisation (Ioffe and Szegedy, 2015): each channel is brought to mean 0 and variance 1, then to a learned
-/// scale and shift. In training by the moments of the batch, afterwards by running ones. Epsilon is the network's
-/// (pass::epsilon): the paper's text says 1e-4, its published networks 1e-5.
+/// Batch normalisation (Ioffe and Szegedy, 2015): each channel is brought to mean 0 and variance 1, then to a
+/// learned scale and shift. In training by the moments of the batch, afterwards by running ones. Epsilon is
+/// the network's (pass::epsilon): the paper's text says 1e-4, its published networks 1e-5.
 struct batch_norm {
     static constexpr std::string_view name = "bn";
     static constexpr bool numbered = true;
@@ -21,8 +21,8 @@ struct batch_norm {
         static constexpr std::size_t parameters = 2 * channels, statistics = 2 * channels;
 
         struct memory {
-            std::vector<moments> parts;                  // of every group and channel
-            std::vector<std::array<double, 2>> sums;     // of every group and channel
+            std::vector<moments> parts;              // of every group and channel
+            std::vector<std::array<double, 2>> sums; // of every group and channel
             std::array<double, channels> mean, inverse_deviation;
             void resize(std::size_t samples) {
                 const std::size_t groups = (samples + lanes<T> - 1) / lanes<T>;
@@ -38,11 +38,12 @@ struct batch_norm {
             describe_array(list, prefix + ".running_var", role::running_variance, {channels}, channels);
         }
 
-        static void infer(const pass& p, const T* values, const T* running, memory& m, input_view<T, Input> in,
-                          output_view<T, Input> out) {
+        static void infer(const pass& p, const T* values, const T* running, memory& m,
+                          input_view<T, Input> in, output_view<T, Input> out) {
             for (std::size_t c = 0; c < channels; ++c) {
                 m.mean[c] = static_cast<double>(running[c]);
-                m.inverse_deviation[c] = 1 / std::sqrt(static_cast<double>(running[channels + c]) + p.epsilon);
+                m.inverse_deviation[c] =
+                    1 / std::sqrt(static_cast<double>(running[channels + c]) + p.epsilon);
             }
             apply(p, values, m, in, out);
         }
@@ -68,12 +69,14 @@ struct batch_norm {
             apply(p, values, m, in, out);
         }
 
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in, input_view<T, Input>,
-                             input_view<T, Input> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+                             input_view<T, Input>, input_view<T, Input> out_gradient,
+                             output_view<T, Input> in_gradient, T* gradients) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c) {
                     const T *x = in.group(g) + c * plane, *dy = out_gradient.group(g) + c * plane;
-                    const vector<T> mean(static_cast<T>(m.mean[c])), scale(static_cast<T>(m.inverse_deviation[c]));
+                    const vector<T> mean(static_cast<T>(m.mean[c])),
+                        scale(static_cast<T>(m.inverse_deviation[c]));
                     m.sums[g * channels + c] = sum_terms<2, T>(Input.area(), [&](std::size_t i) {
                         const vector<T> d = load(dy + i * lanes<T>);
                         return std::array<vector<T>, 2>{d, d * ((load(x + i * lanes<T>) - mean) * scale)};
@@ -87,6 +90,7 @@ struct batch_norm {
                     mean_gradient[c] += m.sums[g * channels + c][0];
                     mean_product[c] += m.sums[g * channels + c][1];
                 }
+                mean_product[c] -= rest(m.mean[c]) * m.inverse_deviation[c] * mean_gradient[c];
                 gradients[c] = static_cast<T>(mean_product[c]);
                 gradients[channels + c] = static_cast<T>(mean_gradient[c]);
                 mean_gradient[c] /= count;
@@ -99,26 +103,34 @@ struct batch_norm {
                 for (std::size_t c = 0; c < channels; ++c) {
                     const T *x = in.group(g) + c * plane, *dy = out_gradient.group(g) + c * plane;
                     T* dx = in_gradient.group(g) + c * plane;
-                    const double inverse = m.inverse_deviation[c];
-                    const vector<T> mean(static_cast<T>(m.mean[c])), slope(static_cast<T>(-inverse * mean_product[c])),
-                        level(static_cast<T>(mean_gradient[c]));
-                    const vector<T> scale = vector<T>(static_cast<T>(static_cast<double>(values[c]) * inverse)) * use;
+                    const double inverse = m.inverse_deviation[c], fall = -inverse * mean_product[c];
+                    const vector<T> mean(static_cast<T>(m.mean[c])), slope(static_cast<T>(fall)),
+                        level(static_cast<T>(mean_gradient[c] + rest(m.mean[c]) * fall));
+                    const vector<T> scale =
+                        vector<T>(static_cast<T>(static_cast<double>(values[c]) * inverse)) * use;
                     for (std::size_t i = 0; i < plane; i += lanes<T>)
-                        store(dx + i, multiply_add<T>(load(x + i) - mean, slope, load(dy + i) - level) * scale);
+                        store(dx + i,
+                              multiply_add<T>(load(x + i) - mean, slope, load(dy + i) - level) * scale);
                 }
             });
         }
 
-      private:
+    private:
         static constexpr std::size_t plane = Input.area() * lanes<T>;
+
+        /// What rounding takes from a mean. A large mean with a small deviation must not lose it: it goes
+        /// where numbers are small again.
+        static double rest(double mean) { return mean - static_cast<double>(static_cast<T>(mean)); }
 
         static void apply(const pass& p, const T* values, const memory& m, input_view<T, Input> in,
                           output_view<T, Input> out) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                for (std::size_t c = 0; c < channels; ++c)
-                    normalise(in.group(g) + c * plane, out.group(g) + c * plane, plane, static_cast<T>(m.mean[c]),
-                              static_cast<T>(static_cast<double>(values[c]) * m.inverse_deviation[c]),
-                              values[channels + c]);
+                for (std::size_t c = 0; c < channels; ++c) {
+                    const double scale = static_cast<double>(values[c]) * m.inverse_deviation[c];
+                    const double shift = static_cast<double>(values[channels + c]) - rest(m.mean[c]) * scale;
+                    normalise(in.group(g) + c * plane, out.group(g) + c * plane, plane,
+                              static_cast<T>(m.mean[c]), static_cast<T>(scale), static_cast<T>(shift));
+                }
             });
         }
     };

@@ -7,8 +7,25 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-template <std::size_t KernelRows, std::size_t KernelColumns, std::size_t PaddedRows, std::size_t PaddedColumns>
-concept kernel_fits_padded_input = KernelRows <= PaddedRows && KernelColumns <= PaddedColumns;
+template <std::size_t KernelRows, std::size_t KernelColumns, std::size_t PaddedRows,
+          std::size_t PaddedColumns>
+concept kernel_fits_padded_input = (KernelRows <= PaddedRows) && (KernelColumns <= PaddedColumns);
+
+namespace detail {
+
+template <std::size_t Filters, std::size_t KernelArea, std::size_t StrideArea, std::size_t KernelRows,
+          std::size_t KernelColumns, std::size_t PaddedRows, std::size_t PaddedColumns>
+[[nodiscard]] constexpr shape conv2d_output(shape output) {
+    static_assert(Filters > 0 && KernelArea > 0 && StrideArea > 0,
+                  "conv2d: filters, kernel and stride must be at least 1");
+    static_assert(
+        kernel_fits_padded_input<KernelRows, KernelColumns, PaddedRows, PaddedColumns>,
+        "conv2d: the kernel is larger than the padded input; kernel_fits_padded_input shows kernel rows, "
+        "kernel columns, padded rows, padded columns");
+    return output;
+}
+
+} // namespace detail
 
 /// Two-dimensional convolution (cross-correlation, as everywhere in the field) with bias.
 /// Weights are [filter][channel][row][column] (PyTorch's OIHW).
@@ -19,20 +36,18 @@ struct conv2d {
 
     template <class T, shape Input>
     struct layer : layer_without_parameters<T, Input, shape{}> {
-        static_assert(Filters > 0 && Kernel.area() > 0 && Stride.area() > 0,
-                      "conv2d: filters, kernel and stride must be at least 1");
         static constexpr sliding_window window = sliding_window::over(Input, Kernel, Stride, Padding);
-        static_assert(kernel_fits_padded_input<Kernel.rows, Kernel.columns, Input.rows + window.top + window.bottom,
-                                               Input.columns + window.left + window.right>,
-                      "conv2d: the kernel is larger than the padded input; kernel_fits_padded_input shows kernel rows, "
-                      "kernel columns, padded rows, padded columns");
-
-        static constexpr shape output{window.output_rows(), window.output_columns(), Filters};
+        static constexpr shape output =
+            detail::conv2d_output<Filters, Kernel.area(), Stride.area(), Kernel.rows, Kernel.columns,
+                                  Input.rows + window.top + window.bottom,
+                                  Input.columns + window.left + window.right>(
+                {window.output_rows(), window.output_columns(), Filters});
         static constexpr std::size_t fan_in = Input.channels * Kernel.area();
         static constexpr std::size_t weights = Filters * fan_in;
         static constexpr std::size_t parameters = weights + Filters;
         static constexpr std::size_t multiply_adds = output.area() * weights;
-        static constexpr std::size_t multiply_adds_on_pixels = window.taps_on_pixels() * Input.channels * Filters;
+        static constexpr std::size_t multiply_adds_on_pixels =
+            window.taps_on_pixels() * Input.channels * Filters;
 
         struct memory {
             aligned_vector<T> forward_weights, backward_weights;
@@ -41,16 +56,18 @@ struct conv2d {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix + ".weight", role::weight, {Filters, Input.channels, Kernel.rows, Kernel.columns},
-                           0, fan_in);
+            describe_array(list, prefix + ".weight", role::weight,
+                           {Filters, Input.channels, Kernel.rows, Kernel.columns}, 0, fan_in);
             describe_array(list, prefix + ".bias", role::bias, {Filters}, weights);
         }
 
         static void prepare(const pass&, const T* values, const T*, memory& m) {
             m.forward_weights.resize(weights);
-            pack_weights<ahead>(m.forward_weights.data(), [&](auto filter, auto channel, auto row, auto column) {
-                return values[((filter * Input.channels + channel) * Kernel.rows + row) * Kernel.columns + column];
-            });
+            pack_weights<ahead>(
+                m.forward_weights.data(), [&](auto filter, auto channel, auto row, auto column) {
+                    return values[((filter * Input.channels + channel) * Kernel.rows + row) * Kernel.columns +
+                                  column];
+                });
         }
 
         static void infer(const pass& p, const T* values, const T*, memory& m, input_view<T, Input> in,
@@ -64,20 +81,23 @@ struct conv2d {
             infer(p, values, none, m, in, out);
         }
 
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in, input_view<T, output>,
-                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+                             input_view<T, output>, input_view<T, output> out_gradient,
+                             output_view<T, Input> in_gradient, T* gradients) {
             using plan = weight_gradient_plan<window, Filters, T>;
             m.totals.assign(parameters, 0.0);
             if (in_gradient.data() != nullptr) {
                 m.backward_weights.resize(weights);
-                pack_weights<back>(m.backward_weights.data(), [&](auto channel, auto filter, auto row, auto column) {
-                    return values[((filter * Input.channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
-                                      Kernel.columns +
-                                  (Kernel.columns - 1 - column)];
-                });
+                pack_weights<back>(m.backward_weights.data(),
+                                   [&](auto channel, auto filter, auto row, auto column) {
+                                       return values[((filter * Input.channels + channel) * Kernel.rows +
+                                                      (Kernel.rows - 1 - row)) *
+                                                         Kernel.columns +
+                                                     (Kernel.columns - 1 - column)];
+                                   });
             }
-            // Threads share the weights and the biases, each adding all groups in order, and the groups of the input's
-            // gradient; group by group, so that a group is fetched from memory once.
+            // Threads share the weights and the biases, each adding all groups in order, and the groups of
+            // the input's gradient; group by group, so that a group is fetched from memory once.
             p.threads.on_each_thread([&](thread_pool::share part) {
                 for (std::size_t g = 0; g < in.groups(); ++g) {
                     add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g), m.totals.data(),
@@ -98,7 +118,7 @@ struct conv2d {
                 gradients[i] = static_cast<T>(m.totals[i]);
         }
 
-      private:
+    private:
         static constexpr correlation ahead = correlation::forward(window, Filters);
         static constexpr correlation back = correlation::backward(window, Filters);
     };

@@ -8,7 +8,18 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Fully connected layer with bias. Weights are [output][channel][row][column]: PyTorch's order behind a flatten.
+namespace detail {
+
+template <std::size_t Outputs>
+[[nodiscard]] constexpr shape dense_output() {
+    static_assert(Outputs > 0, "dense: there must be at least one output");
+    return {1, 1, Outputs};
+}
+
+} // namespace detail
+
+/// Fully connected layer with bias. Weights are [output][channel][row][column]: PyTorch's order behind a
+/// flatten.
 template <std::size_t Outputs>
 struct dense {
     static constexpr std::string_view name = "fc";
@@ -16,14 +27,13 @@ struct dense {
 
     template <class T, shape Input>
     struct layer : layer_without_parameters<T, Input, shape{1, 1, Outputs}> {
-        static_assert(Outputs > 0, "dense: there must be at least one output");
-        static constexpr shape output{1, 1, Outputs};
+        static constexpr shape output = detail::dense_output<Outputs>();
         static constexpr std::size_t inputs = Input.size(), weights = Outputs * inputs;
         static constexpr std::size_t parameters = weights + Outputs;
         static constexpr std::size_t multiply_adds = weights, multiply_adds_on_pixels = weights;
 
         struct memory {
-            aligned_vector<T> parts;                          // of every group
+            aligned_vector<T> parts;                         // of every group
             std::array<aligned_vector<double>, Outputs> row; // of every output
             void resize(std::size_t) {}
         };
@@ -48,13 +58,15 @@ struct dense {
             infer(p, values, none, m, in, out);
         }
 
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in, input_view<T, output>,
-                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
-            // One product for each group, always of the same size: its rounding must not depend on the threads.
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+                             input_view<T, output>, input_view<T, output> out_gradient,
+                             output_view<T, Input> in_gradient, T* gradients) {
+            // One product for each group, always of the same size: its rounding must not depend on the
+            // threads.
             m.parts.resize(in.groups() * weights);
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                multiply_transposed_right(out_gradient.group(g), in.group(g), m.parts.data() + g * weights, Outputs,
-                                          lanes<T>, inputs);
+                multiply_transposed_right(out_gradient.group(g), in.group(g), m.parts.data() + g * weights,
+                                          Outputs, lanes<T>, inputs);
             });
             p.threads.for_each(Outputs, [&](std::size_t o) {
                 m.row[o].assign(inputs, 0.0);
@@ -74,7 +86,8 @@ struct dense {
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                multiply_transposed_left(values, out_gradient.group(g), in_gradient.group(g), inputs, Outputs, lanes<T>);
+                multiply_transposed_left(values, out_gradient.group(g), in_gradient.group(g), inputs, Outputs,
+                                         lanes<T>);
             });
         }
     };

@@ -6,16 +6,27 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Dropout (Srivastava et al., 2014): in training each element is zeroed with the given probability in percent and the
-/// others are scaled to keep the mean; afterwards nothing is done. Which ones depends on seed, step and sample only.
+namespace detail {
+
+template <unsigned Percent>
+[[nodiscard]] constexpr shape dropout_output(shape output) {
+    static_assert(Percent < 100, "dropout: the percentage must be below 100");
+    return output;
+}
+
+} // namespace detail
+
+/// Dropout (Srivastava et al., 2014): in training each element is zeroed with the given probability in
+/// percent and the others are scaled to keep the mean; afterwards nothing is done. Which ones depends on
+/// seed, step and sample only.
 template <unsigned Percent>
 struct dropout {
     static constexpr std::string_view name = "dropout";
     static constexpr bool numbered = true;
-    static_assert(Percent < 100, "dropout: the percentage must be below 100");
 
     template <class T, shape Input>
     struct layer : layer_without_parameters<T, Input, Input> {
+        static constexpr shape output = detail::dropout_output<Percent>(Input);
         static constexpr bool in_place = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
@@ -35,7 +46,7 @@ struct dropout {
                 scale_kept(p, out_gradient, in_gradient);
         }
 
-      private:
+    private:
         static constexpr std::uint64_t threshold = (std::uint64_t{1} << 32) * Percent / 100;
 
         static void scale_kept(const pass& p, input_view<T, Input> in, output_view<T, Input> out) {

@@ -14,9 +14,10 @@
 #include <string_view>
 #include <vector>
 
-// What a layer is. A list of layers holds shape-free specifications (`conv2d<8, 5>`); bound to an input shape and a
-// number type, a specification becomes a layer: constants and static functions, without state. Parameters lie in one
-// flat array of the network, what a batch leaves behind for the way back lies in the layer's `memory`.
+// What a layer is. A list of layers holds shape-free specifications (`conv2d<8, 5>`); bound to an input shape
+// and a number type, a specification becomes a layer: constants and static functions, without state.
+// Parameters lie in one flat array of the network, what a batch leaves behind for the way back lies in the
+// layer's `memory`.
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -38,18 +39,20 @@ struct output_view : batch_view<T, Shape, lanes<T>> {
 /// What a network knows and a layer asks for while a batch passes.
 struct pass {
     thread_pool& threads;
-    double epsilon = 1e-5;       ///< added to the variance by batch norms
-    double momentum = 0.1;       ///< share of a batch in the running statistics of batch norms
-    std::uint64_t seed = 0;      ///< for dropout
-    std::uint32_t step = 0;      ///< batches so far, for dropout
-    std::uint32_t depth = 0;     ///< tells the layers of a list apart, for dropout
+    double epsilon = 1e-5;   ///< added to the variance by batch norms
+    double momentum = 0.1;   ///< share of a batch in the running statistics of batch norms
+    std::uint64_t seed = 0;  ///< for dropout
+    std::uint32_t step = 0;  ///< batches so far, for dropout
+    std::uint32_t depth = 0; ///< tells the layers of a list apart, for dropout
 };
 
 /// What an array of a network is for.
 enum class role { weight, bias, scale, shift, running_mean, running_variance };
 
 /// Learnable by gradient descent; running statistics are not.
-[[nodiscard]] constexpr bool learnable(role r) { return r != role::running_mean && r != role::running_variance; }
+[[nodiscard]] constexpr bool learnable(role r) {
+    return r != role::running_mean && r != role::running_variance;
+}
 
 /// One named array of a network, with PyTorch's name and order.
 struct parameter {
@@ -62,29 +65,29 @@ struct parameter {
 };
 
 template <class Layer, class T = typename Layer::value_type>
-concept layer =
-    std::floating_point<T> &&
+concept layer = std::floating_point<T> &&
     requires(const pass& p, const T* parameters, T* statistics, typename Layer::memory& memory,
              batch_view<const T, Layer::input, lanes<T>> in, batch_view<T, Layer::output, lanes<T>> out,
              batch_view<const T, Layer::output, lanes<T>> out_gradient,
-             batch_view<T, Layer::input, lanes<T>> in_gradient, T* parameter_gradients, std::vector<parameter>& list) {
-        // Costs, as constants: learnable parameters, running statistics, multiply-adds of one sample.
-        { Layer::parameters + Layer::statistics + Layer::multiply_adds } -> std::convertible_to<std::size_t>;
-        { Layer::multiply_adds_on_pixels } -> std::convertible_to<std::size_t>;
-        // Whether the output may take the input's place: then `backward` must not need the input.
-        { Layer::in_place } -> std::convertible_to<bool>;
-        // Whether `backward` needs the output as it was left.
-        { Layer::keeps_output } -> std::convertible_to<bool>;
-        // Appends the layer's arrays, offsets counted from its first.
-        Layer::describe(std::string{}, list);
-        memory.resize(std::size_t{});
-        // Once after the parameters changed; `infer` uses the running statistics, `forward` those of the batch.
-        Layer::prepare(p, parameters, statistics, memory);
-        Layer::infer(p, parameters, statistics, memory, in, out);
-        Layer::forward(p, parameters, statistics, memory, in, out);
-        // Sets the parameters' gradients, and the input's unless there is no one to ask for it (a null view).
-        Layer::backward(p, parameters, memory, in, out_gradient, out_gradient, in_gradient, parameter_gradients);
-    };
+             batch_view<T, Layer::input, lanes<T>> in_gradient, T* parameter_gradients,
+             std::vector<parameter>& list) {
+    // Costs, as constants: learnable parameters, running statistics, multiply-adds of one sample.
+    { Layer::parameters + Layer::statistics + Layer::multiply_adds } -> std::convertible_to<std::size_t>;
+    { Layer::multiply_adds_on_pixels } -> std::convertible_to<std::size_t>;
+    // Whether the output may take the input's place: then `backward` must not need the input.
+    { Layer::in_place } -> std::convertible_to<bool>;
+    // Whether `backward` needs the output as it was left.
+    { Layer::keeps_output } -> std::convertible_to<bool>;
+    // Appends the layer's arrays, offsets counted from its first.
+    Layer::describe(std::string{}, list);
+    memory.resize(std::size_t{});
+    // Once after the parameters changed; `infer` uses the running statistics, `forward` those of the batch.
+    Layer::prepare(p, parameters, statistics, memory);
+    Layer::infer(p, parameters, statistics, memory, in, out);
+    Layer::forward(p, parameters, statistics, memory, in, out);
+    // Sets the parameters' gradients, and the input's unless there is no one to ask for it (a null view).
+    Layer::backward(p, parameters, memory, in, out_gradient, out_gradient, in_gradient, parameter_gradients);
+};
 
 /// The memory of a layer that needs none.
 struct no_memory {
@@ -106,9 +109,13 @@ struct layer_without_parameters {
     static void prepare(const pass&, const T*, const T*, auto&) {}
 };
 
+// What does not fit is refused by a function on the way to a layer's output shape (detail::…_output), not in
+// the layer itself: of a class with a failed assertion Clang takes no constant, and the sentence would drown
+// in what follows.
+
 /// Appends an array behind those that the layer has described so far.
-inline void describe_array(std::vector<parameter>& list, std::string name, role what, std::vector<std::size_t> extents,
-                           std::size_t offset, std::size_t fan_in = 1) {
+inline void describe_array(std::vector<parameter>& list, std::string name, role what,
+                           std::vector<std::size_t> extents, std::size_t offset, std::size_t fan_in = 1) {
     std::size_t size = 1;
     for (const std::size_t e : extents)
         size *= e;

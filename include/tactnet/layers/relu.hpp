@@ -16,16 +16,16 @@ struct relu {
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                relu_forward(in.group(g), out.group(g), in.group_size);
-            });
+            p.threads.for_each(
+                in.groups(), [&](std::size_t g) { relu_forward(in.group(g), out.group(g), in.group_size); });
         }
         static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
                             output_view<T, Input> out) {
             infer(p, none, none, m, in, out);
         }
-        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>, input_view<T, Input> out,
-                             input_view<T, Input> out_gradient, output_view<T, Input> in_gradient, T*) {
+        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>,
+                             input_view<T, Input> out, input_view<T, Input> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(out.groups(), [&](std::size_t g) {

@@ -7,13 +7,28 @@ namespace tactnet::inline TACTNET_ARCH {
 
 template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannels, std::size_t SkipRows,
           std::size_t SkipColumns, std::size_t SkipChannels>
-concept branches_agree = MainRows == SkipRows && MainColumns == SkipColumns && MainChannels == SkipChannels;
+concept branches_agree = (MainRows == SkipRows) && (MainColumns == SkipColumns) &&
+                         (MainChannels == SkipChannels);
+
+namespace detail {
+
+template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannels, std::size_t SkipRows,
+          std::size_t SkipColumns, std::size_t SkipChannels>
+[[nodiscard]] constexpr shape residual_output() {
+    static_assert(
+        branches_agree<MainRows, MainColumns, MainChannels, SkipRows, SkipColumns, SkipChannels>,
+        "residual: both branches must give the same shape; branches_agree shows rows, columns and channels "
+        "of the main branch, then those of the skip");
+    return {MainRows, MainColumns, MainChannels};
+}
+
+} // namespace detail
 
 /// The skip of a residual block that passes its input on as it is.
 using identity = sequence<>;
 
-/// Residual block (He, Zhang, Ren, Sun, 2016): main(x) + skip(x), where skip is `identity` or a projection. The ReLU
-/// behind the sum is a layer of its own.
+/// Residual block (He, Zhang, Ren, Sun, 2016): main(x) + skip(x), where skip is `identity` or a projection.
+/// The ReLU behind the sum is a layer of its own.
 template <class Main, class Skip = identity>
 struct residual {
     static constexpr std::string_view name = "block";
@@ -24,11 +39,10 @@ struct residual {
         using value_type = T;
         using main = typename Main::template layer<T, Input>;
         using skip = typename Skip::template layer<T, Input>;
-        static constexpr shape input = Input, output = main::output;
-        static_assert(branches_agree<main::output.rows, main::output.columns, main::output.channels, skip::output.rows,
-                                     skip::output.columns, skip::output.channels>,
-                      "residual: both branches must give the same shape; branches_agree shows rows, columns and channels "
-                      "of the main branch, then those of the skip");
+        static constexpr shape input = Input;
+        static constexpr shape output =
+            detail::residual_output<main::output.rows, main::output.columns, main::output.channels,
+                                    skip::output.rows, skip::output.columns, skip::output.channels>();
 
         static constexpr std::size_t parameters = main::parameters + skip::parameters;
         static constexpr std::size_t statistics = main::statistics + skip::statistics;
@@ -69,8 +83,8 @@ struct residual {
             main::prepare(p, values, running, m.main_memory);
             skip::prepare(p, values + main::parameters, running + main::statistics, m.skip_memory);
         }
-        static void infer(const pass& p, const T* values, const T* running, memory& m, input_view<T, Input> in,
-                          output_view<T, output> out) {
+        static void infer(const pass& p, const T* values, const T* running, memory& m,
+                          input_view<T, Input> in, output_view<T, output> out) {
             const output_view<T, output> main_out = main_result(m, out);
             main::infer(p, values, running, m.main_memory, in, main_out);
             if constexpr (projects)
@@ -87,16 +101,19 @@ struct residual {
                               {m.skip_output.data(), in.samples()});
             sum<output>(p, main_out, skipped(m, in), out);
         }
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in, input_view<T, output> out,
-                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T* gradients) {
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+                             input_view<T, output> out, input_view<T, output> out_gradient,
+                             output_view<T, Input> in_gradient, T* gradients) {
             main::backward(p, values, m.main_memory, in,
-                           main::keeps_output ? input_view<T, output>(m.main_output.data(), in.samples()) : out,
+                           main::keeps_output ? input_view<T, output>(m.main_output.data(), in.samples())
+                                              : out,
                            out_gradient, in_gradient, gradients);
             const T* skip_gradient = out_gradient.data();
             if constexpr (projects) {
                 T* to = in_gradient.data() ? m.skip_gradient.data() : nullptr;
-                skip::backward(p, values + main::parameters, m.skip_memory, in, {m.skip_output.data(), in.samples()},
-                               out_gradient, {to, in.samples()}, gradients + main::parameters);
+                skip::backward(p, values + main::parameters, m.skip_memory, in,
+                               {m.skip_output.data(), in.samples()}, out_gradient, {to, in.samples()},
+                               gradients + main::parameters);
                 skip_gradient = to;
             }
             if (in_gradient.data() == nullptr)
@@ -104,7 +121,7 @@ struct residual {
             sum<Input>(p, in_gradient, {skip_gradient, in.samples()}, in_gradient);
         }
 
-      private:
+    private:
         /// The sum may take the place of the main branch's result unless the way back needs that.
         static output_view<T, output> main_result(memory& m, output_view<T, output> out) {
             if constexpr (main::keeps_output)
@@ -119,10 +136,10 @@ struct residual {
                 return {in.data(), in.samples()};
         }
         template <shape Shape>
-        static void sum(const pass& p, input_view<T, Shape> a, input_view<T, Shape> b, output_view<T, Shape> to) {
-            p.threads.for_each(to.groups(), [&](std::size_t g) {
-                add(a.group(g), b.group(g), to.group(g), to.group_size);
-            });
+        static void sum(const pass& p, input_view<T, Shape> a, input_view<T, Shape> b,
+                        output_view<T, Shape> to) {
+            p.threads.for_each(
+                to.groups(), [&](std::size_t g) { add(a.group(g), b.group(g), to.group(g), to.group_size); });
         }
     };
 };

@@ -29,7 +29,8 @@ struct chain<T, Input, indexed_leaves<Placed...>, Spec, Rest...> {
     using here = typename Spec::template layer<T, Input>;
     static constexpr std::size_t parameters = (std::size_t{0} + ... + Placed::type::parameters);
     static constexpr std::size_t statistics = (std::size_t{0} + ... + Placed::type::statistics);
-    using next = chain<T, here::output, indexed_leaves<Placed..., placed<here, parameters, statistics>>, Rest...>;
+    using next =
+        chain<T, here::output, indexed_leaves<Placed..., placed<here, parameters, statistics>>, Rest...>;
     using layers = typename next::layers;
     static constexpr shape output = next::output;
 };
@@ -49,7 +50,7 @@ struct sequence {
         template <std::size_t I>
         using place = decltype(detail::type_at<I>(std::declval<typename chained::layers>()));
 
-      public:
+    public:
         template <std::size_t I>
         using at = typename place<I>::type;
 
@@ -57,7 +58,7 @@ struct sequence {
         static constexpr shape input = Input, output = chained::output;
         static constexpr bool in_place = false, keeps_output = size > 0 && at<size - 1>::keeps_output;
 
-      private:
+    private:
         template <class Value>
         static constexpr std::size_t sum_of(Value value) {
             std::size_t sum = 0;
@@ -85,13 +86,14 @@ struct sequence {
             return source<I>() == source<size - 1>();
         }
 
-      public:
+    public:
         static constexpr std::size_t parameters = sum_of([](auto i) { return at<i>::parameters; });
         static constexpr std::size_t statistics = sum_of([](auto i) { return at<i>::statistics; });
         static constexpr std::size_t multiply_adds = sum_of([](auto i) { return at<i>::multiply_adds; });
         static constexpr std::size_t multiply_adds_on_pixels =
             sum_of([](auto i) { return at<i>::multiply_adds_on_pixels; });
-        /// Elements that must be held at once while one sample passes layer by layer, beside input and output.
+        /// Elements that must be held at once while one sample passes layer by layer, beside input and
+        /// output.
         static constexpr std::size_t inner_activations = [] {
             std::size_t most = 0;
             unroll<size>([&](auto i) {
@@ -132,7 +134,8 @@ struct sequence {
             unroll<size>([&](auto i) {
                 const auto before = std::count(kinds.begin(), kinds.begin() + i, kinds[i]);
                 const auto all = std::count(kinds.begin(), kinds.end(), kinds[i]);
-                std::string full = prefix.empty() ? std::string(kinds[i]) : prefix + "." + std::string(kinds[i]);
+                std::string full =
+                    prefix.empty() ? std::string(kinds[i]) : prefix + "." + std::string(kinds[i]);
                 if (spec_numbered<i> || all > 1)
                     full += std::to_string(before + 1);
                 const std::size_t first = list.size();
@@ -149,11 +152,12 @@ struct sequence {
                                detail::get<i>(m.inner));
             });
         }
-        static void infer(const pass& p, const T* values, const T* running, memory& m, input_view<T, Input> in,
-                          output_view<T, output> out) {
+        static void infer(const pass& p, const T* values, const T* running, memory& m,
+                          input_view<T, Input> in, output_view<T, output> out) {
             unroll<size>([&](auto i) {
-                at<i>::infer(at_depth(p, i), values + place<i>::parameter_offset, running + place<i>::statistic_offset,
-                             detail::get<i>(m.inner), input_of<i>(m, in, out), output_of<i>(m, out));
+                at<i>::infer(at_depth(p, i), values + place<i>::parameter_offset,
+                             running + place<i>::statistic_offset, detail::get<i>(m.inner),
+                             input_of<i>(m, in, out), output_of<i>(m, out));
             });
         }
         static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
@@ -170,7 +174,8 @@ struct sequence {
             for (aligned_vector<T>& g : m.gradients)
                 if (g.size() < m.gradient_size)
                     g.resize(m.gradient_size);
-            const output_view<T, output> result(const_cast<T*>(out.data()), out.samples()); // only read from here on
+            const output_view<T, output> result(const_cast<T*>(out.data()),
+                                                out.samples()); // only read from here on
             const T* from = out_gradient.data();
             unroll<size>([&](auto reversed) {
                 constexpr std::size_t i = size - 1 - reversed;
@@ -178,12 +183,13 @@ struct sequence {
                 at<i>::backward(at_depth(p, i), values + place<i>::parameter_offset, detail::get<i>(m.inner),
                                 input_of<i>(m, in, result), output_of<i>(m, result),
                                 input_view<T, at<i>::output>(from, in.samples()),
-                                output_view<T, at<i>::input>(to, in.samples()), gradients + place<i>::parameter_offset);
+                                output_view<T, at<i>::input>(to, in.samples()),
+                                gradients + place<i>::parameter_offset);
                 from = to;
             });
         }
 
-      private:
+    private:
         template <std::size_t I>
         static constexpr auto spec_name = std::array<std::string_view, size>{Specs::name...}[I];
         template <std::size_t I>
@@ -202,7 +208,8 @@ struct sequence {
                 return {m.outputs[source<I>()].data(), m.samples};
         }
         template <std::size_t I>
-        static input_view<T, at<I>::input> input_of(memory& m, input_view<T, Input> in, output_view<T, output> out) {
+        static input_view<T, at<I>::input> input_of(memory& m, input_view<T, Input> in,
+                                                    output_view<T, output> out) {
             if constexpr (I == 0)
                 return {in.data(), m.samples};
             else

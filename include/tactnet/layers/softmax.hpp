@@ -8,7 +8,8 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// exp(x) / Σ exp(x), from the largest logit down so that nothing overflows. Sums in double. May work in place.
+/// exp(x) / Σ exp(x), from the largest logit down so that nothing overflows. Sums in double. May work in
+/// place.
 template <class T>
 void softmax_of(std::span<const T> logits, std::span<T> probabilities) noexcept {
     const double largest = static_cast<double>(*std::max_element(logits.begin(), logits.end()));
@@ -19,8 +20,9 @@ void softmax_of(std::span<const T> logits, std::span<T> probabilities) noexcept 
         probabilities[i] = static_cast<T>(std::exp(static_cast<double>(logits[i]) - largest) / sum);
 }
 
-/// Softmax over the channels of every pixel, for lists that end in probabilities. The networks of the paper end in
-/// logits; training joins softmax and cross-entropy (training/loss.hpp), which is exact where probabilities are not.
+/// Softmax over the channels of every pixel, for lists that end in probabilities. The networks of the paper
+/// end in logits; training joins softmax and cross-entropy (training/loss.hpp), which is exact where
+/// probabilities are not.
 struct softmax {
     static constexpr std::string_view name = "softmax";
     static constexpr bool numbered = false;
@@ -32,7 +34,7 @@ struct softmax {
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                for_each_pixel(in.samples_in(g), [&](std::size_t first) {
+                for_each_pixel([&](std::size_t first) {
                     std::array<T, Input.channels> x;
                     for (std::size_t c = 0; c < Input.channels; ++c)
                         x[c] = in.group(g)[first + c * plane];
@@ -46,12 +48,13 @@ struct softmax {
                             output_view<T, Input> out) {
             infer(p, none, none, m, in, out);
         }
-        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>, input_view<T, Input> out,
-                             input_view<T, Input> out_gradient, output_view<T, Input> in_gradient, T*) {
+        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>,
+                             input_view<T, Input> out, input_view<T, Input> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(out.groups(), [&](std::size_t g) {
-                for_each_pixel(lanes<T>, [&](std::size_t first) {
+                for_each_pixel([&](std::size_t first) {
                     const T *y = out.group(g) + first, *dy = out_gradient.group(g) + first;
                     double product = 0;
                     for (std::size_t c = 0; c < Input.channels; ++c)
@@ -64,14 +67,14 @@ struct softmax {
             });
         }
 
-      private:
+    private:
         static constexpr std::size_t plane = Input.area() * lanes<T>;
 
+        /// Lanes without a sample too: what is left in them would reach the layers around.
         template <class Body>
-        static void for_each_pixel(std::size_t samples, Body&& body) {
-            for (std::size_t pixel = 0; pixel < Input.area(); ++pixel)
-                for (std::size_t lane = 0; lane < samples; ++lane)
-                    body(pixel * lanes<T> + lane);
+        static void for_each_pixel(Body&& body) {
+            for (std::size_t i = 0; i < plane; ++i)
+                body(i);
         }
     };
 };

@@ -10,15 +10,16 @@
 namespace tactnet::inline TACTNET_ARCH {
 
 /// A list of layer specifications bound to an input shape. As a type it is a description: what it costs are
-/// constants. As an object it holds parameters and running statistics on the heap, for training and inference.
+/// constants. As an object it holds parameters and running statistics on the heap, for training and
+/// inference.
 ///
-/// Input: samples of `Input`, by convention 8-bit counts 0 … 255 minus a mean image. Output: logits (or what the
-/// last layer gives). T is the number type; gradients are checked in double.
+/// Input: samples of `Input`, by convention 8-bit counts 0 … 255 minus a mean image. Output: logits (or what
+/// the last layer gives). T is the number type; gradients are checked in double.
 template <class T, shape Input, class... Specs>
 class basic_network {
     using layers = typename sequence<Specs...>::template layer<T, Input>;
 
-  public:
+public:
     using value_type = T;
     template <class Other>
     using with_value_type = basic_network<Other, Input, Specs...>;
@@ -34,7 +35,8 @@ class basic_network {
     static constexpr std::size_t multiply_adds = layers::multiply_adds;
     /// … and only those that fall on real pixels.
     static constexpr std::size_t multiply_adds_on_pixels = layers::multiply_adds_on_pixels;
-    /// The most bytes of activations alive at once while one sample passes layer by layer, input and output included.
+    /// The most bytes of activations alive at once while one sample passes layer by layer, input and output
+    /// included.
     static constexpr std::size_t activation_bytes =
         (Input.size() + layers::inner_activations + outputs) * sizeof(T);
     /// Bytes of all parameters and statistics.
@@ -50,15 +52,16 @@ class basic_network {
 
     /// What a batch needs on its way; one for each thread that calls a network.
     class workspace {
-      public:
-        /// Makes room for that many samples. Not needed before `infer` or `forward` with as many or fewer: they call it.
+    public:
+        /// Makes room for that many samples. Not needed before `infer` or `forward` with as many or fewer:
+        /// they call it.
         void resize(std::size_t samples) {
             if (samples == memory_.samples)
                 return;
             memory_.resize(samples);
         }
 
-      private:
+    private:
         friend basic_network;
         typename layers::memory memory_;
     };
@@ -96,34 +99,38 @@ class basic_network {
     template <class Visit>
     void for_each_parameter(Visit&& visit) const {
         for (const parameter& p : describe())
-            visit(p, std::span<const T>((learnable(p.what) ? values_ : statistics_).data() + p.offset, p.size));
+            visit(p,
+                  std::span<const T>((learnable(p.what) ? values_ : statistics_).data() + p.offset, p.size));
     }
 
     /// Readies a workspace for this network's present parameters. Call it again whenever they change.
     void prepare(thread_pool& threads, workspace& space) const {
         layers::prepare(make_pass(threads), values_.data(), statistics_.data(), space.memory_);
     }
-    /// Logits of a batch, with running statistics. The workspace must be prepared. A sample's result has the same bits
-    /// whatever the batch and the threads.
+    /// Logits of a batch, with running statistics. The workspace must be prepared. A sample's result has the
+    /// same bits whatever the batch and the threads.
     void infer(thread_pool& threads, workspace& space, const_input in, output_type out) const {
         space.resize(in.samples());
         layers::infer(make_pass(threads), values_.data(), statistics_.data(), space.memory_, in, out);
     }
-    /// Logits of a batch in training: moments of the batch in batch norms (which move the running ones), dropout.
-    void forward(thread_pool& threads, workspace& space, const_input in, output_type out, std::uint64_t seed = 0,
-                 std::uint32_t step = 0) {
+    /// Logits of a batch in training: moments of the batch in batch norms (which move the running ones),
+    /// dropout.
+    void forward(thread_pool& threads, workspace& space, const_input in, output_type out,
+                 std::uint64_t seed = 0, std::uint32_t step = 0) {
         space.resize(in.samples());
-        layers::forward(make_pass(threads, seed, step), values_.data(), statistics_.data(), space.memory_, in, out);
+        layers::forward(make_pass(threads, seed, step), values_.data(), statistics_.data(), space.memory_, in,
+                        out);
     }
-    /// Gradients of the learnable parameters (as many as `learnable_values`, or without the zeros behind), after `forward` with the same arguments; `in_gradient` may be a null view.
+    /// Gradients of the learnable parameters (as many as `learnable_values`, or without the zeros behind),
+    /// after `forward` with the same arguments; `in_gradient` may be a null view.
     void backward(thread_pool& threads, workspace& space, const_input in, const_output out,
-                  const_output out_gradient, input_type in_gradient,
-                  std::span<T> gradients, std::uint64_t seed = 0, std::uint32_t step = 0) const {
+                  const_output out_gradient, input_type in_gradient, std::span<T> gradients,
+                  std::uint64_t seed = 0, std::uint32_t step = 0) const {
         layers::backward(make_pass(threads, seed, step), values_.data(), space.memory_, in, out, out_gradient,
                          in_gradient, gradients.data());
     }
 
-  private:
+private:
     [[nodiscard]] pass make_pass(thread_pool& threads, std::uint64_t seed = 0, std::uint32_t step = 0) const {
         return {.threads = threads, .epsilon = epsilon, .seed = seed, .step = step};
     }

@@ -4,7 +4,8 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// The resolutions of the paper. The array itself has 28 × 50 tactels; the others are made from it by resizing.
+/// The resolutions of the paper. The array itself has 28 × 50 tactels; the others are made from it by
+/// resizing.
 enum class resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
 
 /// The form of a network at any size: that of the smallest published resolution which holds the size in both

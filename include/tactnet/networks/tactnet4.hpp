@@ -18,12 +18,13 @@ struct tactnet4_form {
     }
 };
 
-/// TactNet-4 (Gandarias et al., 2019, table I): three convolutions and a dense layer. Every map is halved three times.
+/// TactNet-4 (Gandarias et al., 2019, table I): three convolutions and a dense layer. Every map is halved
+/// three times.
 template <shape Input, std::size_t Classes, tactnet4_form Form = tactnet4_form::at(Input)>
-using tactnet4 = network<Input,                                                              //
-                         conv2d<8, Form.kernel1>, batch_norm, relu, max_pool<2>,             //
-                         conv2d<16, Form.kernel2>, batch_norm, relu, max_pool<2>,            //
-                         conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>,            //
+using tactnet4 = network<Input,                                                   //
+                         conv2d<8, Form.kernel1>, batch_norm, relu, max_pool<2>,  //
+                         conv2d<16, Form.kernel2>, batch_norm, relu, max_pool<2>, //
+                         conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>, //
                          dense<Classes>>;
 
 } // namespace tactnet

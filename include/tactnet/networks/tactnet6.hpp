@@ -13,8 +13,9 @@ struct tactnet6_form {
     std::size_t first_pool_stride = 2;
     std::size_t other_pools_stride = 2;
 
-    /// As published: at 20 × 35 and 14 × 25 the first pool has stride 1, at 10 × 18 and 7 × 13 all have, and the fifth
-    /// kernel is 2 × 2. Fewer halvings keep small images readable, and make them cost more than large ones.
+    /// As published: at 20 × 35 and 14 × 25 the first pool has stride 1, at 10 × 18 and 7 × 13 all have, and
+    /// the fifth kernel is 2 × 2. Fewer halvings keep small images readable, and make them cost more than
+    /// large ones.
     [[nodiscard]] static constexpr tactnet6_form at(shape image) {
         switch (form_of(image)) {
         case resolution::r7x13:
@@ -34,12 +35,12 @@ struct tactnet6_form {
 
 /// TactNet-6 (Gandarias et al., 2019, table I): five convolutions and a dense layer.
 template <shape Input, std::size_t Classes, tactnet6_form Form = tactnet6_form::at(Input)>
-using tactnet6 = network<Input,                                                                                //
-                         conv2d<8, 5>, batch_norm, relu, max_pool<2, Form.first_pool_stride>,                  //
-                         conv2d<16, Form.kernel2>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,     //
-                         conv2d<32, 3>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,                //
-                         conv2d<64, 3>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,                //
-                         conv2d<128, Form.kernel5>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,    //
+using tactnet6 = network<Input,                                                                             //
+                         conv2d<8, 5>, batch_norm, relu, max_pool<2, Form.first_pool_stride>,               //
+                         conv2d<16, Form.kernel2>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,  //
+                         conv2d<32, 3>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,             //
+                         conv2d<64, 3>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,             //
+                         conv2d<128, Form.kernel5>, batch_norm, relu, max_pool<2, Form.other_pools_stride>, //
                          dense<Classes>>;
 
 /// TactNet-6 whose cost falls with the resolution; at 28 × 50 it is TactNet-6.

@@ -11,9 +11,10 @@ namespace tactnet::inline TACTNET_ARCH {
 struct tactresnet_form {
     std::size_t first_pool = 3, first_pool_stride = 2, last_pool = 5;
 
-    /// Both pools shrink with the image, by its smaller side. The first convolution leaves r = ceil(side / 2) rows:
-    /// the first pool has the window ceil(r / 5), at most 3, and the stride min(2, window); the last one, at most 5,
-    /// leaves at least two rows where there are two. At 28 × 50 this gives the published 3, 2 and 5.
+    /// Both pools shrink with the image, by its smaller side. The first convolution leaves r = ceil(side / 2)
+    /// rows: the first pool has the window ceil(r / 5), at most 3, and the stride min(2, window); the last
+    /// one, at most 5, leaves at least two rows where there are two. At 28 × 50 this gives the published 3, 2
+    /// and 5.
     [[nodiscard]] static constexpr tactresnet_form at(shape image) {
         const std::size_t side = (std::min(image.rows, image.columns) + 1) / 2;
         const std::size_t first = std::clamp<std::size_t>((side + 4) / 5, 1, 3);
@@ -29,14 +30,14 @@ using two_convolutions = sequence<conv2d<Filters, 3>, batch_norm, relu, conv2d<F
 
 /// TactResNet (Gandarias et al., 2019, figure 5): four residual blocks, the third with a projection 64 → 128.
 template <shape Input, std::size_t Classes, tactresnet_form Form = tactresnet_form::at(Input)>
-using tactresnet = network<Input,                                                                              //
-                           conv2d<64, 5, 2, pad(2)>, batch_norm, relu,                                         //
-                           max_pool<Form.first_pool, Form.first_pool_stride, valid>,                           //
-                           residual<two_convolutions<64>>, relu,                                               //
-                           residual<two_convolutions<64>>, relu,                                               //
-                           residual<two_convolutions<128>, sequence<conv2d<128, 3>, batch_norm>>, relu,        //
-                           residual<two_convolutions<128>>, relu,                                              //
-                           max_pool<Form.last_pool, 1, valid>,                                                 //
+using tactresnet = network<Input,                                                                       //
+                           conv2d<64, 5, 2, pad(2)>, batch_norm, relu,                                  //
+                           max_pool<Form.first_pool, Form.first_pool_stride, valid>,                    //
+                           residual<two_convolutions<64>>, relu,                                        //
+                           residual<two_convolutions<64>>, relu,                                        //
+                           residual<two_convolutions<128>, sequence<conv2d<128, 3>, batch_norm>>, relu, //
+                           residual<two_convolutions<128>>, relu,                                       //
+                           max_pool<Form.last_pool, 1, valid>,                                          //
                            dense<Classes>>;
 
 } // namespace tactnet

@@ -23,9 +23,11 @@ struct aligned_allocator {
     [[nodiscard]] T* allocate(std::size_t count) {
         if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T))
             throw std::bad_array_new_length();
-        return static_cast<T*>(::operator new(count * sizeof(T), std::align_val_t{alignment}));
+        return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{alignment}));
     }
-    void deallocate(T* memory, std::size_t) noexcept { ::operator delete(memory, std::align_val_t{alignment}); }
+    void deallocate(T* memory, std::size_t) noexcept {
+        ::operator delete (memory, std::align_val_t{alignment});
+    }
 
     friend constexpr bool operator==(const aligned_allocator&, const aligned_allocator&) { return true; }
 };

@@ -7,24 +7,25 @@
 #include <cstddef>
 #include <type_traits>
 
-// Samples side by side. `Lanes` samples form a group, ordered [channel][row][column][lane]: one vector register
-// holds the same element of as many samples. A kernel written for one sample then runs on all lanes at once, at any
-// image size and channel count, without a remainder and without a sum across lanes in the forward pass; and a
-// sample's result does not depend on its neighbours. Lanes past the last sample hold zeros.
+// Samples side by side. `Lanes` samples form a group, ordered [channel][row][column][lane]: one vector
+// register holds the same element of as many samples. A kernel written for one sample then runs on all lanes
+// at once, at any image size and channel count, without a remainder and without a sum across lanes in the
+// forward pass; and a sample's result does not depend on its neighbours. Lanes past the last sample hold
+// zeros.
 
 namespace tactnet::inline TACTNET_ARCH {
 
 /// Samples that someone else owns, as a batch. T may be const.
 template <class T, shape Shape, std::size_t Lanes>
 class batch_view {
-  public:
+public:
     static constexpr shape extents = Shape;
     static constexpr std::size_t lanes = Lanes;
     static constexpr std::size_t group_size = Shape.size() * Lanes;
 
     constexpr batch_view(T* data, std::size_t samples) : data_(data), samples_(samples) {}
-    constexpr batch_view(const batch_view<std::remove_const_t<T>, Shape, Lanes>& other)
-        requires std::is_const_v<T>
+    constexpr batch_view(
+        const batch_view<std::remove_const_t<T>, Shape, Lanes>& other) requires std::is_const_v<T>
         : data_(other.data()), samples_(other.samples()) {}
     constexpr batch_view(const batch_view&) = default;
     constexpr batch_view& operator=(const batch_view&) = default;
@@ -41,7 +42,7 @@ class batch_view {
         return group(sample / Lanes)[element * Lanes + sample % Lanes];
     }
 
-  private:
+private:
     T* data_;
     std::size_t samples_;
 };
@@ -49,7 +50,7 @@ class batch_view {
 /// A batch that owns its samples.
 template <class T, shape Shape, std::size_t Lanes>
 class batch {
-  public:
+public:
     using view_type = batch_view<T, Shape, Lanes>;
     using const_view_type = batch_view<const T, Shape, Lanes>;
 
@@ -81,7 +82,7 @@ class batch {
             values.data()[e] = (*this)(sample, e);
     }
 
-  private:
+private:
     aligned_vector<T> elements_;
     std::size_t samples_ = 0;
 };

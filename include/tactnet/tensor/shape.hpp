@@ -9,8 +9,8 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// The size of one sample: a pressure image of `rows` × `columns` tactels, or a stack of `channels` such maps.
-/// Elements are ordered [channel][row][column].
+/// The size of one sample: a pressure image of `rows` × `columns` tactels, or a stack of `channels` such
+/// maps. Elements are ordered [channel][row][column].
 struct shape {
     std::size_t rows = 1;
     std::size_t columns = 1;
@@ -32,8 +32,9 @@ struct extent {
     friend constexpr bool operator==(const extent&, const extent&) = default;
 };
 
-/// What surrounds an image before a window slides over it. `same` keeps ceil(size / stride) outputs; what it must
-/// add is halved, and an odd rest goes to the bottom and to the right (so an even kernel pads only there).
+/// What surrounds an image before a window slides over it. `same` keeps ceil(size / stride) outputs; what it
+/// must add is halved, and an odd rest goes to the bottom and to the right (so an even kernel pads only
+/// there).
 struct padding {
     enum class rule { same, given };
 
@@ -47,8 +48,11 @@ inline constexpr padding same{};
 inline constexpr padding valid{padding::rule::given};
 
 /// Explicit zeros: as many on every side, or side by side.
-[[nodiscard]] constexpr padding pad(std::size_t all) { return {padding::rule::given, all, all, all, all}; }
-[[nodiscard]] constexpr padding pad(std::size_t top, std::size_t bottom, std::size_t left, std::size_t right) {
+[[nodiscard]] constexpr padding pad(std::size_t all) {
+    return {padding::rule::given, all, all, all, all};
+}
+[[nodiscard]] constexpr padding pad(std::size_t top, std::size_t bottom, std::size_t left,
+                                    std::size_t right) {
     return {padding::rule::given, top, bottom, left, right};
 }
 
@@ -59,8 +63,10 @@ struct sliding_window {
     extent stride;
     std::size_t top = 0, bottom = 0, left = 0, right = 0;
 
-    /// Resolves a padding rule for one input.
-    [[nodiscard]] static constexpr sliding_window over(shape input, extent kernel, extent stride, padding around) {
+    /// Resolves a padding rule for one input. A stride of zero counts as one; layers refuse it.
+    [[nodiscard]] static constexpr sliding_window over(shape input, extent kernel, extent stride,
+                                                       padding around) {
+        stride = {stride.rows > 0 ? stride.rows : 1, stride.columns > 0 ? stride.columns : 1};
         sliding_window w{input, kernel, stride};
         if (around.how == padding::rule::given) {
             w.top = around.top, w.bottom = around.bottom, w.left = around.left, w.right = around.right;
@@ -92,7 +98,7 @@ struct sliding_window {
 
     friend constexpr bool operator==(const sliding_window&, const sliding_window&) = default;
 
-  private:
+private:
     static constexpr std::size_t missing(std::size_t size, std::size_t kernel, std::size_t stride) {
         const std::size_t outputs = (size + stride - 1) / stride;
         const std::size_t reach = (outputs - 1) * stride + kernel;

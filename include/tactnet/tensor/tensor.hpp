@@ -11,14 +11,15 @@ namespace tactnet::inline TACTNET_ARCH {
 /// A sample that owns its elements, in place: no heap. Ordered [channel][row][column].
 template <class T, shape Shape>
 class tensor {
-  public:
+public:
     using value_type = T;
     static constexpr shape extents = Shape;
 
     [[nodiscard]] constexpr T& operator()(std::size_t row, std::size_t column, std::size_t channel = 0) {
         return view()(row, column, channel);
     }
-    [[nodiscard]] constexpr const T& operator()(std::size_t row, std::size_t column, std::size_t channel = 0) const {
+    [[nodiscard]] constexpr const T& operator()(std::size_t row, std::size_t column,
+                                                std::size_t channel = 0) const {
         return view()(row, column, channel);
     }
     [[nodiscard]] constexpr T* data() { return elements_.data(); }
@@ -30,11 +31,13 @@ class tensor {
     [[nodiscard]] constexpr auto end() const { return elements_.end(); }
 
     [[nodiscard]] constexpr tensor_view<T, Shape> view() { return tensor_view<T, Shape>(data()); }
-    [[nodiscard]] constexpr tensor_view<const T, Shape> view() const { return tensor_view<const T, Shape>(data()); }
+    [[nodiscard]] constexpr tensor_view<const T, Shape> view() const {
+        return tensor_view<const T, Shape>(data());
+    }
     constexpr operator tensor_view<T, Shape>() { return view(); }
     constexpr operator tensor_view<const T, Shape>() const { return view(); }
 
-  private:
+private:
     alignas(alignment) std::array<T, Shape.size()> elements_{};
 };
 

@@ -11,18 +11,18 @@ namespace tactnet::inline TACTNET_ARCH {
 /// A sample that someone else owns: `Shape.size()` elements, ordered [channel][row][column]. T may be const.
 template <class T, shape Shape>
 class tensor_view {
-  public:
+public:
     static constexpr shape extents = Shape;
 
     constexpr explicit tensor_view(std::span<T, Shape.size()> elements) : data_(elements.data()) {}
     constexpr explicit tensor_view(T* elements) : data_(elements) {}
-    constexpr tensor_view(const tensor_view<std::remove_const_t<T>, Shape>& other)
-        requires std::is_const_v<T>
+    constexpr tensor_view(const tensor_view<std::remove_const_t<T>, Shape>& other) requires std::is_const_v<T>
         : data_(other.data()) {}
     constexpr tensor_view(const tensor_view&) = default;
     constexpr tensor_view& operator=(const tensor_view&) = default;
 
-    [[nodiscard]] constexpr T& operator()(std::size_t row, std::size_t column, std::size_t channel = 0) const {
+    [[nodiscard]] constexpr T& operator()(std::size_t row, std::size_t column,
+                                          std::size_t channel = 0) const {
         return data_[(channel * Shape.rows + row) * Shape.columns + column];
     }
     [[nodiscard]] constexpr T* data() const { return data_; }
@@ -31,7 +31,7 @@ class tensor_view {
         return std::span<T, Shape.size()>(data_, Shape.size());
     }
 
-  private:
+private:
     T* data_;
 };
 

@@ -7,10 +7,10 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Stops when the validation loss has not fallen below its smallest value for `patience` checks. A patience of 0 never
-/// stops.
+/// Stops when the validation loss has not fallen below its smallest value for `patience` checks. A patience
+/// of 0 never stops.
 class early_stopping {
-  public:
+public:
     explicit early_stopping(std::size_t patience = 0) : patience_(patience) {}
 
     /// Takes one validation loss; tells whether to stop.
@@ -27,7 +27,7 @@ class early_stopping {
     [[nodiscard]] double smallest() const { return smallest_; }
     [[nodiscard]] std::size_t waited() const { return waited_; }
 
-  private:
+private:
     std::size_t patience_;
     std::size_t waited_ = 0;
     double smallest_ = std::numeric_limits<double>::infinity();

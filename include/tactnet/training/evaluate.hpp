@@ -21,7 +21,8 @@ struct labelled_images {
 
     template <shape Shape>
     [[nodiscard]] std::span<const std::uint8_t, Shape.size()> image(std::size_t index) const {
-        return std::span<const std::uint8_t, Shape.size()>(pixels.data() + index * Shape.size(), Shape.size());
+        return std::span<const std::uint8_t, Shape.size()>(pixels.data() + index * Shape.size(),
+                                                           Shape.size());
     }
 };
 
@@ -33,9 +34,9 @@ struct evaluation {
 
 /// Puts chosen images through a network. Only the first `images.classes` outputs count.
 template <class Network>
-[[nodiscard]] evaluation evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,
-                                  const labelled_images& images, std::span<const std::size_t> chosen,
-                                  thread_pool& threads) {
+[[nodiscard]] evaluation
+evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,
+         const labelled_images& images, std::span<const std::size_t> chosen, thread_pool& threads) {
     constexpr std::size_t at_once = 64;
     typename Network::workspace space;
     network.prepare(threads, space);
@@ -51,8 +52,8 @@ template <class Network>
             targets[i].label = images.labels[index];
         }
         network.infer(threads, space, in, out);
-        const auto mean = softmax_cross_entropy(out.as_const(), std::span<const target>(targets), images.classes, 0.0,
-                                                gradient.view());
+        const auto mean = softmax_cross_entropy(out.as_const(), std::span<const target>(targets),
+                                                images.classes, 0.0, gradient.view());
         result.loss += mean * static_cast<double>(count) / static_cast<double>(chosen.size());
         for (std::size_t i = 0; i < count; ++i) {
             std::size_t best = 0;

@@ -16,9 +16,10 @@ struct target {
     double share = 1; ///< of `label`; the rest is that of `other`
 };
 
-/// Softmax with cross-entropy, in double and from the largest logit down: no overflow, no logarithm of a rounded
-/// probability. Only the first `classes` logits take part. Label smoothing gives each class `smoothing / classes`.
-/// Returns the mean over the batch and writes its gradient, zero for logits and lanes that take no part.
+/// Softmax with cross-entropy, in double and from the largest logit down: no overflow, no logarithm of a
+/// rounded probability. Only the first `classes` logits take part. Label smoothing gives each class
+/// `smoothing / classes`. Returns the mean over the batch and writes its gradient, zero for logits and lanes
+/// that take no part.
 template <class T, shape Shape, std::size_t Lanes>
 double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span<const target> targets,
                              std::size_t classes, double smoothing, batch_view<T, Shape, Lanes> gradient) {
@@ -32,9 +33,10 @@ double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span
         double sum = 0;
         for (std::size_t c = 0; c < classes; ++c)
             sum += std::exp(static_cast<double>(logits(sample, c)) - largest);
-        const double log_sum = largest + std::log(sum);
+        const double log_sum =
+            std::log(sum); // of the distances from the largest, or a large logit would swallow it
         for (std::size_t c = 0; c < classes; ++c) {
-            const double log_probability = static_cast<double>(logits(sample, c)) - log_sum;
+            const double log_probability = static_cast<double>(logits(sample, c)) - largest - log_sum;
             const target& t = targets[sample];
             double wanted = smoothing / static_cast<double>(classes);
             wanted += (1 - smoothing) * ((c == t.label ? t.share : 0.0) + (c == t.other ? 1 - t.share : 0.0));

@@ -12,7 +12,7 @@ namespace tactnet::inline TACTNET_ARCH {
 
 /// Counts of (true class, recognised class).
 class confusion_matrix {
-  public:
+public:
     explicit confusion_matrix(std::size_t classes = 0) : classes_(classes), counts_(classes * classes) {}
 
     void add(std::size_t truth, std::size_t recognised) { ++counts_[truth * classes_ + recognised]; }
@@ -42,7 +42,7 @@ class confusion_matrix {
                            : std::numeric_limits<double>::quiet_NaN();
     }
 
-  private:
+private:
     std::size_t classes_;
     std::vector<std::size_t> counts_;
 };

@@ -11,8 +11,8 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Stochastic gradient descent with momentum. `l2` is added to the gradient of weights (not of biases, scales, shifts),
-/// as in the paper.
+/// Stochastic gradient descent with momentum. `l2` is added to the gradient of weights (not of biases,
+/// scales, shifts), as in the paper.
 struct sgd {
     double momentum = 0.9;
     double l2 = 0;
@@ -40,13 +40,14 @@ struct optimiser_state {
     }
 };
 
-/// One step over flat arrays, each as long as whole vectors (see padded_size). `decayed` is one for weights and zero for
-/// all else. `rate` is the learning rate of this step.
+/// One step over flat arrays, each as long as whole vectors (see padded_size). `decayed` is one for weights
+/// and zero for all else. `rate` is the learning rate of this step.
 template <class T>
 void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::span<T> values,
                std::span<const T> gradients, std::span<const T> decayed) {
     ++state.steps;
-    const vector<T> momentum(static_cast<T>(rule.momentum)), l2(static_cast<T>(rule.l2)), r(static_cast<T>(rate));
+    const vector<T> momentum(static_cast<T>(rule.momentum)), l2(static_cast<T>(rule.l2)),
+        r(static_cast<T>(rate));
     for (std::size_t i = 0; i < values.size(); i += lanes<T>) {
         const vector<T> value = load<T>(&values[i]);
         const vector<T> gradient = multiply_add<T>(l2 * load(&decayed[i]), value, load(&gradients[i]));
@@ -64,12 +65,14 @@ void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::s
     const double correction1 = 1 - std::pow(rule.beta1, steps), correction2 = 1 - std::pow(rule.beta2, steps);
     const vector<T> beta1(static_cast<T>(rule.beta1)), rest1(static_cast<T>(1 - rule.beta1));
     const vector<T> beta2(static_cast<T>(rule.beta2)), rest2(static_cast<T>(1 - rule.beta2));
-    const vector<T> step(static_cast<T>(rate / correction1)), unbias(static_cast<T>(1 / std::sqrt(correction2)));
+    const vector<T> step(static_cast<T>(rate / correction1)),
+        unbias(static_cast<T>(1 / std::sqrt(correction2)));
     const vector<T> epsilon(static_cast<T>(rule.epsilon)), decay(static_cast<T>(rate * rule.decay));
     for (std::size_t i = 0; i < values.size(); i += lanes<T>) {
         const vector<T> value = load<T>(&values[i]), gradient = load(&gradients[i]);
         const vector<T> first = multiply_add<T>(beta1, load<T>(&state.first[i]), rest1 * gradient);
-        const vector<T> second = multiply_add<T>(beta2, load<T>(&state.second[i]), rest2 * gradient * gradient);
+        const vector<T> second =
+            multiply_add<T>(beta2, load<T>(&state.second[i]), rest2 * gradient * gradient);
         store(&state.first[i], first);
         store(&state.second[i], second);
         const vector<T> shrunk = value - decay * load(&decayed[i]) * value;

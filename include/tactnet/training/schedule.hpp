@@ -18,15 +18,17 @@ struct step_drop {
     double factor = 0.1;
 };
 
-/// The learning rate rises as half a cosine from rate / 25 over the `warm_up` share of all steps, and falls as another
-/// to almost nothing (Smith and Topin, 2018).
+/// The learning rate rises as half a cosine from rate / 25 over the `warm_up` share of all steps, and falls
+/// as another to almost nothing (Smith and Topin, 2018).
 struct one_cycle {
     double warm_up = 0.25;
 };
 
 using schedule = std::variant<constant_rate, step_drop, one_cycle>;
 
-[[nodiscard]] inline double rate_at(const constant_rate&, double rate, double, double) { return rate; }
+[[nodiscard]] inline double rate_at(const constant_rate&, double rate, double, double) {
+    return rate;
+}
 [[nodiscard]] inline double rate_at(const step_drop& rule, double rate, double epoch, double) {
     return rate * std::pow(rule.factor, std::floor(epoch / rule.period));
 }

@@ -26,11 +26,11 @@ enum class split_rule {
     blocked ///< images that follow each other in a class stay together, since neighbours are near-duplicates
 };
 
-/// Divides every class alike. `labels` are in the order of recording within each class. Blocked: around the circle of
-/// a class's images, the test block, then the validation block, the rest for training; where it starts is drawn.
-/// Every part holds at least one image of each class that has three or more.
-[[nodiscard]] inline data_split split_data(std::span<const std::size_t> labels, std::size_t classes, split_rule rule,
-                                           std::uint64_t seed, split_shares shares = {}) {
+/// Divides every class alike. `labels` are in the order of recording within each class. Blocked: around the
+/// circle of a class's images, the test block, then the validation block, the rest for training; where it
+/// starts is drawn. Every part holds at least one image of each class that has three or more.
+[[nodiscard]] inline data_split split_data(std::span<const std::size_t> labels, std::size_t classes,
+                                           split_rule rule, std::uint64_t seed, split_shares shares = {}) {
     data_split result;
     for (std::size_t label = 0; label < classes; ++label) {
         std::vector<std::size_t> members;

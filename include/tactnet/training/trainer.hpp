@@ -23,23 +23,30 @@ struct training_diverged : std::runtime_error {
 
 /// One epoch of a training.
 struct epoch_report {
-    std::size_t epoch = 0; ///< counted from 1
-    double rate = 0;       ///< learning rate of its last step
-    double loss = 0;       ///< mean training loss
+    std::size_t epoch = 0;                                                 ///< counted from 1
+    double rate = 0;                                                       ///< learning rate of its last step
+    double loss = 0;                                                       ///< mean training loss
     double validation_loss = std::numeric_limits<double>::quiet_NaN();     ///< NaN where none was due
     double validation_accuracy = std::numeric_limits<double>::quiet_NaN(); ///< NaN where none was due
 };
 
-/// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all sums have a
-/// fixed order: the same seed gives the same bits on any number of threads, in one go or in several (see for_each_state).
+/// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
+/// sums have a fixed order: the same seed gives the same bits on any number of threads, in one go or in
+/// several (see for_each_state).
 template <class Network>
 class trainer {
-  public:
+public:
     static constexpr shape input = Network::input_shape;
 
     /// The images must outlive the trainer.
-    trainer(const recipe& how, const labelled_images& images, data_split split, std::uint64_t seed, thread_pool& threads)
-        : how_(how), images_(images), split_(std::move(split)), seed_(seed), threads_(threads), stopping_(how.patience) {
+    trainer(const recipe& how, const labelled_images& images, data_split split, std::uint64_t seed,
+            thread_pool& threads)
+        : how_(how),
+          images_(images),
+          split_(std::move(split)),
+          seed_(seed),
+          threads_(threads),
+          stopping_(how.patience) {
         if (split_.training.empty())
             throw std::invalid_argument("trainer: the training part of the split holds no image");
         network_.epsilon = how.epsilon;
@@ -64,8 +71,8 @@ class trainer {
     [[nodiscard]] std::size_t images_per_epoch() const {
         return split_.training.size() * (how_.augmentation == augmentation_rule::sixfold ? 6 : 1);
     }
-    /// The network that did best on the validation images so far: most right, then smallest loss. The latest where there
-    /// are none.
+    /// The network with the smallest validation loss so far, smoothed over a few validations; the latest where
+    /// there are no validation images.
     [[nodiscard]] const Network& best() const { return split_.validation.empty() ? candidate() : best_; }
     [[nodiscard]] const Network& latest() const { return candidate(); }
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
@@ -85,23 +92,26 @@ class trainer {
         for (std::size_t step = 0; step < steps; ++step) {
             // Batches of equal size, so that none is left with a handful of images for its batch norms.
             const std::size_t first = count * step / steps, last = count * (step + 1) / steps;
-            const double when = static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(steps);
+            const double when =
+                static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(steps);
             report.rate = rate_at(how_.schedule, how_.rate, when, static_cast<double>(how_.epochs));
             const double loss = take(std::span(order).subspan(first, last - first), epoch, report.rate);
             if (!std::isfinite(loss))
-                throw training_diverged("training diverged in epoch " + std::to_string(epoch + 1) + ", step " +
-                                        std::to_string(step + 1) + ": expected a finite loss, found " +
-                                        std::to_string(loss) + "; lower the learning rate (now " +
-                                        std::to_string(report.rate) + ")");
+                throw training_diverged(
+                    "training diverged in epoch " + std::to_string(epoch + 1) + ", step " +
+                    std::to_string(step + 1) + ": expected a finite loss, found " + std::to_string(loss) +
+                    "; lower the learning rate (now " + std::to_string(report.rate) + ")");
             report.loss += loss * static_cast<double>(last - first) / static_cast<double>(count);
         }
-        if (!split_.validation.empty() && ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs))
+        if (!split_.validation.empty() &&
+            ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs))
             validate(report);
         history_.push_back(report);
         return history_.back();
     }
 
-    /// visit(name, span of float or double) for all that a resumed training needs; after writing to them, `restore`.
+    /// visit(name, span of float or double) for all that a resumed training needs; after writing to them,
+    /// `restore`.
     template <class Visit>
     void for_each_state(Visit&& visit) {
         visit("values", network_.learnable_values());
@@ -115,7 +125,7 @@ class trainer {
     }
     /// The numbers beside the arrays.
     [[nodiscard]] std::vector<double> progress() const {
-        std::vector<double> p{static_cast<double>(optimiser_.steps), best_accuracy_, best_loss_, stopping_.smallest(),
+        std::vector<double> p{static_cast<double>(optimiser_.steps), best_loss_, smoothed_loss_, stopping_.smallest(),
                               static_cast<double>(stopping_.waited()), stopped_ ? 1.0 : 0.0};
         for (const epoch_report& e : history_)
             p.insert(p.end(), {e.rate, e.loss, e.validation_loss, e.validation_accuracy});
@@ -123,9 +133,11 @@ class trainer {
     }
     void restore(std::span<const double> p) {
         if (p.size() < 6 || (p.size() - 6) % 4 != 0)
-            throw std::invalid_argument("trainer: the progress of a training has 6 numbers and 4 for each epoch");
+            throw std::invalid_argument(
+                "trainer: the progress of a training has 6 numbers and 4 for each epoch");
         optimiser_.steps = static_cast<std::uint64_t>(p[0]);
-        best_accuracy_ = p[1], best_loss_ = p[2];
+        best_loss_ = p[1];
+        smoothed_loss_ = p[2];
         stopping_.restore(p[3], static_cast<std::size_t>(p[4]));
         stopped_ = p[5] != 0;
         history_.clear();
@@ -133,7 +145,7 @@ class trainer {
             history_.push_back({history_.size() + 1, p[i], p[i + 1], p[i + 2], p[i + 3]});
     }
 
-  private:
+private:
     [[nodiscard]] const Network& candidate() const { return how_.averaging > 0 ? averaged_ : network_; }
 
     void make_sixfold() {
@@ -142,7 +154,8 @@ class trainer {
             const std::size_t image = split_.training[i / 6];
             random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(i % 6),
                                  static_cast<std::uint32_t>(image));
-            const image_transform t = i % 6 == 0 ? image_transform{} : image_transform::draw(how_.ranges, random);
+            const image_transform t =
+                i % 6 == 0 ? image_transform{} : image_transform::draw(how_.ranges, random);
             transform_image<input>(t, images_.template image<input>(image), sixfold_[i]);
         });
     }
@@ -183,9 +196,11 @@ class trainer {
             mix(targets, step);
         network_.prepare(threads_, space_);
         network_.forward(threads_, space_, in_, out_, seed_, step);
-        const double loss = softmax_cross_entropy(out_.as_const(), std::span<const target>(targets), images_.classes,
-                                                  how_.label_smoothing, out_gradient_.view());
-        network_.backward(threads_, space_, in_, out_, out_gradient_, {nullptr, count}, gradients_, seed_, step);
+        const double loss =
+            softmax_cross_entropy(out_.as_const(), std::span<const target>(targets), images_.classes,
+                                  how_.label_smoothing, out_gradient_.view());
+        network_.backward(threads_, space_, in_, out_, out_gradient_, {nullptr, count}, gradients_, seed_,
+                          step);
         take_step<float>(how_.optimiser, optimiser_, rate, network_.learnable_values(), gradients_, decayed_);
         if (how_.averaging > 0)
             average();
@@ -222,11 +237,12 @@ class trainer {
         const evaluation result = evaluate(candidate(), normalise_, images_, split_.validation, threads_);
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();
-        const bool better = report.validation_accuracy > best_accuracy_ ||
-                            (report.validation_accuracy == best_accuracy_ && result.loss <= best_loss_);
-        if (better) {
+        // Smoothed, for a few images tell good from better only by luck: one lucky epoch long before the end
+        // would otherwise be kept.
+        smoothed_loss_ = std::isfinite(smoothed_loss_) ? 0.8 * smoothed_loss_ + 0.2 * result.loss : result.loss;
+        if (smoothed_loss_ <= best_loss_) {
             best_ = candidate();
-            best_accuracy_ = report.validation_accuracy, best_loss_ = result.loss;
+            best_loss_ = smoothed_loss_;
         }
         stopped_ = stopping_.check(result.loss);
     }
@@ -243,7 +259,7 @@ class trainer {
     aligned_vector<float> gradients_, decayed_;
     std::vector<tensor<float, input>> sixfold_;
     std::vector<epoch_report> history_;
-    double best_accuracy_ = -1, best_loss_ = std::numeric_limits<double>::infinity();
+    double best_loss_ = std::numeric_limits<double>::infinity(), smoothed_loss_ = best_loss_;
     bool stopped_ = false;
     typename Network::workspace space_;
     typename Network::input_batch in_;

@@ -1,0 +1,17 @@
+#pragma once
+
+// The subcommands. Each adds its options to the program and returns what to do when it was chosen, which
+// gives the exit status.
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+using command = std::function<int()>;
+
+command add_train(CLI::App& program);
+command add_evaluate(CLI::App& program);
+command add_classify(CLI::App& program);
+command add_list(CLI::App& program);

@@ -1,0 +1,27 @@
+#include "interrupt.hpp"
+
+#include <atomic>
+#include <csignal>
+
+namespace {
+
+std::atomic<bool> caught = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may not wait for a lock");
+
+extern "C" void on_interrupt(int) {
+    caught = true;
+}
+
+} // namespace
+
+void catch_interrupts() {
+    struct sigaction action {};
+    action.sa_handler = on_interrupt;
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() {
+    return caught;
+}

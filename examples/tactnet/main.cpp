@@ -1,0 +1,50 @@
+// tactnet: trains the networks of the library on a folder of tactile images, evaluates them, and recognises
+// images.
+//
+// Exit status: 0, 1 (a training diverged), 2 (bad input or arguments), 130 (interrupted).
+
+#include "commands.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/training/trainer.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <utility>
+#include <vector>
+
+int main(int count, char** arguments) {
+    CLI::App program("Recognises touched objects from the pressure images of tactile arrays", "tactnet");
+    program.require_subcommand(1);
+    std::vector<std::pair<CLI::App*, command>> commands;
+    for (const auto add : {add_train, add_evaluate, add_classify, add_list}) {
+        command run = add(program);
+        commands.emplace_back(program.get_subcommands({}).back(), std::move(run));
+    }
+    try {
+        program.parse(count, arguments);
+    } catch (const CLI::ParseError& error) {
+        return program.exit(error) == 0 ? success : bad_input;
+    }
+
+    const auto complain = [](const std::exception& error, int status) {
+        fmt::print(stderr, "tactnet: {}\n", error.what());
+        return status;
+    };
+    try {
+        for (const auto& [subcommand, run] : commands)
+            if (subcommand->parsed())
+                return run();
+    } catch (const tactnet::file_error& error) {
+        return complain(error, bad_input);
+    } catch (const usage_error& error) {
+        return complain(error, bad_input);
+    } catch (const std::exception& error) { // a training that diverged, no memory left
+        return complain(error, failed);
+    }
+    return success;
+}

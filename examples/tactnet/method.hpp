@@ -1,0 +1,90 @@
+#pragma once
+
+// What the program knows of a network: names and virtual functions. The templates behind it are compiled once
+// for each network and size, in units of their own (see network_unit.cpp.in); everything else is built
+// without them.
+
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/training/evaluate.hpp>
+#include <tactnet/training/recipe.hpp>
+#include <tactnet/training/split.hpp>
+#include <tactnet/training/trainer.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What one frame costs in a network of a number of classes.
+struct network_costs {
+    std::size_t parameters = 0;              ///< learnable
+    std::size_t multiply_adds = 0;           ///< all taps
+    std::size_t multiply_adds_on_pixels = 0; ///< without those on padding
+    std::size_t parameter_bytes = 0;         ///< with running statistics, in single precision
+    std::size_t activation_bytes = 0;
+};
+
+/// Microseconds a frame on one thread: the median of repeated runs.
+struct frame_times {
+    double alone = 0;    ///< one frame at a time
+    double in_batch = 0; ///< 64 frames at once
+};
+
+/// A network with its weights.
+class trained_network {
+public:
+    virtual ~trained_network() = default;
+    virtual const std::vector<std::string>& classes() const = 0;
+    virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
+                                         std::span<const std::size_t> chosen,
+                                         tactnet::thread_pool& threads) const = 0;
+    /// A row of logits for each of the images, which are stored one after the other.
+    virtual std::vector<float> logits(std::span<const std::uint8_t> images,
+                                      tactnet::thread_pool& threads) const = 0;
+    virtual void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
+                      std::span<const std::uint8_t> selftest) const = 0;
+};
+
+/// A training in progress.
+class training_run {
+public:
+    virtual ~training_run() = default;
+    virtual bool finished() const = 0;
+    virtual const tactnet::epoch_report& run_epoch() = 0;
+    virtual const std::vector<tactnet::epoch_report>& history() const = 0;
+    virtual std::size_t images_per_epoch() const = 0;
+    virtual const tactnet::data_split& split() const = 0;
+    virtual void save_checkpoint(const std::filesystem::path& path,
+                                 const tactnet::file_metadata& settings) = 0;
+    virtual void load_checkpoint(const std::filesystem::path& path,
+                                 const tactnet::file_metadata& settings) = 0;
+    /// The best network so far.
+    virtual std::unique_ptr<trained_network> best(const std::vector<std::string>& classes) const = 0;
+};
+
+/// A network at one size.
+class method {
+public:
+    method(std::string_view name_, std::size_t rows_, std::size_t columns_, std::size_t capacity_)
+        : name(name_), rows(rows_), columns(columns_), capacity(capacity_) {}
+    virtual ~method() = default;
+
+    const std::string name;
+    const std::size_t rows, columns;
+    const std::size_t capacity; ///< the most classes it can tell apart
+
+    virtual network_costs costs(std::size_t classes) const = 0;
+    virtual frame_times time_frames() const = 0;
+    /// The images must outlive the training.
+    virtual std::unique_ptr<training_run> train(const tactnet::recipe& recipe,
+                                                const tactnet::labelled_images& images,
+                                                tactnet::data_split split, std::uint64_t seed,
+                                                tactnet::thread_pool& threads) const = 0;
+    virtual std::unique_ptr<trained_network> load(const tactnet::safetensors& file,
+                                                  std::optional<double> epsilon) const = 0;
+};

@@ -1,0 +1,118 @@
+#pragma once
+
+// Puts a network type behind the interface of method.hpp. Included only by the generated units.
+
+#include "method.hpp"
+#include "stopwatch.hpp"
+
+#include <tactnet/io/checkpoint.hpp>
+#include <tactnet/training/trainer.hpp>
+
+#include <algorithm>
+#include <utility>
+
+template <class Network>
+class registered_network final : public trained_network {
+public:
+    explicit registered_network(tactnet::model<Network> model) : model_(std::move(model)) {}
+
+    const std::vector<std::string>& classes() const override { return model_.classes; }
+    tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
+                                 tactnet::thread_pool& threads) const override {
+        return tactnet::evaluate(model_.network, model_.normalise, images, chosen, threads);
+    }
+    std::vector<float> logits(std::span<const std::uint8_t> images,
+                              tactnet::thread_pool& threads) const override {
+        return model_.logits(images, threads);
+    }
+    void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
+              std::span<const std::uint8_t> selftest) const override {
+        tactnet::save_model(path, model_, metadata, selftest);
+    }
+
+private:
+    tactnet::model<Network> model_;
+};
+
+template <class Network>
+class registered_training final : public training_run {
+public:
+    template <class... Arguments>
+    explicit registered_training(Arguments&&... arguments)
+        : trainer_(std::forward<Arguments>(arguments)...) {}
+
+    bool finished() const override { return trainer_.finished(); }
+    const tactnet::epoch_report& run_epoch() override { return trainer_.run_epoch(); }
+    const std::vector<tactnet::epoch_report>& history() const override { return trainer_.history(); }
+    std::size_t images_per_epoch() const override { return trainer_.images_per_epoch(); }
+    const tactnet::data_split& split() const override { return trainer_.split(); }
+    void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
+        tactnet::save_checkpoint(path, trainer_, settings);
+    }
+    void load_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
+        tactnet::load_checkpoint(path, trainer_, settings);
+    }
+    std::unique_ptr<trained_network> best(const std::vector<std::string>& classes) const override {
+        return std::make_unique<registered_network<Network>>(
+            tactnet::model<Network>{trainer_.best(), trainer_.input_normalisation(), classes});
+    }
+
+private:
+    tactnet::trainer<Network> trainer_;
+};
+
+template <class Network>
+class registration final : public method {
+    static constexpr tactnet::shape input = Network::input_shape;
+
+public:
+    explicit registration(std::string_view network_name)
+        : method(network_name, input.rows, input.columns, Network::outputs) {}
+
+    network_costs costs(std::size_t classes) const override {
+        // Outputs that stand for no class are no part of the network.
+        const std::size_t spare = Network::outputs - classes, inputs = last_inputs();
+        return {Network::parameters - spare * (inputs + 1), Network::multiply_adds - spare * inputs,
+                Network::multiply_adds_on_pixels - spare * inputs,
+                Network::parameter_bytes - spare * (inputs + 1) * sizeof(float),
+                Network::activation_bytes - spare * sizeof(float)};
+    }
+
+    frame_times time_frames() const override {
+        Network network;
+        tactnet::initialise(network, tactnet::he_normal{}, 0);
+        return {time(network, 1), time(network, 64)};
+    }
+
+    std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
+                                        tactnet::data_split split, std::uint64_t seed,
+                                        tactnet::thread_pool& threads) const override {
+        return std::make_unique<registered_training<Network>>(recipe, images, std::move(split), seed,
+                                                              threads);
+    }
+
+    std::unique_ptr<trained_network> load(const tactnet::safetensors& file,
+                                          std::optional<double> epsilon) const override {
+        return std::make_unique<registered_network<Network>>(tactnet::load_model<Network>(file, epsilon));
+    }
+
+private:
+    /// Of the dense layer that gives the logits: its weights stand before its biases, the last array of all.
+    static std::size_t last_inputs() {
+        const auto arrays = Network::describe();
+        return arrays[arrays.size() - 2].fan_in;
+    }
+
+    static double time(const Network& network, std::size_t batch) {
+        tactnet::thread_pool alone;
+        typename Network::workspace space;
+        typename Network::input_batch in(batch);
+        typename Network::output_batch out(batch);
+        for (std::size_t i = 0; i < batch; ++i)
+            for (std::size_t e = 0; e < input.size(); ++e)
+                in(i, e) = static_cast<float>((e * 37 + i * 11) % 64);
+        network.prepare(alone, space);
+        return median_microseconds([&] { network.infer(alone, space, in, out); }) /
+               static_cast<double>(batch);
+    }
+};

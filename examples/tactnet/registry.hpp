@@ -1,0 +1,26 @@
+#pragma once
+
+// The networks that were compiled in.
+
+#include "method.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// All of them, by network and then by size. Generated when configuring.
+std::vector<std::unique_ptr<method>> make_methods();
+
+/// The same, made once.
+const std::vector<std::unique_ptr<method>>& all_methods();
+
+/// Throws usage_error with what there is.
+const method& find_method(std::string_view name, std::size_t rows, std::size_t columns);
+
+/// Throws tactnet::file_error when a data folder has more classes than the network can tell apart.
+void check_capacity(const method& network, const std::string& data, std::size_t classes);
+
+/// Each name once: "tactnet4, tactnet6, …".
+std::string network_names();

@@ -1,0 +1,37 @@
+#pragma once
+
+// Finished trainings of an evaluation, in a file of JSON lines that grows by one as each is done. What is in
+// there need not be done again.
+
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/training/metrics.hpp>
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+struct training_result {
+    tactnet::file_metadata settings; ///< see describe_training
+    tactnet::confusion_matrix confusion;
+    double validation_accuracy = 0;
+    double seconds = 0;
+    std::size_t epochs = 0;
+    double images_per_second = 0;
+};
+
+class result_list {
+public:
+    /// Reads what there is; the beginning of a line that was never finished is passed over. Throws
+    /// tactnet::file_error.
+    explicit result_list(std::filesystem::path path);
+
+    /// The result of a training with just these settings, or nothing.
+    const training_result* find(const tactnet::file_metadata& settings) const;
+    /// Keeps a result, on the disk before anything else.
+    void add(training_result result);
+
+private:
+    std::filesystem::path path_;
+    std::vector<training_result> results_;
+    std::size_t good_bytes_ = 0;
+};

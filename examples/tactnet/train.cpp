@@ -1,0 +1,214 @@
+// tactnet train: one network on one split of a folder of images.
+
+#include "commands.hpp"
+#include "data.hpp"
+#include "interrupt.hpp"
+#include "plot.hpp"
+#include "progress.hpp"
+#include "registry.hpp"
+#include "report.hpp"
+#include "settings.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/kernels/random.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <ranges>
+#include <system_error>
+#include <thread>
+
+namespace {
+
+struct train_options {
+    training_settings training;
+    std::string data, network = "tactnet6", split = "random", output, checkpoint, plots;
+    std::uint64_t seed = 0;
+    std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
+    std::size_t selftest = 4;
+    double checkpoint_minutes = 5;
+    bool resume = false;
+};
+
+/// Blots of random pressure, so that weight files can test themselves without holding anyone's recordings.
+std::vector<std::uint8_t> selftest_images(std::size_t count, std::size_t rows, std::size_t columns) {
+    std::vector<std::uint8_t> pixels;
+    for (std::size_t i = 0; i < count; ++i) {
+        tactnet::random_stream random(i, tactnet::draw::order);
+        const double row = random.uniform() * static_cast<double>(rows),
+                     column = random.uniform() * static_cast<double>(columns);
+        const double size = 2 + random.uniform() * static_cast<double>(std::min(rows, columns)) / 2;
+        for (std::size_t y = 0; y < rows; ++y)
+            for (std::size_t x = 0; x < columns; ++x) {
+                const double dy = static_cast<double>(y) - row, dx = static_cast<double>(x) - column;
+                const double pressure = std::max(0.0, 1 - (dy * dy + dx * dx) / (size * size));
+                pixels.push_back(static_cast<std::uint8_t>(pressure * (64 + 128 * random.uniform())));
+            }
+    }
+    return pixels;
+}
+
+/// Trains until done or interrupted; tells whether it is done.
+bool run(training_run& training, std::size_t epochs, const std::filesystem::path& checkpoint,
+         const tactnet::file_metadata& settings, double checkpoint_minutes) {
+    progress line;
+    const stopwatch watch;
+    const std::size_t before = training.history().size();
+    double saved = 0;
+    while (!training.finished()) {
+        if (interrupted()) {
+            line.end_line();
+            return false;
+        }
+        const tactnet::epoch_report& e = training.run_epoch();
+        const double seconds = watch.seconds(), done = static_cast<double>(e.epoch - before);
+        const double left = seconds / done * static_cast<double>(epochs - e.epoch);
+        std::string text = fmt::format("epoch {} of {}, loss {:.4f}", e.epoch, epochs, e.loss);
+        for (const auto& past : training.history() | std::views::reverse)
+            if (!std::isnan(past.validation_accuracy)) {
+                text += fmt::format(", validation {:.1f} %", 100 * past.validation_accuracy);
+                break;
+            }
+        text += fmt::format(", {:.0f} images/s, {} left",
+                            static_cast<double>(training.images_per_epoch()) * done / seconds,
+                            duration_text(left));
+        line.show(text, training.finished());
+        if (seconds - saved > 60 * checkpoint_minutes) {
+            make_folder_of(checkpoint);
+            training.save_checkpoint(checkpoint, settings);
+            saved = seconds;
+        }
+    }
+    return true;
+}
+
+int train(const train_options& o) {
+    const method& network = find_method(o.network, o.training.rows, o.training.columns);
+    const tactnet::recipe recipe = recipe_for(o.network, o.training);
+    const std::filesystem::path output = o.output;
+    const std::filesystem::path checkpoint = o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint;
+    const std::filesystem::path folder =
+        o.plots.empty() ? output.parent_path() : std::filesystem::path(o.plots);
+    const std::string stem = output.stem().string();
+    check_writable(output);
+    check_writable(checkpoint);
+    check_writable(folder / (stem + ".learning.csv"));
+
+    const image_data data = load_data(o.data, o.training.rows, o.training.columns, o.training.resize);
+    const std::vector<std::string>& classes = data.images.classes;
+    check_capacity(network, o.data, classes.size());
+    const tactnet::split_rule rule = split_rule_of(o.split);
+    tactnet::data_split split =
+        tactnet::split_data(data.images.labels, classes.size(), rule, o.seed, o.training.shares);
+    const tactnet::file_metadata settings =
+        describe_training(o.network, o.training, rule, o.seed, data.fingerprint);
+
+    tactnet::thread_pool threads(o.threads);
+    const auto training = network.train(recipe, data.view(), std::move(split), o.seed, threads);
+    if (o.resume)
+        training->load_checkpoint(checkpoint, settings);
+    fmt::print(stderr,
+               "{} {}x{}, {} classes, {} parameters: {} images to train, {} to validate, {} to test\n",
+               o.network, network.rows, network.columns, classes.size(),
+               grouped(network.costs(classes.size()).parameters), training->split().training.size(),
+               training->split().validation.size(), training->split().test.size());
+
+    catch_interrupts();
+    const stopwatch watch;
+    if (!run(*training, recipe.epochs, checkpoint, settings, o.checkpoint_minutes)) {
+        make_folder_of(checkpoint);
+        training->save_checkpoint(checkpoint, settings);
+        fmt::print(stderr, "stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
+                   training->history().size(), recipe.epochs, checkpoint.string());
+        return interrupted_by_user;
+    }
+    const double seconds = watch.seconds();
+
+    const auto best = training->best(classes);
+    const tactnet::evaluation test = best->evaluate(data.view(), training->split().test, threads);
+    const tactnet::evaluation validation = best->evaluate(data.view(), training->split().validation, threads);
+    tactnet::file_metadata metadata = settings;
+    metadata["trained_epochs"] = fmt::to_string(training->history().size());
+    if (test.confusion.total() > 0)
+        metadata["test_accuracy"] = fmt::to_string(test.confusion.accuracy());
+    if (validation.confusion.total() > 0)
+        metadata["validation_accuracy"] = fmt::to_string(validation.confusion.accuracy());
+
+    make_folder_of(output);
+    best->save(output, metadata, selftest_images(o.selftest, network.rows, network.columns));
+    make_folder_of(folder / stem);
+    tactnet::write_file(folder / (stem + ".learning.jsonl"), learning_curve_json_lines(training->history()));
+    plot_learning_curve(
+        folder / (stem + ".learning"),
+        fmt::format("{} {}x{}, {} recipe", o.network, network.rows, network.columns, o.training.recipe),
+        training->history());
+    if (test.confusion.total() > 0)
+        plot_confusion(
+            folder / (stem + ".confusion"),
+            fmt::format("{} {}x{}, {} split {}", o.network, network.rows, network.columns, o.split, o.seed),
+            test.confusion, classes);
+    std::error_code ignored;
+    std::filesystem::remove(checkpoint,
+                            ignored); // of this training: a finished one has nothing to go on with
+
+    fmt::print("{}: trained in {:.1f} s", output.string(), seconds);
+    if (test.confusion.total() > 0)
+        fmt::print(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
+                   test.confusion.correct(), test.confusion.total());
+    fmt::print("\n");
+    return success;
+}
+
+} // namespace
+
+command add_train(CLI::App& program) {
+    auto* app = program.add_subcommand("train", "Train a network on a folder of images and save it");
+    auto o = std::make_shared<train_options>();
+    app->add_option("--data", o->data,
+                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
+        ->type_name("FOLDER")
+        ->required();
+    app->add_option("--network", o->network, "One of " + network_names())
+        ->type_name("NAME")
+        ->capture_default_str();
+    app->add_option("--output", o->output, "Weight file to write; curves and confusion matrix go beside it")
+        ->type_name("FILE")
+        ->required();
+    add_training_options(*app, o->training);
+    app->add_option("--split", o->split,
+                    "'random', or 'blocked': neighbours in the order of recording stay together")
+        ->check(CLI::IsMember({"random", "blocked"}))
+        ->capture_default_str();
+    app->add_option("--seed", o->seed,
+                    "Of the split, the first weights and the order; any whole number from 0")
+        ->type_name("N")
+        ->capture_default_str();
+    app->add_option("--threads", o->threads,
+                    "Threads, 1 to 1024; the result does not depend on it (default: one a core)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+    app->add_option("--checkpoint", o->checkpoint,
+                    "Where a stopped training is kept (default: OUTPUT.checkpoint)")
+        ->type_name("FILE");
+    app->add_option("--checkpoint-every", o->checkpoint_minutes,
+                    "Minutes between checkpoints of a running training, above 0")
+        ->type_name("MINUTES")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app->add_flag("--resume", o->resume, "Go on from the checkpoint, to the same bits as in one go");
+    app->add_option("--plots", o->plots,
+                    "Folder for curves and confusion matrix (default: that of the weight file)")
+        ->type_name("FOLDER");
+    app->add_option("--self-test", o->selftest,
+                    "Made-up images kept in the weight file with their logits, 0 to 100; loading checks them")
+        ->type_name("N")
+        ->check(CLI::Range(0, 100))
+        ->capture_default_str();
+    return [o] { return train(*o); };
+}

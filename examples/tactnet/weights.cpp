@@ -1,0 +1,69 @@
+#include "weights.hpp"
+
+#include "data.hpp"
+#include "registry.hpp"
+#include "usage_error.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+void add_weight_options(CLI::App& command, weight_options& o, bool required) {
+    command.add_option("--weights", o.weights, "Weight file (safetensors)")
+        ->type_name("FILE")
+        ->required(required);
+    if (required) { // elsewhere these exist already, for other purposes too
+        command
+            .add_option("--network", o.network,
+                        "For weight files that do not say it: one of " + network_names())
+            ->type_name("NAME");
+        command.add_option("--rows", o.rows, "Likewise: rows of the network's input, tactels")
+            ->type_name("N")
+            ->check(CLI::Range(1, 4096));
+        command.add_option("--columns", o.columns, "Likewise: columns of the network's input, tactels")
+            ->type_name("N")
+            ->check(CLI::Range(1, 4096));
+        command.add_flag("--resize", o.resize,
+                         "Resize images of another size (bicubic); without it they are an error");
+    }
+    command
+        .add_option("--epsilon", o.epsilon,
+                    "What batch norms add to a variance, above 0 (default: the file's, else 1e-5)")
+        ->type_name("X")
+        ->check(CLI::PositiveNumber);
+    command
+        .add_option("--classes", o.classes,
+                    "Names of the classes: a text file with a line each, or a folder with a subfolder each "
+                    "(default: the file's, else class_00, class_01, ...)")
+        ->type_name("PATH");
+}
+
+loaded_weights load_weights(const weight_options& o) {
+    const tactnet::safetensors file = tactnet::safetensors::read(o.weights);
+    const tactnet::model_description says = tactnet::describe_model(file);
+    const std::string name = o.network.empty() ? says.network : o.network;
+    const auto rows = o.rows ? o.rows : says.rows, columns = o.columns ? o.columns : says.columns;
+    if (name.empty() || !rows || !columns)
+        throw usage_error(
+            fmt::format("{}: expected metadata that say which network it is for, or --network, --rows and "
+                        "--columns, found neither",
+                        o.weights));
+    if (!says.network.empty() && says.network != name)
+        throw usage_error(fmt::format("{}: expected weights of {} as --network says, found those of {}",
+                                      o.weights, name, says.network));
+    loaded_weights result{&find_method(name, *rows, *columns),
+                          nullptr,
+                          {},
+                          !says.classes.empty() || !o.classes.empty(),
+                          file.metadata()};
+    result.trained = result.network->load(file, o.epsilon);
+    result.classes = result.trained->classes();
+    if (!o.classes.empty()) {
+        std::vector<std::string> names = load_class_names(o.classes);
+        if (names.size() != result.classes.size())
+            throw tactnet::file_error(
+                o.classes, "", fmt::format("{} class names, as {} has", result.classes.size(), o.weights),
+                fmt::to_string(names.size()));
+        result.classes = std::move(names);
+    }
+    return result;
+}

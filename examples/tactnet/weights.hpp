@@ -1,0 +1,35 @@
+#pragma once
+
+// A weight file, and what the user says about it where it does not do so itself.
+
+#include "method.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+struct weight_options {
+    std::string weights, network, classes;
+    std::optional<std::size_t> rows, columns;
+    std::optional<double> epsilon;
+    bool resize = false;
+};
+
+struct loaded_weights {
+    const method* network;
+    std::unique_ptr<trained_network> trained;
+    std::vector<std::string> classes;
+    bool named; ///< whether anyone said what the classes are called
+    tactnet::file_metadata metadata;
+};
+
+void add_weight_options(CLI::App& command, weight_options& options, bool required = true);
+
+/// Throws tactnet::file_error and usage_error.
+loaded_weights load_weights(const weight_options& options);

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cstddef>
+
+// Names without definitions, for headers that only pass references on.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+struct shape;
+struct extent;
+struct padding;
+class thread_pool;
+class safetensors;
+class safetensors_writer;
+template <class Network>
+struct model;
+template <class Network>
+class trainer;
+
+} // namespace tactnet

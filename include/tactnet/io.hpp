@@ -1,0 +1,14 @@
+#pragma once
+
+#include <tactnet/io/checkpoint.hpp>
+#include <tactnet/io/element_type.hpp>
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/json_scanner.hpp>
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/io/parameters.hpp>
+#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors_header.hpp>
+#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/text.hpp>

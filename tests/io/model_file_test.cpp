@@ -1,0 +1,179 @@
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/training/initialise.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <support/data_folder.hpp>
+#include <support/temporary_folder.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr shape size{4, 6, 1};
+using small_network = network<size, conv2d<2, 3>, batch_norm, relu, max_pool<2>, dense<5>>;
+
+model<small_network> example(std::size_t classes = 3) {
+    model<small_network> m;
+    initialise(m.network, he_normal{}, 1);
+    m.network.epsilon = 1e-4;
+    for (std::size_t e = 0; e < size.size(); ++e)
+        m.normalise.mean.data()[e] = 0.1F * static_cast<float>(e);
+    const std::vector<std::string> names{"cable", "a \"quoted\", one", "Schlüssel\n"};
+    m.classes.assign(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(classes));
+    return m;
+}
+
+std::vector<std::uint8_t> images(std::size_t count) {
+    std::vector<std::uint8_t> pixels(count * size.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+        pixels[i] = static_cast<std::uint8_t>(i * 97 % 251);
+    return pixels;
+}
+
+/// The file with other metadata or other bytes in a tensor.
+safetensors changed(const safetensors& file, const std::map<std::string, std::string>& metadata,
+                    const std::string& tensor = "", std::vector<std::byte> bytes = {}) {
+    safetensors_writer writer;
+    writer.metadata = file.metadata();
+    for (const auto& [key, value] : metadata)
+        writer.metadata[key] = value;
+    for (const auto& [name, entry] : file.tensors())
+        writer.add(name, entry.type, entry.extents,
+                   name == tensor ? std::span<const std::byte>(bytes) : file.bytes(name));
+    return safetensors::parse(writer.to_bytes(), "m.safetensors");
+}
+
+std::string error_of(const safetensors& file) {
+    try {
+        static_cast<void>(load_model<small_network>(file));
+    } catch (const file_error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+} // namespace
+
+TEST_SUITE("io/model_file") {
+    TEST_CASE("a model comes back as it was") {
+        const support::temporary_folder folder;
+        const auto path = folder / "m.safetensors";
+        const model<small_network> m = example();
+        save_model(path, m, {{"network", "small"}, {"seed", "7"}});
+        const model_description says = describe_model(safetensors::read(path));
+        CHECK(says.network == "small");
+        CHECK(says.rows == 4);
+        CHECK(says.columns == 6);
+        CHECK(says.epsilon == 1e-4);
+        CHECK(says.subtracts_mean == true);
+        CHECK(safetensors::read(path).metadata().at("seed") == "7");
+
+        const model<small_network> copy = load_model<small_network>(path);
+        CHECK(copy.classes == m.classes);
+        CHECK(copy.network.epsilon == 1e-4);
+        CHECK(load_model<small_network>(path, 0.25).network.epsilon == 0.25);
+        thread_pool alone;
+        CHECK(copy.logits(images(3), alone) == m.logits(images(3), alone));
+        CHECK(m.logits(images(3), alone).size() == 9);
+    }
+
+    TEST_CASE("scaled input") {
+        const support::temporary_folder folder;
+        const auto path = folder / "m.safetensors";
+        model<small_network> m = example();
+        m.normalise = {.mean = {}, .scale = 1.0F / 255};
+        save_model(path, m);
+        CHECK(safetensors::read(path).metadata().at("input") == "scale");
+        CHECK_FALSE(safetensors::read(path).contains("input_mean"));
+        CHECK(load_model<small_network>(path).normalise.scale == 1.0F / 255);
+    }
+
+    TEST_CASE("a self-test notices what changed") {
+        const support::temporary_folder folder;
+        const auto path = folder / "m.safetensors";
+        save_model(path, example(), {}, images(2));
+        const safetensors good = safetensors::read(path);
+        CHECK(error_of(good) == "no error");
+        good.require_extents("selftest.input", std::vector<std::size_t>{2, 4, 6});
+        good.require_extents("selftest.logits", std::vector<std::size_t>{2, 3});
+
+        // Another epsilon gives other logits; so does one weight.
+        const std::string moved = error_of(changed(good, {{"epsilon", "1"}}));
+        CHECK(moved.find("m.safetensors: self-test, image 0, class ") == 0);
+        CHECK(moved.find("expected the logit ") != std::string::npos);
+        const auto before = good.values<float>("fc.bias");
+        std::vector<float> bias(before.begin(), before.end());
+        bias[2] += 0.5F;
+        const auto bytes = std::as_bytes(std::span(bias));
+        CHECK(error_of(changed(good, {}, "fc.bias", {bytes.begin(), bytes.end()})).find("image 0, class 2") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("metadata that mean nothing") {
+        const support::temporary_folder folder;
+        save_model(folder / "m.safetensors", example());
+        const safetensors good = safetensors::read(folder / "m.safetensors");
+        CHECK(error_of(changed(good, {{"rows", "5"}})) ==
+              "m.safetensors: metadata: expected a network for 4 x 6, found one for 5 x 6");
+        CHECK(error_of(changed(good, {{"rows", "4x"}})) ==
+              "m.safetensors: metadata 'rows': expected a number of rows, found '4x'");
+        CHECK(error_of(changed(good, {{"epsilon", "-1"}})) ==
+              "m.safetensors: metadata 'epsilon': expected a positive number, found '-1'");
+        CHECK(error_of(changed(good, {{"epsilon", "inf"}})).find("expected a positive number") !=
+              std::string::npos);
+        CHECK(error_of(changed(good, {{"version", "2"}})) ==
+              "m.safetensors: metadata 'version': expected format version 1, found '2'");
+        CHECK(error_of(changed(good, {{"classes", "[\"a\",\"b\"]"}})) ==
+              "m.safetensors: metadata 'classes': expected 3 names, as there are logits, found 2");
+        CHECK(error_of(changed(good, {{"classes", "[\"a\",\"b"}}))
+                  .find("m.safetensors: metadata 'classes': ") == 0);
+        CHECK(error_of(changed(good, {{"input", "guess"}})) ==
+              "m.safetensors: metadata 'input': expected 'mean' or 'scale', found 'guess'");
+        // Files from elsewhere may use the same words for anything.
+        CHECK(error_of(changed(good, {{"format", "pt"}, {"classes", "alphabetical"}, {"input", "counts"}})) ==
+              "no error");
+    }
+
+    TEST_CASE("a file cut short, at any byte") {
+        const support::temporary_folder folder;
+        save_model(folder / "m.safetensors", example(), {}, images(1));
+        const auto bytes = read_file(folder / "m.safetensors");
+        for (std::size_t length = 0; length < bytes.size(); length += 7)
+            CHECK_THROWS_AS(static_cast<void>(safetensors::parse(
+                                {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}, "cut")),
+                            file_error);
+    }
+
+    TEST_CASE("the published TactNet-4 gives the published logits") {
+        const auto weights = support::find_data("published_tactnet4_14x25.safetensors");
+        const auto golden = support::find_data("published_tactnet4_14x25_golden.safetensors");
+        if (!weights || !golden)
+            return;
+        const auto m = load_model<tactnet4<shape{14, 25, 1}, 22>>(*weights);
+        CHECK(m.classes.size() == 22);
+        CHECK(m.classes[3] == "class_03");
+        const safetensors file = safetensors::read(*golden);
+        const auto expected = file.values<float>("logits");
+        thread_pool alone;
+        const auto found = m.logits(file.values<std::uint8_t>("inputs"), alone);
+        REQUIRE(found.size() == expected.size());
+        double largest = 0, difference = 0;
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            largest = std::max(largest, std::abs(static_cast<double>(expected[i])));
+            difference = std::max(difference,
+                                  std::abs(static_cast<double>(found[i]) - static_cast<double>(expected[i])));
+        }
+        MESSAGE("largest difference ", difference, " of ", largest);
+        CHECK(difference <= 1e-4 * largest);
+    }
+}

@@ -1,0 +1,81 @@
+#include <tactnet/layers/dropout.hpp>
+
+#include <cmath>
+#include <support/conformance.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+TEST_CASE("dropout: of nothing") {
+    support::check_layer<dropout<0>, shape{5, 4, 3}>();
+}
+TEST_CASE("dropout: half") {
+    support::check_layer<dropout<50>, shape{5, 4, 3}>({.random = true});
+}
+TEST_CASE("dropout: nine of ten") {
+    support::check_layer<dropout<90>, shape{1, 1, 7}>({.random = true});
+}
+
+namespace {
+
+constexpr shape size{28, 50, 8};
+using bound = dropout<30>::layer<float, size>;
+using images = batch<float, size, lanes<float>>;
+
+images ones(std::size_t count) {
+    images result(count);
+    for (std::size_t s = 0; s < count; ++s)
+        for (std::size_t e = 0; e < size.size(); ++e)
+            result(s, e) = 1;
+    return result;
+}
+images dropped(const images& in, pass p) {
+    images out(in.samples());
+    no_memory none;
+    bound::forward(p, nullptr, nullptr, none, in.view(), out.view());
+    return out;
+}
+bool equal(const images& a, const images& b, std::size_t sample_a, std::size_t sample_b) {
+    bool same = true;
+    for (std::size_t e = 0; e < size.size(); ++e)
+        same = same && a(sample_a, e) == b(sample_b, e);
+    return same;
+}
+
+} // namespace
+
+TEST_CASE("dropout: keeps the mean, and 70 of 100 elements") {
+    thread_pool threads;
+    const images in = ones(3), out = dropped(in, {.threads = threads});
+    std::size_t kept = 0;
+    for (std::size_t s = 0; s < 3; ++s)
+        for (std::size_t e = 0; e < size.size(); ++e) {
+            kept += out(s, e) != 0;
+            CHECK((out(s, e) == 0 || out(s, e) == static_cast<float>(100.0 / 70)));
+        }
+    const double n = 3.0 * size.size(), deviation = std::sqrt(n * 0.3 * 0.7);
+    CHECK(std::abs(static_cast<double>(kept) - 0.7 * n) < 5 * deviation); // one in 1.7 million
+}
+
+TEST_CASE("dropout: a function of seed, step, depth and sample") {
+    thread_pool threads;
+    const images in = ones(3);
+    const images out = dropped(in, {.threads = threads, .seed = 5, .step = 6, .depth = 7});
+    CHECK(equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 6, .depth = 7}), 1, 1));
+    CHECK(equal(out, dropped(ones(1), {.threads = threads, .seed = 5, .step = 6, .depth = 7}), 0, 0));
+    CHECK(!equal(out, out, 0, 1));
+    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 4, .step = 6, .depth = 7}), 0, 0));
+    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 5, .depth = 7}), 0, 0));
+    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 6, .depth = 6}), 0, 0));
+}
+
+TEST_CASE("dropout: the way back goes through what was kept") {
+    thread_pool threads;
+    const pass p{.threads = threads, .seed = 1, .step = 2, .depth = 3};
+    const images in = ones(2), out = dropped(in, p);
+    images in_gradient(2);
+    no_memory none;
+    bound::backward(p, nullptr, none, in.view(), out.view(), in.view(), in_gradient.view(), nullptr);
+    CHECK(equal(out, in_gradient, 0, 0));
+    CHECK(equal(out, in_gradient, 1, 1));
+}

@@ -1,0 +1,150 @@
+#include <tactnet/networks/network.hpp>
+#include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/networks/tactresnet.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+template <class Network>
+std::map<std::string, parameter> arrays_of() {
+    std::map<std::string, parameter> result;
+    for (const parameter& p : Network::describe())
+        CHECK(result.emplace(p.name, p).second); // no name twice
+    return result;
+}
+
+template <class Network>
+void check_cover() {
+    std::vector<int> learned(Network::parameters), counted(Network::statistics);
+    for (const parameter& p : Network::describe()) {
+        CAPTURE(p.name);
+        std::size_t size = 1;
+        for (const std::size_t e : p.extents)
+            size *= e;
+        CHECK(p.size == size);
+        std::vector<int>& cover = learnable(p.what) ? learned : counted;
+        REQUIRE(p.offset + p.size <= cover.size());
+        for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
+            ++cover[i];
+    }
+    const auto once = [](int n) { return n == 1; };
+    CHECK(std::all_of(learned.begin(), learned.end(), once));
+    CHECK(std::all_of(counted.begin(), counted.end(), once));
+}
+
+} // namespace
+
+TEST_CASE("describe: every number of a network once, under PyTorch's names") {
+    using net4 = tactnet4<shape{28, 50, 1}, 22>;
+    check_cover<net4>();
+    const auto arrays = arrays_of<net4>();
+    CHECK(arrays.size() == 3 * 2 + 3 * 4 + 2);
+    CHECK(arrays.at("conv1.weight").extents == std::vector<std::size_t>{8, 1, 5, 5});
+    CHECK(arrays.at("conv1.weight").what == role::weight);
+    CHECK(arrays.at("conv1.weight").fan_in == 25);
+    CHECK(arrays.at("conv3.bias").extents == std::vector<std::size_t>{32});
+    CHECK(arrays.at("bn1.weight").what == role::scale);
+    CHECK(arrays.at("bn2.bias").what == role::shift);
+    CHECK(arrays.at("bn1.running_mean").what == role::running_mean);
+    CHECK(arrays.at("bn3.running_var").what == role::running_variance);
+    CHECK(arrays.at("fc.weight").extents == std::vector<std::size_t>{22, 32 * 4 * 7});
+    CHECK(arrays.at("fc.bias").what == role::bias);
+}
+
+TEST_CASE("describe: the arrays of residual blocks stand behind the block's name") {
+    using net = tactresnet<shape{28, 50, 1}, 22>;
+    check_cover<net>();
+    const auto arrays = arrays_of<net>();
+    CHECK(arrays.at("conv1.weight").extents == std::vector<std::size_t>{64, 1, 5, 5});
+    CHECK(arrays.at("block1.conv1.weight").extents == std::vector<std::size_t>{64, 64, 3, 3});
+    CHECK(arrays.at("block2.bn2.running_var").extents == std::vector<std::size_t>{64});
+    CHECK(arrays.at("block3.conv1.weight").extents == std::vector<std::size_t>{128, 64, 3, 3});
+    CHECK(arrays.at("block3.projection.conv1.weight").extents == std::vector<std::size_t>{128, 64, 3, 3});
+    CHECK(arrays.at("block3.projection.bn1.weight").extents == std::vector<std::size_t>{128});
+    CHECK(!arrays.contains("block4.projection.conv1.weight"));
+    CHECK(arrays.contains("fc.weight"));
+}
+
+TEST_CASE("describe: a second layer of a kind that is alone elsewhere is numbered") {
+    const auto arrays = arrays_of<network<shape{4, 4, 1}, dense<5>, relu, dense<3>>>();
+    CHECK(arrays.contains("fc1.weight"));
+    CHECK(arrays.contains("fc2.bias"));
+}
+
+TEST_CASE("network: scales and running variances begin at one, all else at zero; const and not") {
+    network<shape{7, 13, 1}, conv2d<3, 3>, batch_norm, relu, dense<4>> net;
+    net.for_each_parameter([](const parameter& p, std::span<float> values) {
+        CHECK(values.size() == p.size);
+        const bool one = p.what == role::scale || p.what == role::running_variance;
+        CHECK(std::all_of(values.begin(), values.end(), [&](float v) { return v == (one ? 1 : 0); }));
+        if (p.name == "bn1.weight")
+            values[2] = 7;
+    });
+    bool seen = false;
+    std::as_const(net).for_each_parameter([&](const parameter& p, auto values) {
+        static_assert(std::is_same_v<decltype(values), std::span<const float>>);
+        seen = seen || (p.name == "bn1.weight" && values[2] == 7);
+    });
+    CHECK(seen);
+    CHECK(net.learnable_values().size() == padded_size<float>(net.parameters));
+    CHECK(net.running_statistics().size() == padded_size<float>(net.statistics));
+}
+
+TEST_CASE("network: what it costs in memory") {
+    using net = network<shape{28, 50, 1}, conv2d<8, 5>, batch_norm, relu, max_pool<2>, dense<22>>;
+    // Layer by layer: from 28 × 50 × 8 of the convolution to as many of the batch norm; input and output are
+    // there too.
+    static_assert(net::activation_bytes == 4 * (28 * 50 + 28 * 50 * 8 + 28 * 50 * 8 + 22));
+    static_assert(net::with_value_type<double>::activation_bytes == 2 * net::activation_bytes);
+    static_assert(net::parameter_bytes == 4 * (net::parameters + net::statistics));
+    // In place: one map and what is pooled from it.
+    static_assert(network<shape{4, 4, 1}, conv2d<2, 3>, relu, max_pool<2>, dense<3>>::activation_bytes ==
+                  4 * (16 + 32 + 8 + 3));
+    // A block: its input, its output, and one map inside.
+    static_assert(network<shape{4, 4, 2}, relu, residual<sequence<conv2d<2, 3>, relu, conv2d<2, 3>>>,
+                          dense<3>>::activation_bytes == 4 * (32 + 32 + 32 + 32 + 3));
+    CHECK(net::activation_bytes == 95288);
+}
+
+TEST_CASE("network: the same sample gives the same bits in any batch, workspace and number of threads") {
+    using net_type = tactnet4<shape{14, 25, 1}, 22>;
+    net_type net;
+    random_stream random(1, draw::initial_weights);
+    for (float& value : net.learnable_values())
+        value = static_cast<float>(random.uniform(-0.3, 0.3));
+    const std::size_t most = 2 * lanes<float> + 3;
+    net_type::input_batch in(most);
+    for (std::size_t s = 0; s < most; ++s)
+        for (std::size_t e = 0; e < 350; ++e)
+            in(s, e) = static_cast<float>(random.below(256));
+    thread_pool one(1), three(3);
+    net_type::workspace space;
+    net.prepare(one, space);
+    net_type::output_batch expected(most);
+    net.infer(one, space, in, expected);
+    CHECK(std::isfinite(expected(0, 0)));
+    CHECK(expected(0, 0) != expected(1, 0));
+    std::size_t different = 0;
+    for (const std::size_t count : {std::size_t{1}, lanes<float>, most}) {
+        net_type::input_batch some(count);
+        net_type::output_batch out(count);
+        for (std::size_t s = 0; s < count; ++s)
+            for (std::size_t e = 0; e < 350; ++e)
+                some(s, e) = in(most - 1 - s, e);
+        net.infer(three, space, some, out); // the workspace is used again
+        for (std::size_t s = 0; s < count; ++s)
+            for (std::size_t c = 0; c < 22; ++c)
+                different += out(s, c) != expected(most - 1 - s, c);
+    }
+    CHECK(different == 0);
+}

@@ -1,0 +1,103 @@
+#pragma once
+
+// What every layer computes, by plain loops in double over [channel][row][column] vectors: knows nothing of
+// the library's kernels, of lanes or of threads. Each number comes with the bound of the error that a
+// computation in a given precision may make, carried along through lists of layers (running error analysis).
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <support/tolerance.hpp>
+#include <vector>
+
+namespace support {
+
+/// Sizes of one sample, when running.
+struct extents3 {
+    std::size_t channels = 1, rows = 1, columns = 1;
+    [[nodiscard]] std::size_t area() const { return rows * columns; }
+    [[nodiscard]] std::size_t size() const { return channels * rows * columns; }
+    friend bool operator==(const extents3&, const extents3&) = default;
+};
+
+using sample = std::vector<bounded>;
+using samples = std::vector<sample>;
+
+/// What the reference must know of a call.
+struct reference_call {
+    std::span<const double> values;  ///< learnable parameters
+    std::span<const double> running; ///< running statistics
+    bool training = false;           ///< moments of the batch instead of the running ones
+    double epsilon = 1e-5;
+    double roundoff = 0; ///< of the precision that the bounds are for
+};
+
+/// Gradients, and bounds of their errors, for exact inputs and gradients of the output.
+struct reference_gradients {
+    samples input;
+    sample values;
+};
+
+class reference_layer {
+public:
+    virtual ~reference_layer() = default;
+
+    extents3 input, output;
+    std::size_t parameters = 0, statistics = 0;
+    std::size_t multiply_adds = 0, multiply_adds_on_pixels = 0;
+
+    [[nodiscard]] virtual samples forward(const reference_call& call, const samples& in) const = 0;
+    /// Single layers only: lists are compared with the chain of their layers instead.
+    [[nodiscard]] virtual bool has_backward() const { return false; }
+    [[nodiscard]] virtual reference_gradients backward(const reference_call&, const samples&,
+                                                       const samples&) const {
+        return {};
+    }
+};
+
+using reference_pointer = std::unique_ptr<reference_layer>;
+
+/// A window that slides over an image with `top` … `right` pixels around it.
+struct reference_window {
+    extents3 input;
+    std::size_t kernel_rows, kernel_columns, stride_rows, stride_columns;
+    std::size_t top, bottom, left, right;
+
+    /// 'same': as many outputs as strides begin in the image; what is missing is halved, odd rests bottom and
+    /// right.
+    static reference_window same(extents3 input, std::size_t kernel_rows, std::size_t kernel_columns,
+                                 std::size_t stride_rows, std::size_t stride_columns);
+    [[nodiscard]] std::size_t output_rows() const {
+        return (input.rows + top + bottom - kernel_rows) / stride_rows + 1;
+    }
+    [[nodiscard]] std::size_t output_columns() const {
+        return (input.columns + left + right - kernel_columns) / stride_columns + 1;
+    }
+    /// body(output pixel, input pixel, tap) for all that lie on the image.
+    template <class Body>
+    void for_each_tap(Body&& body) const {
+        for (std::size_t y = 0; y < output_rows(); ++y)
+            for (std::size_t x = 0; x < output_columns(); ++x)
+                for (std::size_t i = 0; i < kernel_rows; ++i)
+                    for (std::size_t j = 0; j < kernel_columns; ++j) {
+                        const std::size_t row = y * stride_rows + i, column = x * stride_columns + j;
+                        if (row >= top && row < top + input.rows && column >= left &&
+                            column < left + input.columns)
+                            body(y * output_columns() + x, (row - top) * input.columns + column - left,
+                                 i * kernel_columns + j);
+                    }
+    }
+};
+
+reference_pointer reference_convolution(const reference_window& window, std::size_t filters);
+reference_pointer reference_dense(extents3 input, std::size_t outputs);
+reference_pointer reference_batch_norm(extents3 input);
+reference_pointer reference_relu(extents3 input);
+reference_pointer reference_max_pool(const reference_window& window);
+reference_pointer reference_softmax(extents3 input);
+/// Dropout of nothing, and any dropout after training.
+reference_pointer reference_identity(extents3 input);
+reference_pointer reference_sequence(extents3 input, std::vector<reference_pointer> layers);
+reference_pointer reference_residual(reference_pointer main, reference_pointer skip);
+
+} // namespace support

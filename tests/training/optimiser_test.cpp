@@ -1,0 +1,100 @@
+#include <tactnet/kernels/random.hpp>
+#include <tactnet/training/optimiser.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <support/tolerance.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr std::size_t steps = 20;
+const std::size_t size = 3 * lanes<float>;
+
+float gradient_at(std::size_t step, std::size_t i) {
+    random_stream random(1, draw::order, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(i));
+    return static_cast<float>(random.uniform(-1, 1));
+}
+/// Parameters after some steps, each an instance of reference(value, step, index) in double.
+template <class Reference>
+void check_steps(const optimiser& rule, double rate, double bound, Reference&& reference) {
+    optimiser_state<float> state;
+    state.resize(size);
+    aligned_vector<float> values(size), gradients(size), decayed(size);
+    for (std::size_t i = 0; i < size; ++i) {
+        values[i] = static_cast<float>(i % 5) - 2;
+        decayed[i] = i % 2 == 0 ? 1.0f : 0.0f; // every other a weight
+    }
+    const aligned_vector<float> begin = values;
+    for (std::size_t step = 0; step < steps; ++step) {
+        for (std::size_t i = 0; i < size; ++i)
+            gradients[i] = gradient_at(step, i);
+        take_step<float>(rule, state, rate, values, gradients, decayed);
+    }
+    CHECK(state.steps == steps);
+    for (std::size_t i = 0; i < size; ++i)
+        CHECK(support::within(static_cast<double>(values[i]),
+                              {reference(begin[i], i, decayed[i] == 1), bound}));
+}
+
+} // namespace
+
+TEST_CASE("sgd: momentum, and L2 on weights only") {
+    const sgd rule{.momentum = 0.8, .l2 = 0.1};
+    const double rate = 0.05;
+    // Velocities below 1 / (1 − 0.8) × 1.3; a step rounds value, product and velocity a few times.
+    const double bound = support::accumulated(support::unit_roundoff<float>, 8 * steps) * 6.5;
+    check_steps(rule, rate, bound, [&](double value, std::size_t i, bool weight) {
+        double velocity = 0;
+        for (std::size_t step = 0; step < steps; ++step) {
+            const double gradient = gradient_at(step, i) + (weight ? 0.1 * value : 0);
+            velocity = 0.8 * velocity + gradient;
+            value -= rate * velocity;
+        }
+        return value;
+    });
+}
+
+TEST_CASE("adamw: both moments unbiased, decay decoupled and on weights only") {
+    const adamw rule{.beta1 = 0.9, .beta2 = 0.99, .decay = 0.05, .epsilon = 1e-8};
+    const double rate = 0.01;
+    // A step is at most about rate × 10 (few steps, small betas); its terms are rounded a dozen times each.
+    const double bound =
+        support::accumulated(support::unit_roundoff<float>, 16 * steps) * (2 + 10 * rate * steps);
+    check_steps(rule, rate, bound, [&](double value, std::size_t i, bool weight) {
+        double first = 0, second = 0;
+        for (std::size_t step = 0; step < steps; ++step) {
+            const double gradient = gradient_at(step, i), n = static_cast<double>(step + 1);
+            first = 0.9 * first + 0.1 * gradient;
+            second = 0.99 * second + 0.01 * gradient * gradient;
+            const double decay = weight ? rate * 0.05 * value : 0;
+            value -= decay + rate * (first / (1 - std::pow(0.9, n))) /
+                                 (std::sqrt(second / (1 - std::pow(0.99, n))) + 1e-8);
+        }
+        return value;
+    });
+}
+
+TEST_CASE("adamw: the first step has the length of the rate, whatever the gradient") {
+    optimiser_state<float> state;
+    state.resize(lanes<float>);
+    aligned_vector<float> values(lanes<float>), gradients(lanes<float>, 1e-3f), decayed(lanes<float>);
+    take_step<float>(adamw{}, state, 0.01, values, gradients, decayed);
+    CHECK(values[0] == doctest::Approx(-0.01).epsilon(1e-4));
+}
+
+TEST_CASE("take_step: a gradient of zero moves nothing that is not decayed") {
+    for (const optimiser& rule : {optimiser(sgd{.momentum = 0.9, .l2 = 0.1}), optimiser(adamw{})}) {
+        optimiser_state<float> state;
+        state.resize(lanes<float>);
+        aligned_vector<float> values(lanes<float>, 2.0f), gradients(lanes<float>), decayed(lanes<float>);
+        take_step<float>(rule, state, 0.1, values, gradients, decayed);
+        CHECK(values[0] == 2);
+        decayed.assign(decayed.size(), 1);
+        take_step<float>(rule, state, 0.1, values, gradients, decayed);
+        CHECK(values[0] < 2);
+    }
+}

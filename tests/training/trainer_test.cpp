@@ -1,0 +1,226 @@
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/training/trainer.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <string>
+#include <training/toy_task.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+using net = network<support::toy_task::size, conv2d<6, 3>, batch_norm, relu, max_pool<2>, conv2d<8, 3>,
+                    batch_norm, relu, max_pool<2>, dropout<10>, dense<3>>;
+using training = trainer<net>;
+
+recipe quick() {
+    recipe r;
+    r.epochs = 12;
+    r.batch = 16;
+    r.ranges = {.reflect_rows = 0.5, .reflect_columns = 0.5, .translation = 1, .rotation = 5};
+    return r;
+}
+data_split split_of(const support::toy_task& task) {
+    return split_data(task.labels, 3, split_rule::random, 1);
+}
+
+/// All that a training holds, bit by bit.
+std::vector<char> bits_of(training& t) {
+    std::vector<char> bits;
+    const auto append = [&](const void* from, std::size_t size) {
+        bits.insert(bits.end(), static_cast<const char*>(from), static_cast<const char*>(from) + size);
+    };
+    t.for_each_state([&](auto, auto values) { append(values.data(), values.size_bytes()); });
+    const std::vector<double> progress = t.progress();
+    append(progress.data(), progress.size() * sizeof(double));
+    return bits;
+}
+void run(training& t, std::size_t epochs) {
+    for (std::size_t i = 0; i < epochs && !t.finished(); ++i)
+        t.run_epoch();
+}
+
+} // namespace
+
+TEST_CASE("trainer: learns to tell three patterns apart") {
+    const support::toy_task task(60);
+    thread_pool threads(2);
+    recipe r = quick();
+    r.epochs = 40;
+    training t(r, task.images(), split_of(task), 1, threads);
+    run(t, 100);
+    CHECK(t.finished());
+    CHECK(t.history().size() == 40);
+    CHECK(t.history().back().loss < t.history().front().loss);
+    const evaluation result =
+        evaluate(t.best(), t.input_normalisation(), task.images(), t.split().test, threads);
+    MESSAGE("accuracy on test images: " << result.confusion.accuracy());
+    CHECK(result.confusion.total() == 36);
+    CHECK(result.confusion.accuracy() > 0.95);
+    CHECK(result.recognised.size() == 36);
+    CHECK(result.loss < 0.4);
+}
+
+TEST_CASE("trainer: the same bits on any number of threads and on every run, for every way to augment") {
+    const support::toy_task task(20);
+    for (const augmentation_rule rule :
+         {augmentation_rule::none, augmentation_rule::each_epoch, augmentation_rule::sixfold}) {
+        recipe r = quick();
+        r.augmentation = rule;
+        r.mixing = rule == augmentation_rule::none ? 0.2 : 0;
+        r.averaging = rule == augmentation_rule::each_epoch ? 0.9 : 0;
+        std::vector<char> expected;
+        for (const std::size_t count : {1u, 2u, 3u, 1u}) {
+            thread_pool threads(count);
+            training t(r, task.images(), split_of(task), 7, threads);
+            run(t, 3);
+            if (expected.empty())
+                expected = bits_of(t);
+            CHECK(bits_of(t) == expected);
+        }
+        thread_pool threads;
+        training other(r, task.images(), split_of(task), 8, threads);
+        run(other, 3);
+        CHECK(bits_of(other) != expected);
+    }
+}
+
+TEST_CASE("trainer: stopped and gone on with, the same bits as in one go") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    r.averaging = 0.9;
+    r.patience = 5;
+    for (const optimiser& rule : {optimiser(adamw{}), optimiser(sgd{.momentum = 0.8, .l2 = 1e-4})}) {
+        r.optimiser = rule;
+        r.schedule = std::holds_alternative<sgd>(rule) ? schedule(step_drop{2, 0.5}) : schedule(one_cycle{});
+        training whole(r, task.images(), split_of(task), 3, threads);
+        run(whole, 6);
+
+        training first(r, task.images(), split_of(task), 3, threads);
+        run(first, 2);
+        std::map<std::string, std::vector<float>> kept;
+        first.for_each_state(
+            [&](auto name, auto values) { kept[std::string(name)].assign(values.begin(), values.end()); });
+        const std::vector<double> progress = first.progress();
+
+        training second(r, task.images(), split_of(task), 3, threads);
+        second.for_each_state([&](auto name, auto values) {
+            const std::vector<float>& from = kept.at(std::string(name));
+            REQUIRE(from.size() == values.size());
+            std::copy(from.begin(), from.end(), values.begin());
+        });
+        second.restore(progress);
+        CHECK(second.history().size() == 2);
+        CHECK(bits_of(second) == bits_of(first));
+        run(second, 4);
+        CHECK(bits_of(second) == bits_of(whole));
+        CHECK(bits_of(second) != bits_of(first));
+    }
+    training t(r, task.images(), split_of(task), 3, threads);
+    std::vector<double> wrong = t.progress();
+    CHECK_NOTHROW(t.restore(wrong));
+    wrong.push_back(1);
+    CHECK_THROWS_AS(t.restore(wrong), std::invalid_argument);
+    CHECK_THROWS_AS(t.restore(std::vector<double>(1)), std::invalid_argument);
+}
+
+TEST_CASE("trainer: a training that diverges stops and says so") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    r.optimiser = sgd{.momentum = 0.9};
+    r.schedule = constant_rate{};
+    r.rate = 1e30;
+    training t(r, task.images(), split_of(task), 1, threads);
+    std::string message;
+    try {
+        run(t, 10);
+    } catch (const training_diverged& e) {
+        message = e.what();
+    }
+    CHECK(message.find("training diverged in epoch ") == 0);
+    CHECK(message.find("expected a finite loss") != std::string::npos);
+}
+
+TEST_CASE("trainer: keeps the network that was best on the validation images") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    r.rate = 0.02;
+    r.schedule = constant_rate{};
+    training t(r, task.images(), split_of(task), 1, threads);
+    double smoothed = 0, smallest = 0, loss = 0;
+    bool kept_an_older = false;
+    std::vector<float> best;
+    while (!t.finished()) {
+        const epoch_report& report = t.run_epoch();
+        smoothed = report.epoch == 1 ? report.validation_loss : 0.8 * smoothed + 0.2 * report.validation_loss;
+        if (report.epoch == 1 || smoothed <= smallest) {
+            smallest = smoothed, loss = report.validation_loss;
+            best.assign(t.latest().learnable_values().begin(), t.latest().learnable_values().end());
+        } else {
+            kept_an_older = true;
+        }
+        CHECK(std::equal(best.begin(), best.end(), t.best().learnable_values().begin()));
+        const evaluation again =
+            evaluate(t.best(), t.input_normalisation(), task.images(), t.split().validation, threads);
+        CHECK(again.loss == loss);
+    }
+    CHECK(kept_an_older); // or nothing was tested
+}
+
+TEST_CASE("trainer: validates when due, and stops when nothing gets better") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    r.epochs = 7;
+    r.validate_every = 3;
+    training t(r, task.images(), split_of(task), 1, threads);
+    run(t, 100);
+    REQUIRE(t.history().size() == 7);
+    for (const epoch_report& e : t.history())
+        CHECK(std::isnan(e.validation_loss) == !(e.epoch == 3 || e.epoch == 6 || e.epoch == 7));
+
+    r.epochs = 100;
+    r.validate_every = 1;
+    r.patience = 2;
+    r.rate = 0; // nothing moves but the running statistics, which settle
+    r.augmentation = augmentation_rule::none;
+    r.schedule = constant_rate{};
+    r.batch = 0;
+    training idle(r, task.images(), split_of(task), 1, threads);
+    run(idle, 1000);
+    CHECK(idle.finished());
+}
+
+TEST_CASE("trainer: input as counts minus the mean of the training images, or scaled") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    training centred(r, task.images(), split_of(task), 1, threads);
+    CHECK(centred.input_normalisation().scale == 1);
+    const auto mean = normalisation<net::input_shape>::mean_of(task.pixels, centred.split().training);
+    CHECK(std::equal(mean.begin(), mean.end(), centred.input_normalisation().mean.begin()));
+    r.input = input_rule::scale;
+    training scaled(r, task.images(), split_of(task), 1, threads);
+    CHECK(scaled.input_normalisation().scale == 1.0f / 255);
+    CHECK(scaled.input_normalisation().mean(3, 3) == 0);
+    CHECK(centred.images_per_epoch() == 3 * 13);
+    r.augmentation = augmentation_rule::sixfold;
+    training six(r, task.images(), split_of(task), 1, threads);
+    CHECK(six.images_per_epoch() == 6 * centred.images_per_epoch());
+}
+
+TEST_CASE("trainer: refuses a split without training images") {
+    const support::toy_task task(4);
+    thread_pool threads;
+    CHECK_THROWS_AS(training(quick(), task.images(), data_split{{}, {0}, {1}}, 1, threads),
+                    std::invalid_argument);
+}
