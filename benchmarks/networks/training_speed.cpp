@@ -51,7 +51,7 @@ struct fixture {
     typename Network::workspace space;
     typename Network::input_batch in;
     typename Network::output_batch out, gradient;
-    std::vector<tactnet::target> targets;
+    std::vector<std::size_t> labels;
     std::vector<typename Network::value_type> parameter_gradients;
     double loss = 0;
 
@@ -59,14 +59,14 @@ struct fixture {
         : in(samples),
           out(samples),
           gradient(samples),
-          targets(samples),
+          labels(samples),
           parameter_gradients(network.learnable_values().size()) {
         tactnet::initialise(network, tactnet::he_normal{}, 1);
         tactnet::random_stream random(1, tactnet::draw::order);
         for (std::size_t s = 0; s < samples; ++s) {
             for (std::size_t e = 0; e < Network::input_shape.size(); ++e)
                 in(s, e) = static_cast<typename Network::value_type>(random.uniform(-20, 100));
-            targets[s].label = s % Network::outputs;
+            labels[s] = s % Network::outputs;
         }
     }
     void infer(tactnet::thread_pool& threads) {
@@ -76,7 +76,7 @@ struct fixture {
     void train(tactnet::thread_pool& threads) {
         network.prepare(threads, space);
         network.forward(threads, space, in, out);
-        loss = tactnet::softmax_cross_entropy(out.as_const(), std::span<const tactnet::target>(targets),
+        loss = tactnet::softmax_cross_entropy(out.as_const(), std::span<const std::size_t>(labels),
                                               Network::outputs, 0.1, gradient.view());
         network.backward(threads, space, in, out, gradient, {nullptr, in.samples()}, parameter_gradients);
     }

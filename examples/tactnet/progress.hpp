@@ -5,6 +5,7 @@
 
 #include "stopwatch.hpp"
 
+#include <cstddef>
 #include <string>
 
 class progress {

@@ -169,7 +169,7 @@ tactnet::file_metadata describe_training(std::string_view network, const trainin
         {"augmentation", std::string(text_of(r.augmentation))},
         {"augmentation_ranges", text_of(r.ranges)},
         {"label_smoothing", fmt::to_string(r.label_smoothing)},
-        {"mixing", fmt::to_string(r.mixing)},
+        {"remeasure_statistics", fmt::to_string(r.remeasure_statistics)},
         {"averaging", fmt::to_string(r.averaging)},
         {"epsilon", fmt::to_string(r.epsilon)},
         {"validate_every", fmt::to_string(r.validate_every)},

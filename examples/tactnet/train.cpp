@@ -20,7 +20,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <ranges>
 #include <system_error>
 #include <thread>
 
@@ -70,11 +69,12 @@ bool run(training_run& training, std::size_t epochs, const std::filesystem::path
         const double seconds = watch.seconds(), done = static_cast<double>(e.epoch - before);
         const double left = seconds / done * static_cast<double>(epochs - e.epoch);
         std::string text = fmt::format("epoch {} of {}, loss {:.4f}", e.epoch, epochs, e.loss);
-        for (const auto& past : training.history() | std::views::reverse)
-            if (!std::isnan(past.validation_accuracy)) {
-                text += fmt::format(", validation {:.1f} %", 100 * past.validation_accuracy);
-                break;
-            }
+        const auto& history = training.history();
+        const auto validated = std::find_if(history.rbegin(), history.rend(), [](const auto& past) {
+            return !std::isnan(past.validation_accuracy);
+        });
+        if (validated != history.rend())
+            text += fmt::format(", validation {:.1f} %", 100 * validated->validation_accuracy);
         text += fmt::format(", {:.0f} images/s, {} left",
                             static_cast<double>(training.images_per_epoch()) * done / seconds,
                             duration_text(left));

@@ -257,8 +257,7 @@ TEST_SUITE("program") {
 
         shop.refuses(shop.train_arguments({"--epochs", epochs, "--output", "net", "--resume", "--seed", "6"}),
                      "net.checkpoint: setting 'seed' of the stopped training: expected ");
-        REQUIRE(shop.train({"--epochs", epochs, "--output", "net", "--resume"}).status ==
-                0);
+        REQUIRE(shop.train({"--epochs", epochs, "--output", "net", "--resume"}).status == 0);
         CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
         REQUIRE(shop.train({"--epochs", epochs, "--output", "whole"}).status == 0);
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
@@ -396,7 +395,7 @@ TEST_SUITE("program") {
         writer.write(shop / "bare");
         refuses({"--weights", "bare"}, "bare: expected metadata that say which network it is for, or "
                                        "--network, --rows and --columns, found neither");
-        refuses({"--weights", "bare", "--network", "tactnet6", "--rows", "7", "--columns", "13"},
+        refuses({"--weights", "bare", "--network", "tactnet6-economical", "--rows", "7", "--columns", "13"},
                 "bare: expected a tensor 'conv4.weight' of 64x32x3x3, found none of that name");
         CHECK(shop.run({"classify", "--weights", "bare", "--network", "tactnet4", "--rows", "7", "--columns",
                         "13", image})

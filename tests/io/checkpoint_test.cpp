@@ -99,8 +99,8 @@ TEST_SUITE("io/checkpoint") {
         run whole;
         whole.until(6);
         const auto expected = whole.bits();
-        for (const std::size_t before : {1, 2})
-            for (const std::size_t after : {1, 2}) {
+        for (const std::size_t before : {1U, 2U})
+            for (const std::size_t after : {1U, 2U}) {
                 CAPTURE(before);
                 CAPTURE(after);
                 const auto path = folder / "t.checkpoint";

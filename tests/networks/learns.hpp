@@ -23,9 +23,9 @@ void check_learns() {
     random_stream random(2, draw::order);
     typename Network::input_batch in(count);
     typename Network::output_batch out(count), out_gradient(count);
-    std::vector<target> targets(count);
+    std::vector<std::size_t> labels(count);
     for (std::size_t s = 0; s < count; ++s) {
-        targets[s].label = s % 4;
+        labels[s] = s % 4;
         for (std::size_t e = 0; e < area; ++e)
             in(s, e) = static_cast<float>(random.uniform(-1, 1));
     }
@@ -36,8 +36,8 @@ void check_learns() {
     for (int step = 0; step < 6; ++step) {
         net.prepare(threads, space);
         net.forward(threads, space, in, out);
-        last = softmax_cross_entropy(out.as_const(), std::span<const target>(targets), Network::outputs, 0.0,
-                                     out_gradient.view());
+        last = softmax_cross_entropy(out.as_const(), std::span<const std::size_t>(labels), Network::outputs,
+                                     0.0, out_gradient.view());
         if (step == 0)
             first = last;
         net.backward(threads, space, in, out, out_gradient, {nullptr, count}, gradients);

@@ -30,7 +30,7 @@ namespace tactnet::inline TACTNET_ARCH {
 
 /// What random numbers are drawn for. Each purpose has numbers of its own, so that one more draw for one does
 /// not change another.
-enum class draw : std::uint32_t { split, order, augmentation, initial_weights, dropout, mixing };
+enum class draw : std::uint32_t { split, order, augmentation, initial_weights, dropout };
 
 /// The numbers of one item: for example (seed, draw::augmentation, epoch, sample).
 class random_stream {
@@ -59,14 +59,6 @@ public:
     [[nodiscard]] double normal() {
         const double radius = std::sqrt(-2 * std::log((bits() + 0.5) * 0x1p-32));
         return radius * std::cos(2 * std::numbers::pi * uniform());
-    }
-    /// Beta(alpha, alpha) for alpha in (0, 1], by Jöhnk's rejection.
-    [[nodiscard]] double symmetric_beta(double alpha) {
-        while (true) {
-            const double a = std::pow(uniform(), 1 / alpha), b = std::pow(uniform(), 1 / alpha);
-            if (a + b > 0 && a + b <= 1)
-                return a / (a + b);
-        }
     }
     /// Puts the elements of a random-access range in random order (Fisher and Yates).
     template <class Range>

@@ -76,6 +76,8 @@ public:
 
     /// What batch norms add to a variance.
     double epsilon = 1e-5;
+    /// Share of each training batch in the running statistics of batch norms.
+    double momentum = 0.1;
 
     /// All learnable parameters, then zeros up to a whole vector.
     [[nodiscard]] std::span<T> learnable_values() { return values_; }
@@ -132,7 +134,7 @@ public:
 
 private:
     [[nodiscard]] pass make_pass(thread_pool& threads, std::uint64_t seed = 0, std::uint32_t step = 0) const {
-        return {.threads = threads, .epsilon = epsilon, .seed = seed, .step = step};
+        return {.threads = threads, .epsilon = epsilon, .momentum = momentum, .seed = seed, .step = step};
     }
 
     aligned_vector<T> values_, statistics_;

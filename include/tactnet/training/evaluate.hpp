@@ -45,14 +45,14 @@ evaluate(const Network& network, const normalisation<Network::input_shape>& norm
         const std::size_t count = std::min(at_once, chosen.size() - first);
         typename Network::input_batch in(count);
         typename Network::output_batch out(count), gradient(count);
-        std::vector<target> targets(count);
+        std::vector<std::size_t> labels(count);
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t index = chosen[first + i];
             in.set(i, normalise(images.template image<Network::input_shape>(index)));
-            targets[i].label = images.labels[index];
+            labels[i] = images.labels[index];
         }
         network.infer(threads, space, in, out);
-        const auto mean = softmax_cross_entropy(out.as_const(), std::span<const target>(targets),
+        const auto mean = softmax_cross_entropy(out.as_const(), std::span<const std::size_t>(labels),
                                                 images.classes, 0.0, gradient.view());
         result.loss += mean * static_cast<double>(count) / static_cast<double>(chosen.size());
         for (std::size_t i = 0; i < count; ++i) {
@@ -61,7 +61,7 @@ evaluate(const Network& network, const normalisation<Network::input_shape>& norm
                 if (out(i, c) > out(i, best))
                     best = c;
             result.recognised.push_back(best);
-            result.confusion.add(targets[i].label, best);
+            result.confusion.add(labels[i], best);
         }
     }
     return result;

@@ -9,19 +9,12 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// The wanted answer for one sample: a class, or two mixed.
-struct target {
-    std::size_t label = 0;
-    std::size_t other = 0;
-    double share = 1; ///< of `label`; the rest is that of `other`
-};
-
 /// Softmax with cross-entropy, in double and from the largest logit down: no overflow, no logarithm of a
 /// rounded probability. Only the first `classes` logits take part. Label smoothing gives each class
 /// `smoothing / classes`. Returns the mean over the batch and writes its gradient, zero for logits and lanes
 /// that take no part.
 template <class T, shape Shape, std::size_t Lanes>
-double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span<const target> targets,
+double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span<const std::size_t> labels,
                              std::size_t classes, double smoothing, batch_view<T, Shape, Lanes> gradient) {
     std::fill_n(gradient.data(), gradient.groups() * gradient.group_size, T{});
     const auto count = static_cast<double>(logits.samples());
@@ -37,9 +30,8 @@ double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span
             std::log(sum); // of the distances from the largest, or a large logit would swallow it
         for (std::size_t c = 0; c < classes; ++c) {
             const double log_probability = static_cast<double>(logits(sample, c)) - largest - log_sum;
-            const target& t = targets[sample];
-            double wanted = smoothing / static_cast<double>(classes);
-            wanted += (1 - smoothing) * ((c == t.label ? t.share : 0.0) + (c == t.other ? 1 - t.share : 0.0));
+            const double wanted =
+                smoothing / static_cast<double>(classes) + (c == labels[sample] ? 1 - smoothing : 0.0);
             if (wanted > 0) // a wanted share of zero costs nothing, even where the logarithm is −∞
                 total -= wanted * log_probability;
             gradient(sample, c) = static_cast<T>((std::exp(log_probability) - wanted) / count);

@@ -38,9 +38,11 @@ struct recipe {
     augmentation_rule augmentation = augmentation_rule::each_epoch;
     augmentation_ranges ranges{};
     double label_smoothing = 0.1;
-    double mixing = 0;              ///< alpha of mixup's beta distribution; 0 is off
-    double averaging = 0;           ///< share of the past in a running average of the parameters; 0 is off
-    double epsilon = 1e-5;          ///< of batch norms
+    double averaging = 0;  ///< share of the past in a running average of the parameters; 0 is off
+    double epsilon = 1e-5; ///< of batch norms
+    /// Take the statistics of batch norms anew from the last batch before each validation. Right where a
+    /// batch is the whole training set: running ones lag behind parameters that move in large steps.
+    bool remeasure_statistics = false;
     std::size_t validate_every = 1; ///< epochs
     std::size_t patience = 0;       ///< validations without a smaller loss before it stops; 0 never stops
 
@@ -73,6 +75,7 @@ struct recipe {
         r.initialisation = fixed_normal{0.01};
         r.ranges = augmentation_ranges::published(rows, columns);
         r.label_smoothing = 0;
+        r.remeasure_statistics = true;
         r.validate_every = 10;
         r.patience = patience;
         return r;

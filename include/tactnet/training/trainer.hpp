@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tactnet::inline TACTNET_ARCH {
@@ -71,8 +72,8 @@ public:
     [[nodiscard]] std::size_t images_per_epoch() const {
         return split_.training.size() * (how_.augmentation == augmentation_rule::sixfold ? 6 : 1);
     }
-    /// The network with the smallest validation loss so far, smoothed over a few validations; the latest where
-    /// there are no validation images.
+    /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
+    /// where there are no validation images.
     [[nodiscard]] const Network& best() const { return split_.validation.empty() ? candidate() : best_; }
     [[nodiscard]] const Network& latest() const { return candidate(); }
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
@@ -125,8 +126,12 @@ public:
     }
     /// The numbers beside the arrays.
     [[nodiscard]] std::vector<double> progress() const {
-        std::vector<double> p{static_cast<double>(optimiser_.steps), best_loss_, smoothed_loss_, stopping_.smallest(),
-                              static_cast<double>(stopping_.waited()), stopped_ ? 1.0 : 0.0};
+        std::vector<double> p{static_cast<double>(optimiser_.steps),
+                              best_loss_,
+                              smoothed_loss_,
+                              stopping_.smallest(),
+                              static_cast<double>(stopping_.waited()),
+                              stopped_ ? 1.0 : 0.0};
         for (const epoch_report& e : history_)
             p.insert(p.end(), {e.rate, e.loss, e.validation_loss, e.validation_accuracy});
         return p;
@@ -181,7 +186,7 @@ private:
     double take(std::span<const std::size_t> places, std::size_t epoch, double rate) {
         const std::size_t count = places.size();
         in_.resize(count), out_.resize(count), out_gradient_.resize(count);
-        std::vector<target> targets(count);
+        std::vector<std::size_t> labels(count);
         threads_.for_each(count, [&](std::size_t i) {
             tensor<float, input> image;
             make_input(places[i], epoch, image);
@@ -189,15 +194,13 @@ private:
         });
         const std::size_t copies = how_.augmentation == augmentation_rule::sixfold ? 6 : 1;
         for (std::size_t i = 0; i < count; ++i)
-            targets[i].label = images_.labels[split_.training[places[i] / copies]];
+            labels[i] = images_.labels[split_.training[places[i] / copies]];
 
         const auto step = static_cast<std::uint32_t>(optimiser_.steps);
-        if (how_.mixing > 0)
-            mix(targets, step);
         network_.prepare(threads_, space_);
         network_.forward(threads_, space_, in_, out_, seed_, step);
         const double loss =
-            softmax_cross_entropy(out_.as_const(), std::span<const target>(targets), images_.classes,
+            softmax_cross_entropy(out_.as_const(), std::span<const std::size_t>(labels), images_.classes,
                                   how_.label_smoothing, out_gradient_.view());
         network_.backward(threads_, space_, in_, out_, out_gradient_, {nullptr, count}, gradients_, seed_,
                           step);
@@ -205,21 +208,6 @@ private:
         if (how_.averaging > 0)
             average();
         return loss;
-    }
-
-    /// Mixup (Zhang, Cissé, Dauphin, Lopez-Paz, 2018): every image is blended with the one behind it.
-    void mix(std::vector<target>& targets, std::uint32_t step) {
-        const typename Network::input_batch originals = in_;
-        const std::size_t count = targets.size();
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t other = (i + 1) % count;
-            random_stream random(seed_, draw::mixing, step, static_cast<std::uint32_t>(i));
-            targets[i].other = targets[other].label;
-            targets[i].share = random.symmetric_beta(how_.mixing);
-            const auto share = static_cast<float>(targets[i].share);
-            for (std::size_t e = 0; e < input.size(); ++e)
-                in_(i, e) = originals(other, e) + share * (originals(i, e) - originals(other, e));
-        }
     }
 
     void average() {
@@ -233,13 +221,23 @@ private:
         blend(averaged_.running_statistics(), network_.running_statistics());
     }
 
+    void remeasure_statistics() {
+        const double momentum = std::exchange(network_.momentum, 1.0);
+        network_.prepare(threads_, space_);
+        network_.forward(threads_, space_, in_, out_, seed_, static_cast<std::uint32_t>(optimiser_.steps));
+        network_.momentum = momentum;
+    }
+
     void validate(epoch_report& report) {
+        if (how_.remeasure_statistics)
+            remeasure_statistics();
         const evaluation result = evaluate(candidate(), normalise_, images_, split_.validation, threads_);
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();
         // Smoothed, for a few images tell good from better only by luck: one lucky epoch long before the end
         // would otherwise be kept.
-        smoothed_loss_ = std::isfinite(smoothed_loss_) ? 0.8 * smoothed_loss_ + 0.2 * result.loss : result.loss;
+        smoothed_loss_ =
+            std::isfinite(smoothed_loss_) ? 0.8 * smoothed_loss_ + 0.2 * result.loss : result.loss;
         if (smoothed_loss_ <= best_loss_) {
             best_ = candidate();
             best_loss_ = smoothed_loss_;
