@@ -325,6 +325,7 @@ command add_evaluate(CLI::App& program) {
         ->capture_default_str();
     app->add_option("--seed", o->first_seed, "Seed of the first split; the others follow")
         ->type_name("N")
+        ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     app->add_option("--results", o->results,
                     "Folder for results; finished trainings found there are not done again")

@@ -188,6 +188,7 @@ command add_train(CLI::App& program) {
     app->add_option("--seed", o->seed,
                     "Of the split, the first weights and the order; any whole number from 0")
         ->type_name("N")
+        ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     app->add_option("--threads", o->threads,
                     "Threads, 1 to 1024; the result does not depend on it (default: one a core)")
