@@ -117,20 +117,3 @@ TEST_CASE("random_stream: shuffle keeps the elements and gives every order alike
     random.shuffle(one);
     CHECK(one[0] == 7);
 }
-
-TEST_CASE("random_stream: symmetric_beta") {
-    random_stream random(5, draw::mixing);
-    for (const double alpha : {0.2, 1.0}) {
-        constexpr int n = 20000;
-        double sum = 0, squares = 0;
-        for (int i = 0; i < n; ++i) {
-            const double x = random.symmetric_beta(alpha);
-            REQUIRE((x >= 0 && x <= 1));
-            sum += x, squares += (x - 0.5) * (x - 0.5);
-        }
-        const double variance = 1 / (4 * (2 * alpha + 1));
-        CHECK(std::abs(sum / n - 0.5) < 5 * std::sqrt(variance / n));
-        // (x − ½)² lies in 0 … ¼, so that its deviation is at most ⅛.
-        CHECK(std::abs(squares / n - variance) < 5 * 0.125 / std::sqrt(n));
-    }
-}

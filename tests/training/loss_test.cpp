@@ -24,9 +24,8 @@ long double reference(const logits<double>& x, const std::vector<std::size_t>& l
         for (std::size_t c = 0; c < classes; ++c)
             sum += std::exp(static_cast<long double>(x(s, c)));
         for (std::size_t c = 0; c < classes; ++c) {
-            long double wanted = smoothing / static_cast<double>(classes);
-            if (c == labels[s])
-                wanted += 1 - smoothing;
+            const long double wanted =
+                smoothing / static_cast<double>(classes) + (c == labels[s] ? 1 - smoothing : 0.0);
             total -= wanted * std::log(std::exp(static_cast<long double>(x(s, c))) / sum);
         }
     }

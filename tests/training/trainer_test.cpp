@@ -73,7 +73,7 @@ TEST_CASE("trainer: the same bits on any number of threads and on every run, for
          {augmentation_rule::none, augmentation_rule::each_epoch, augmentation_rule::sixfold}) {
         recipe r = quick();
         r.augmentation = rule;
-        r.mixing = rule == augmentation_rule::none ? 0.2 : 0;
+        r.remeasure_statistics = rule == augmentation_rule::none;
         r.averaging = rule == augmentation_rule::each_epoch ? 0.9 : 0;
         std::vector<char> expected;
         for (const std::size_t count : {1u, 2u, 3u, 1u}) {
