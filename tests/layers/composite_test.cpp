@@ -76,7 +76,7 @@ bool same_bits(const array<T>& a, const array<T>& b) {
 template <class List, shape Input>
 void check_chain() {
     using T = float;
-    constexpr std::size_t count = lanes<T> + 2, groups = 2 * lanes<T>;
+    constexpr std::size_t count = lanes<T> + 2, places = (count + lanes<T> - 1) / lanes<T> * lanes<T>;
     auto one = support::make_layer<List, T, Input>();
     auto many = chain<T>::of(List{}, std::integral_constant<shape, Input>{});
     random_stream random(3, draw::order);
@@ -88,10 +88,10 @@ void check_chain() {
     };
     // Empty lanes stay empty.
     const auto samples = [&](std::size_t size) {
-        array<T> a = filled(size * groups);
-        for (std::size_t e = 0; e < size; ++e)
-            for (std::size_t lane = count - lanes<T>; lane < lanes<T>; ++lane)
-                a[(size + e) * lanes<T> + lane] = 0;
+        array<T> a = filled(size * places);
+        for (std::size_t s = count; s < places; ++s)
+            for (std::size_t e = 0; e < size; ++e)
+                a[(s / lanes<T> * size + e) * lanes<T> + s % lanes<T>] = 0;
         return a;
     };
     array<T> values = filled(one->parameters), running(one->statistics, T{1}), running_many = running;
@@ -99,7 +99,7 @@ void check_chain() {
     thread_pool threads;
     const pass p{.threads = threads, .seed = 5, .step = 9};
     for (int step = 0; step < 2; ++step) { // the second in memory that was used
-        array<T> out(one->output.size() * groups), in_gradient(in.size()), gradients(values.size()),
+        array<T> out(one->output.size() * places), in_gradient(in.size()), gradients(values.size()),
             gradients_many = gradients;
         one->resize(count);
         one->prepare(p, values.data(), running.data());
