@@ -21,7 +21,6 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
-#include <thread>
 
 namespace {
 
@@ -29,7 +28,7 @@ struct train_options {
     training_settings training;
     std::string data, network = "tactnet6", split = "random", output, checkpoint, plots;
     std::uint64_t seed = 0;
-    std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
+    std::size_t threads = 1; // more pay on an idle machine only: their barriers wait for every core
     std::size_t selftest = 4;
     double checkpoint_minutes = 5;
     bool resume = false;
@@ -191,7 +190,8 @@ command add_train(CLI::App& program) {
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     app->add_option("--threads", o->threads,
-                    "Threads, 1 to 1024; the result does not depend on it (default: one a core)")
+                    "Threads, 1 to 1024; the result does not depend on it")
+        ->capture_default_str()
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
     app->add_option("--checkpoint", o->checkpoint,
