@@ -22,6 +22,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -39,10 +40,14 @@ struct model {
     std::vector<std::string> classes;
 
     /// Logits of images stored one after the other: one row of `classes.size()` each.
+    /// Throws std::invalid_argument unless there is a whole number of images, one or more.
     [[nodiscard]] std::vector<float> logits(std::span<const std::uint8_t> images,
                                             thread_pool& threads) const {
         constexpr std::size_t size = Network::input_shape.size();
         const std::size_t count = images.size() / size;
+        if (count == 0 || images.size() % size != 0)
+            throw std::invalid_argument("logits: expected images of " + std::to_string(size) +
+                                        " pixels, found " + std::to_string(images.size()) + " pixels");
         typename Network::workspace space;
         typename Network::input_batch in(count);
         typename Network::output_batch out(count);

@@ -11,7 +11,7 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Threads that divide work into equal, fixed shares. Which thread does what depends on the counts alone, and
+/// Threads that divide work into equal, fixed shares, for one caller at a time. Which thread does what depends on the counts alone, and
 /// nothing is added up across shares, so results cannot depend on timing. One thread starts none.
 class thread_pool {
 public:

@@ -15,7 +15,7 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Samples that someone else owns, as a batch. T may be const.
+/// Samples that someone else owns, as a batch: whole groups of memory, aligned to 64 bytes. T may be const.
 template <class T, shape Shape, std::size_t Lanes>
 class batch_view {
 public:

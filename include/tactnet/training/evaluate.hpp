@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace tactnet::inline TACTNET_ARCH {
@@ -26,6 +28,23 @@ struct labelled_images {
     }
 };
 
+/// Throws std::invalid_argument unless a network can tell the classes apart, every label is one of them, and
+/// there are as many pixels as the labels need.
+template <class Network>
+void check_images(const labelled_images& images) {
+    const auto refuse = [](const std::string& what, std::size_t expected, std::size_t found) {
+        throw std::invalid_argument("images: expected " + what + " " + std::to_string(expected) + ", found " +
+                                    std::to_string(found));
+    };
+    if (images.classes == 0 || images.classes > Network::outputs)
+        refuse("classes, at least one and at most", Network::outputs, images.classes);
+    if (images.pixels.size() != images.labels.size() * Network::input_shape.size())
+        refuse("pixels:", images.labels.size() * Network::input_shape.size(), images.pixels.size());
+    for (const std::size_t label : images.labels)
+        if (label >= images.classes)
+            refuse("a label below", images.classes, label);
+}
+
 struct evaluation {
     double loss = 0; ///< mean cross-entropy
     confusion_matrix confusion;
@@ -38,6 +57,7 @@ template <class Network>
 evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,
          const labelled_images& images, std::span<const std::size_t> chosen, thread_pool& threads) {
     constexpr std::size_t at_once = 64;
+    check_images<Network>(images);
     typename Network::workspace space;
     network.prepare(threads, space);
     evaluation result{0, confusion_matrix(images.classes), {}};

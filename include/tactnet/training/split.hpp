@@ -50,8 +50,11 @@ enum class split_rule {
             const auto n = static_cast<std::size_t>(std::lround(share * static_cast<double>(members.size())));
             return members.size() >= 3 && share > 0 ? std::max<std::size_t>(n, 1) : n;
         };
-        const std::size_t test = std::min(part(shares.test), members.size());
-        const std::size_t validation = std::min(part(shares.validation), members.size() - test);
+        const std::size_t kept =
+            members.size() >= 3 ? 1 : 0; // whatever the shares, for training and for validation
+        const std::size_t room = members.size() - kept;
+        const std::size_t test = std::min(part(shares.test), room - (shares.validation > 0 ? kept : 0));
+        const std::size_t validation = std::min(part(shares.validation), room - test);
         const auto middle = members.begin() + static_cast<std::ptrdiff_t>(test);
         const auto rest = middle + static_cast<std::ptrdiff_t>(validation);
         result.test.insert(result.test.end(), members.begin(), middle);

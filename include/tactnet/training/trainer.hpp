@@ -48,6 +48,9 @@ public:
           seed_(seed),
           threads_(threads),
           stopping_(how.patience) {
+        check_images<Network>(images);
+        if (how.validate_every == 0)
+            throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
         if (split_.training.empty())
             throw std::invalid_argument("trainer: the training part of the split holds no image");
         network_.epsilon = how.epsilon;
