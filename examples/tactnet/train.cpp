@@ -189,8 +189,7 @@ command add_train(CLI::App& program) {
         ->type_name("N")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    app->add_option("--threads", o->threads,
-                    "Threads, 1 to 1024; the result does not depend on it")
+    app->add_option("--threads", o->threads, "Threads, 1 to 1024; the result does not depend on it")
         ->capture_default_str()
         ->type_name("N")
         ->check(CLI::Range(1, 1024));

@@ -1,8 +1,8 @@
 #pragma once
 
 // The instruction set names an inline namespace around the whole library, so that translation units built for
-// different ones can be linked into one program: the same template, compiled twice, has two names. (Not yet the
-// templates of Eigen behind dense layers, which are outside: keep those in units of one instruction set.)
+// different ones can be linked into one program: the same template, compiled twice, has two names. (Not yet
+// the templates of Eigen behind dense layers, which are outside: keep those in units of one instruction set.)
 //
 // Configuration: define TACTNET_NO_SIMD to build without vector instructions.
 

@@ -11,8 +11,9 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Threads that divide work into equal, fixed shares, for one caller at a time. Which thread does what depends on the counts alone, and
-/// nothing is added up across shares, so results cannot depend on timing. One thread starts none.
+/// Threads that divide work into equal, fixed shares, for one caller at a time. Which thread does what
+/// depends on the counts alone, and nothing is added up across shares, so results cannot depend on timing.
+/// One thread starts none.
 class thread_pool {
 public:
     explicit thread_pool(std::size_t threads = 1) : threads_(threads > 0 ? threads : 1) {
