@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <training/toy_task.hpp>
 #include <vector>
@@ -224,4 +225,23 @@ TEST_CASE("trainer: refuses a split without training images") {
     thread_pool threads;
     CHECK_THROWS_AS(training(quick(), task.images(), data_split{{}, {0}, {1}}, 1, threads),
                     std::invalid_argument);
+}
+
+TEST_CASE("trainer: images that do not fit the network are refused, in training and in evaluation") {
+    const support::toy_task task(5);
+    thread_pool threads;
+    const auto refused = [&](const labelled_images& images, recipe how = quick()) {
+        CHECK_THROWS_AS(training(how, images, split_of(task), 1, threads), std::invalid_argument);
+        if (how.validate_every > 0)
+            CHECK_THROWS_AS(static_cast<void>(evaluate(net(), {}, images, {}, threads)),
+                            std::invalid_argument);
+    };
+    refused({task.pixels, task.labels, 4}); // more classes than outputs
+    refused({task.pixels, task.labels, 2}); // a label that is no class
+    refused({task.pixels, task.labels, 0});
+    refused({std::span(task.pixels).first(task.pixels.size() - 1), task.labels, 3});
+    recipe never = quick();
+    never.validate_every = 0;
+    refused(task.images(), never);
+    CHECK_NOTHROW(training(quick(), task.images(), split_of(task), 1, threads));
 }
