@@ -133,7 +133,8 @@ struct summary {
     const candidate* what;
     network_costs costs;
     frame_times times;
-    tactnet::mean_and_deviation random, blocked, seconds;
+    std::vector<split_accuracy> accuracies; ///< by the rules that were asked for
+    tactnet::mean_and_deviation seconds;
     tactnet::confusion_matrix confusion;
     std::size_t splits = 0;
 };
@@ -143,37 +144,48 @@ std::string percent(const tactnet::mean_and_deviation& m) {
 }
 
 std::string table_of(const std::vector<summary>& rows) {
-    std::vector<std::vector<std::string>> cells{{"network", "size", "random, %", "blocked, %", "parameters",
-                                                 "multiply-adds", "on pixels", "bytes", "µs/frame",
-                                                 "µs in 64", "training, s"}};
-    for (const summary& s : rows)
-        cells.push_back({s.what->network->name,
-                         fmt::format("{}x{}", s.what->network->rows, s.what->network->columns),
-                         percent(s.random), percent(s.blocked), grouped(s.costs.parameters),
-                         grouped(s.costs.multiply_adds), grouped(s.costs.multiply_adds_on_pixels),
-                         grouped(s.costs.parameter_bytes), fmt::format("{:.1f}", s.times.alone),
-                         fmt::format("{:.1f}", s.times.in_batch), fmt::format("{:.1f}", s.seconds.mean)});
+    std::vector<std::vector<std::string>> cells;
+    for (const summary& s : rows) {
+        std::vector<std::string> head{"network", "size"},
+            line{s.what->network->name,
+                 fmt::format("{}x{}", s.what->network->rows, s.what->network->columns)};
+        for (const auto& [rule, accuracy] : s.accuracies) {
+            head.push_back(fmt::format("{}, %", name_of(rule)));
+            line.push_back(percent(accuracy));
+        }
+        head.insert(head.end(), {"parameters", "multiply-adds", "on pixels", "bytes", "µs/frame", "µs in 64",
+                                 "training, s"});
+        line.insert(line.end(),
+                    {grouped(s.costs.parameters), grouped(s.costs.multiply_adds),
+                     grouped(s.costs.multiply_adds_on_pixels), grouped(s.costs.parameter_bytes),
+                     fmt::format("{:.1f}", s.times.alone), fmt::format("{:.1f}", s.times.in_batch),
+                     fmt::format("{:.1f}", s.seconds.mean)});
+        if (cells.empty())
+            cells.push_back(std::move(head));
+        cells.push_back(std::move(line));
+    }
     return table(cells);
 }
 
 nlohmann::ordered_json json_of(const summary& s) {
-    return {{"network", s.what->network->name},
-            {"rows", s.what->network->rows},
-            {"columns", s.what->network->columns},
-            {"recipe", s.what->training.recipe},
-            {"splits", s.splits},
-            {"random_accuracy", s.random.mean},
-            {"random_deviation", s.random.deviation},
-            {"blocked_accuracy", s.blocked.mean},
-            {"blocked_deviation", s.blocked.deviation},
-            {"parameters", s.costs.parameters},
-            {"multiply_adds", s.costs.multiply_adds},
-            {"multiply_adds_on_pixels", s.costs.multiply_adds_on_pixels},
-            {"bytes", s.costs.parameter_bytes},
-            {"activation_bytes", s.costs.activation_bytes},
-            {"microseconds", s.times.alone},
-            {"microseconds_in_batch", s.times.in_batch},
-            {"training_seconds", s.seconds.mean}};
+    nlohmann::ordered_json json{{"network", s.what->network->name},
+                                {"rows", s.what->network->rows},
+                                {"columns", s.what->network->columns},
+                                {"recipe", s.what->training.recipe},
+                                {"splits", s.splits}};
+    for (const auto& [rule, accuracy] : s.accuracies) {
+        json[fmt::format("{}_accuracy", name_of(rule))] = accuracy.mean;
+        json[fmt::format("{}_deviation", name_of(rule))] = accuracy.deviation;
+    }
+    json["parameters"] = s.costs.parameters;
+    json["multiply_adds"] = s.costs.multiply_adds;
+    json["multiply_adds_on_pixels"] = s.costs.multiply_adds_on_pixels;
+    json["bytes"] = s.costs.parameter_bytes;
+    json["activation_bytes"] = s.costs.activation_bytes;
+    json["microseconds"] = s.times.alone;
+    json["microseconds_in_batch"] = s.times.in_batch;
+    json["training_seconds"] = s.seconds.mean;
+    return json;
 }
 
 /// The same numbers as the JSON lines, in their order.
@@ -207,6 +219,12 @@ std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options
     return sizes;
 }
 
+std::vector<tactnet::split_rule> rules_of(const evaluate_options& o) {
+    if (o.split == "both")
+        return {tactnet::split_rule::random, tactnet::split_rule::blocked};
+    return {split_rule_of(o.split)};
+}
+
 int evaluate(const evaluate_options& o) {
     // All that can be wrong comes first.
     std::vector<candidate> candidates;
@@ -236,10 +254,11 @@ int evaluate(const evaluate_options& o) {
     }
     result_list results(folder / "evaluation.jsonl");
 
+    const std::vector<tactnet::split_rule> rules = rules_of(o);
     std::vector<task> all, to_do;
     for (std::uint64_t seed = o.first_seed; seed < o.first_seed + o.splits; ++seed)
         for (const candidate& c : candidates)
-            for (const auto rule : {tactnet::split_rule::random, tactnet::split_rule::blocked})
+            for (const tactnet::split_rule rule : rules)
                 all.push_back(
                     {&c, rule, seed,
                      describe_training(c.network->name, c.training, rule, seed, c.data->fingerprint)});
@@ -264,28 +283,29 @@ int evaluate(const evaluate_options& o) {
                   c.network->time_frames(),
                   {},
                   {},
-                  {},
                   tactnet::confusion_matrix(classes.size()),
                   o.splits};
-        std::vector<double> random, blocked, seconds;
-        for (const task& t : all) {
-            if (t.what != &c)
-                continue;
-            const training_result& r = *results.find(t.settings);
-            (t.rule == tactnet::split_rule::random ? random : blocked).push_back(r.confusion.accuracy());
-            seconds.push_back(r.seconds);
-            s.confusion.add(r.confusion);
+        std::vector<double> seconds;
+        std::string splits;
+        for (const tactnet::split_rule rule : rules) {
+            std::vector<double> accuracies;
+            for (const task& t : all) {
+                if (t.what != &c || t.rule != rule)
+                    continue;
+                const training_result& r = *results.find(t.settings);
+                accuracies.push_back(r.confusion.accuracy());
+                seconds.push_back(r.seconds);
+                s.confusion.add(r.confusion);
+            }
+            s.accuracies.push_back({rule, tactnet::mean_and_deviation::of(accuracies)});
+            splits += fmt::format("{}{} {}", splits.empty() ? "" : " and ", o.splits, name_of(rule));
         }
-        s.random = tactnet::mean_and_deviation::of(random);
-        s.blocked = tactnet::mean_and_deviation::of(blocked);
         s.seconds = tactnet::mean_and_deviation::of(seconds);
         const auto name = fmt::format("{} {}x{}", c.network->name, c.network->rows, c.network->columns);
-        points.push_back(
-            {name, static_cast<double>(s.costs.multiply_adds), s.times.alone, s.random, s.blocked});
+        points.push_back({name, static_cast<double>(s.costs.multiply_adds), s.times.alone, s.accuracies});
         plot_confusion(
             folder / fmt::format("confusion_{}_{}x{}", c.network->name, c.network->rows, c.network->columns),
-            fmt::format("{}, {} random and {} blocked splits", name, o.splits, o.splits), s.confusion,
-            classes);
+            fmt::format("{}, {} splits", name, splits), s.confusion, classes);
         lines += json_of(s).dump() + '\n';
         rows.push_back(std::move(s));
     }
@@ -319,7 +339,11 @@ command add_evaluate(CLI::App& program) {
                     "size need --resize")
         ->type_name("SIZE,...")
         ->delimiter(',');
-    app->add_option("--splits", o->splits, "Random and as many blocked splits, 1 to 10000")
+    app->add_option("--split", o->split,
+                    "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'")
+        ->check(CLI::IsMember({"both", "random", "blocked"}))
+        ->capture_default_str();
+    app->add_option("--splits", o->splits, "Splits of each kind, 1 to 10000")
         ->type_name("N")
         ->check(CLI::Range(1, 10'000))
         ->capture_default_str();

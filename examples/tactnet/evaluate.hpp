@@ -13,7 +13,7 @@
 struct evaluate_options {
     training_settings training;
     weight_options weights;
-    std::string data, results = "results", images = "test";
+    std::string data, results = "results", split = "both", images = "test";
     std::vector<std::string> networks, sizes;
     std::size_t splits = 10;
     std::uint64_t first_seed = 0;

@@ -1,6 +1,7 @@
 #include "plot.hpp"
 
 #include "report.hpp"
+#include "settings.hpp"
 
 #include <tactnet/io/file.hpp>
 
@@ -129,16 +130,28 @@ void plot_confusion(const std::filesystem::path& stem, const std::string& title,
 }
 
 void plot_costs(const std::filesystem::path& stem, std::span<const cost_point> points) {
-    std::string csv = "network,multiply_adds,microseconds,random_accuracy,random_deviation,blocked_accuracy,"
-                      "blocked_deviation\n";
-    for (const cost_point& p : points)
-        csv += fmt::format("{},{},{},{},{},{},{}\n", csv_field(p.name), p.multiply_adds, p.microseconds,
-                           p.random.mean, p.random.deviation, p.blocked.mean, p.blocked.deviation);
-    draw(stem, csv, "900,600",
+    std::string csv = "network,multiply_adds,microseconds", lines, series;
+    for (const cost_point& p : points) {
+        const bool head = lines.empty();
+        lines += fmt::format("{},{},{}", csv_field(p.name), p.multiply_adds, p.microseconds);
+        for (std::size_t i = 0; i < p.accuracies.size(); ++i) {
+            const auto& [rule, accuracy] = p.accuracies[i];
+            lines += fmt::format(",{},{}", accuracy.mean, accuracy.deviation);
+            if (!head)
+                continue;
+            csv += fmt::format(",{0}_accuracy,{0}_deviation", name_of(rule));
+            // A little to the side, so that no error bar hides another.
+            series += fmt::format(
+                "data using ($2*{}):(${}*100):(${}*100) every ::1 with yerrorbars pt {} title "
+                "'{} splits', ",
+                1 + 0.02 * static_cast<double>(i), 4 + 2 * i, 5 + 2 * i, i == 0 ? 7 : 5, name_of(rule));
+        }
+        lines += '\n';
+    }
+    draw(stem, csv + '\n' + lines, "900,600",
          "set title 'what accuracy costs'\nset logscale x\nset xlabel 'multiply-adds a frame, all taps'\n"
          "set ylabel 'test accuracy, %'\nset key bottom right\nset grid\nset format x '10^{%L}'\nset offsets "
          "graph 0.2, graph 0.2, graph 0.1, graph 0.1\n"
-         "plot data using 2:($4*100):($5*100) every ::1 with yerrorbars pt 7 title 'random splits', "
-         "data using ($2*1.02):($6*100):($7*100) every ::1 with yerrorbars pt 5 title 'blocked splits', "
-         "data using 2:($4*100):1 every ::1 with labels noenhanced offset 0,1.2 notitle\n");
+         "plot " +
+             series + "data using 2:($4*100):1 every ::1 with labels noenhanced offset 0,1.2 notitle\n");
 }

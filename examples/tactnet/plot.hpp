@@ -4,6 +4,7 @@
 // gnuplot the script stays beside it, and a message says how to draw it later.
 
 #include <tactnet/training/metrics.hpp>
+#include <tactnet/training/split.hpp>
 #include <tactnet/training/trainer.hpp>
 
 #include <filesystem>
@@ -17,10 +18,17 @@ void plot_learning_curve(const std::filesystem::path& stem, const std::string& t
 void plot_confusion(const std::filesystem::path& stem, const std::string& title,
                     const tactnet::confusion_matrix& confusion, const std::vector<std::string>& classes);
 
+/// Over all splits by one rule.
+struct split_accuracy {
+    tactnet::split_rule rule;
+    tactnet::mean_and_deviation accuracy;
+};
+
 /// A network in the picture of what accuracy costs.
 struct cost_point {
     std::string name;
     double multiply_adds, microseconds;
-    tactnet::mean_and_deviation random, blocked; ///< accuracies
+    std::vector<split_accuracy> accuracies;
 };
+/// All points have the same rules in the same order.
 void plot_costs(const std::filesystem::path& stem, std::span<const cost_point> points);

@@ -9,11 +9,13 @@
 
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
+#include <fcntl.h>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -62,6 +64,57 @@ training_result result_of(const std::string& text) {
     return r;
 }
 
+/// A file that other programs may write to as well; while it is open, it is this one's alone.
+class locked_file {
+public:
+    /// Throws std::system_error, as all functions do.
+    explicit locked_file(const std::filesystem::path& path)
+        : descriptor_(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+        check(descriptor_);
+        int locked = 0;
+        while ((locked = ::flock(descriptor_, LOCK_EX)) != 0 && errno == EINTR)
+            ;
+        if (locked != 0) {
+            const int error = errno;
+            ::close(descriptor_);
+            throw std::system_error(error, std::generic_category());
+        }
+    }
+    locked_file(const locked_file&) = delete;
+    locked_file& operator=(const locked_file&) = delete;
+    ~locked_file() { ::close(descriptor_); }
+
+    /// Appends a line that ends in a line feed, on the disk when this returns. The beginning of a line that
+    /// was never finished is cut off first: whoever wrote it has failed or is dead, or it would hold the
+    /// lock.
+    void add_line(std::string_view line) {
+        check(::ftruncate(descriptor_, end_of_last_line()));
+        const ssize_t written = ::write(descriptor_, line.data(), line.size());
+        check(written);
+        if (written != static_cast<ssize_t>(line.size())) // a full disk takes what it can
+            throw std::system_error(ENOSPC, std::generic_category());
+        check(::fsync(descriptor_));
+    }
+
+private:
+    static void check(ssize_t result) {
+        if (result < 0)
+            throw std::system_error(errno, std::generic_category());
+    }
+
+    off_t end_of_last_line() const {
+        struct stat status {};
+        check(::fstat(descriptor_, &status));
+        off_t end = status.st_size;
+        char last = 0;
+        while (end > 0 && ::pread(descriptor_, &last, 1, end - 1) == 1 && last != '\n')
+            --end;
+        return end;
+    }
+
+    int descriptor_;
+};
+
 } // namespace
 
 result_list::result_list(std::filesystem::path path) : path_(std::move(path)) {
@@ -78,7 +131,6 @@ result_list::result_list(std::filesystem::path path) : path_(std::move(path)) {
                                       "a result of tactnet evaluate", fmt::format("'{}'", error.what()));
         }
         rest.remove_prefix(end + 1);
-        good_bytes_ += end + 1;
     }
 }
 
@@ -92,15 +144,11 @@ const training_result* result_list::find(const tactnet::file_metadata& settings)
 void result_list::add(training_result result) {
     const std::string line = line_of(result);
     make_folder_of(path_);
-    std::error_code code;
-    if (const auto size = std::filesystem::file_size(path_, code); !code && size > good_bytes_)
-        std::filesystem::resize_file(path_, good_bytes_, code);
-    const auto file = tactnet::detail::open_file(path_, "ab");
-    const std::span<const std::byte> piece = std::as_bytes(std::span(line.data(), line.size()));
-    const int error = file ? tactnet::detail::write_and_flush(file.get(), std::span(&piece, 1)) : errno;
-    if (error != 0)
+    try {
+        locked_file(path_).add_line(line);
+    } catch (const std::system_error& error) {
         throw tactnet::file_error(path_.string(), "", "to add a line",
-                                  fmt::format("'{}'", std::generic_category().message(error)));
-    good_bytes_ += line.size();
+                                  fmt::format("'{}'", error.code().message()));
+    }
     results_.push_back(std::move(result));
 }

@@ -27,11 +27,10 @@ public:
 
     /// The result of a training with just these settings, or nothing.
     const training_result* find(const tactnet::file_metadata& settings) const;
-    /// Keeps a result, on the disk before anything else.
+    /// Keeps a result, on the disk before anything else. Other programs may add to the same file.
     void add(training_result result);
 
 private:
     std::filesystem::path path_;
     std::vector<training_result> results_;
-    std::size_t good_bytes_ = 0;
 };

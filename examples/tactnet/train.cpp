@@ -31,7 +31,7 @@ struct train_options {
     std::size_t threads = 1; // more pay on an idle machine only: their barriers wait for every core
     std::size_t selftest = 4;
     double checkpoint_minutes = 5;
-    bool resume = false;
+    bool resume = false, afresh = false;
 };
 
 /// Blots of random pressure, so that weight files can test themselves without holding anyone's recordings.
@@ -87,6 +87,16 @@ bool run(training_run& training, std::size_t epochs, const std::filesystem::path
     return true;
 }
 
+/// Hours of work may be in there. A finished training leaves none.
+void check_no_checkpoint(const std::filesystem::path& path) {
+    std::error_code code;
+    if (std::filesystem::is_regular_file(path, code))
+        throw usage_error(fmt::format("{}: expected no checkpoint here, found one of an unfinished training; "
+                                      "--resume goes on from it, --afresh gives it up, --checkpoint takes "
+                                      "another name",
+                                      path.string()));
+}
+
 int train(const train_options& o) {
     const method& network = find_method(o.network, o.training.rows, o.training.columns);
     const tactnet::recipe recipe = recipe_for(o.network, o.training);
@@ -97,6 +107,8 @@ int train(const train_options& o) {
     const std::string stem = output.stem().string();
     check_writable(output);
     check_writable(checkpoint);
+    if (!o.resume && !o.afresh)
+        check_no_checkpoint(checkpoint);
     check_writable(folder / (stem + ".learning.csv"));
 
     const image_data data = load_data(o.data, o.training.rows, o.training.columns, o.training.resize);
@@ -201,7 +213,10 @@ command add_train(CLI::App& program) {
         ->type_name("MINUTES")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
-    app->add_flag("--resume", o->resume, "Go on from the checkpoint, to the same bits as in one go");
+    auto* resume =
+        app->add_flag("--resume", o->resume, "Go on from the checkpoint, to the same bits as in one go");
+    app->add_flag("--afresh", o->afresh, "Start anew though there is a checkpoint, and give that up")
+        ->excludes(resume);
     app->add_option("--plots", o->plots,
                     "Folder for curves and confusion matrix (default: that of the weight file)")
         ->type_name("FOLDER");

@@ -25,8 +25,10 @@
 #include <string>
 #include <support/data_folder.hpp>
 #include <support/temporary_folder.hpp>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <thread>
+#include <type_traits>
 #include <unistd.h>
 #include <vector>
 
@@ -145,8 +147,9 @@ void write_deep_png(const fs::path& path) {
 }
 
 /// The weight file with one tensor changed.
+template <class Number = float>
 void rewrite(const fs::path& from, const fs::path& to, const std::string& tensor,
-             const std::function<void(std::vector<float>&)>& change) {
+             const std::type_identity_t<std::function<void(std::vector<Number>&)>>& change) {
     const auto file = tactnet::safetensors::read(from);
     tactnet::safetensors_writer writer;
     writer.metadata = file.metadata();
@@ -155,9 +158,12 @@ void rewrite(const fs::path& from, const fs::path& to, const std::string& tensor
             writer.add(name, entry.type, entry.extents, file.bytes(name));
             continue;
         }
-        auto values = file.values<float>(name);
+        auto values = file.values<Number>(name);
         change(values);
-        writer.add(name, entry.extents, std::span<const float>(values));
+        auto extents = entry.extents;
+        if (extents.size() == 1)
+            extents[0] = values.size();
+        writer.add(name, std::move(extents), std::span<const Number>(values));
     }
     writer.write(to);
 }
@@ -255,8 +261,31 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "net.checkpoint"));
         CHECK_FALSE(fs::exists(shop / "net"));
 
+        const auto kept = text_of(shop / "net.checkpoint");
         shop.refuses(shop.train_arguments({"--epochs", epochs, "--output", "net", "--resume", "--seed", "6"}),
                      "net.checkpoint: setting 'seed' of the stopped training: expected ");
+
+        // It is given up only when asked, by whatever settings it is found.
+        for (const char* other_epochs : {epochs, "2"})
+            shop.refuses(shop.train_arguments({"--epochs", other_epochs, "--output", "net"}),
+                         "net.checkpoint: expected no checkpoint here, found one of an unfinished training; "
+                         "--resume goes on from it, --afresh gives it up, --checkpoint takes another name");
+        shop.refuses(shop.train_arguments({"--output", "net", "--resume", "--afresh"}), "--afresh");
+        CHECK(text_of(shop / "net.checkpoint") == kept);
+        REQUIRE(shop.train({"--epochs", "2", "--output", "net", "--checkpoint", "other"}).status == 0);
+        fs::remove(shop / "net");
+        CHECK(text_of(shop / "net.checkpoint") == kept);
+        REQUIRE(shop.train({"--epochs", "2", "--output", "net", "--afresh"}).status == 0);
+        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
+        fs::remove(shop / "net");
+
+        // More epochs than the recipe has.
+        tactnet::write_file(shop / "net.checkpoint", kept);
+        rewrite<double>(shop / "net.checkpoint", shop / "long.checkpoint", "progress",
+                        [](std::vector<double>& v) { v.resize(6 + 4 * 1501); });
+        shop.refuses(shop.train_arguments({"--epochs", epochs, "--output", "net", "--resume", "--checkpoint",
+                                           "long.checkpoint"}),
+                     "long.checkpoint: tensor 'progress': expected the numbers of this training, found");
         REQUIRE(shop.train({"--epochs", epochs, "--output", "net", "--resume"}).status == 0);
         CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
         REQUIRE(shop.train({"--epochs", epochs, "--output", "whole"}).status == 0);
@@ -290,7 +319,13 @@ TEST_SUITE("program") {
         CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
         CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
-        CHECK(fs::exists(shop / "r/accuracy_and_cost.csv"));
+        CHECK(lines_of(text_of(shop / "r/accuracy_and_cost.csv"))[0] ==
+              "network,multiply_adds,microseconds,random_accuracy,random_deviation,blocked_accuracy,"
+              "blocked_deviation");
+        CHECK(lines_of(text_of(shop / "r/table.csv"))[0] ==
+              "network,rows,columns,recipe,splits,random_accuracy,random_deviation,blocked_accuracy,"
+              "blocked_deviation,parameters,multiply_adds,multiply_adds_on_pixels,bytes,activation_bytes,"
+              "microseconds,microseconds_in_batch,training_seconds");
         // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
         // last layer.
         CHECK(first.out.find(" 6 323 ") != std::string::npos);
@@ -300,6 +335,20 @@ TEST_SUITE("program") {
         CHECK(second.error.find("4 trainings to do, 4 done before") != std::string::npos);
         CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(kept));
 
+        // One kind of split alone: the same trainings, and nothing is said of the other kind.
+        const outcome random = evaluate({"--splits", "2", "--split", "random", "--jobs", "1"});
+        CHECK(random.status == 0);
+        CHECK(random.error.find("0 trainings to do, 4 done before") != std::string::npos);
+        CHECK(random.out.find("random, %") != std::string::npos);
+        for (const std::string& text :
+             {random.out, text_of(shop / "r/table.csv"), text_of(shop / "r/table.jsonl"),
+              text_of(shop / "r/accuracy_and_cost.csv")})
+            CHECK_MESSAGE(text.find("blocked") == std::string::npos, text);
+        CHECK(lines_of(text_of(shop / "r/table.csv"))[0].find(
+                  ",splits,random_accuracy,random_deviation,par") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/accuracy_and_cost.csv"))[0] ==
+              "network,multiply_adds,microseconds,random_accuracy,random_deviation");
+
         // A line that was being written when the power went is passed over, and replaced.
         const auto whole = text_of(shop / "r/evaluation.jsonl");
         tactnet::write_file(shop / "r/evaluation.jsonl",
@@ -307,6 +356,17 @@ TEST_SUITE("program") {
         const outcome third = evaluate({"--splits", "2", "--jobs", "1"});
         CHECK(third.error.find("1 trainings to do, 7 done before") != std::string::npos);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 8);
+
+        // Another version of the library may train otherwise: its results are not taken for this one's.
+        std::string older = text_of(shop / "r/evaluation.jsonl");
+        const std::string version = "\"library\":\"";
+        REQUIRE(older.find(version) != std::string::npos);
+        for (std::size_t at = 0; (at = older.find(version, at)) != std::string::npos; at += version.size())
+            older.insert(at + version.size(), "0.");
+        tactnet::write_file(shop / "r/evaluation.jsonl", older);
+        CHECK(evaluate({"--splits", "1"}).error.find("4 trainings to do, 0 done before") !=
+              std::string::npos);
+        CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(older));
 
         CHECK(evaluate({"--splits", "1", "--afresh"}).error.find("4 trainings to do, 0 done before") !=
               std::string::npos);
@@ -316,6 +376,48 @@ TEST_SUITE("program") {
         const outcome damaged = evaluate({"--splits", "1"});
         CHECK(damaged.status == 2);
         CHECK(damaged.error.find("evaluation.jsonl: line 1: expected a result of tactnet evaluate, found") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("several evaluations share a folder of results") {
+        const workshop shop;
+        const auto arguments = [&](const char* seed, const char* splits, const char* results) {
+            return std::vector<std::string>{"evaluate",  "--data",    shop.data().string(),
+                                            "--network", "tactnet4",  "--rows",
+                                            "7",         "--columns", "13",
+                                            "--epochs",  "2",         "--jobs",
+                                            "1",         "--split",   "random",
+                                            "--results", results,     "--seed",
+                                            seed,        "--splits",  splits};
+        };
+        REQUIRE(shop.run(arguments("0", "1", "other")).status == 0);
+        const std::string line = text_of(shop / "other/evaluation.jsonl");
+
+        // The test writes as another program does, and is slow about it.
+        fs::create_directory(shop / "r");
+        const fs::path list = shop / "r/evaluation.jsonl";
+        const int file = open(list.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+        REQUIRE(file >= 0);
+        REQUIRE(flock(file, LOCK_EX) == 0);
+        const std::size_t half = line.size() / 2;
+        REQUIRE(write(file, line.data(), half) == static_cast<ssize_t>(half));
+        const pid_t child = shop.start(arguments("1", "2", "r"));
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        REQUIRE(write(file, line.data() + half, line.size() - half) ==
+                static_cast<ssize_t>(line.size() - half));
+        REQUIRE(close(file) == 0);
+        const outcome waited = shop.wait(child);
+        REQUIRE_MESSAGE(waited.status == 0, waited.error);
+        CHECK(text_of(list).starts_with(line));
+        CHECK(lines_of(text_of(list)).size() == 3);
+
+        // Two at once.
+        const pid_t one = shop.start(arguments("10", "20", "r")),
+                    two = shop.start(arguments("30", "20", "r"));
+        CHECK(shop.wait(one).status == 0);
+        CHECK(shop.wait(two).status == 0);
+        CHECK(lines_of(text_of(list)).size() == 43);
+        CHECK(shop.run(arguments("10", "40", "r")).error.find("0 trainings to do, 40 done before") !=
               std::string::npos);
     }
 
@@ -390,6 +492,7 @@ TEST_SUITE("program") {
         // Named as another network.
         auto file = tactnet::safetensors::read(shop / "net");
         tactnet::safetensors_writer writer;
+        writer.metadata["rows"] = "of a table"; // another program's word
         for (const auto& [name, entry] : file.tensors())
             writer.add(name, entry.type, entry.extents, file.bytes(name));
         writer.write(shop / "bare");

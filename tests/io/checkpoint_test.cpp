@@ -167,10 +167,42 @@ TEST_SUITE("io/checkpoint") {
         rewrite("best.statistics", {values.size()}, values);
         CHECK(error_of(path, second) ==
               "tensor 'best.statistics', element 2: expected a finite number, found nan");
-        rewrite("progress", {3}, {1, 2, 3});
-        CHECK(error_of(path, second).find("tensor 'progress': expected the numbers of a training") == 0);
+        // Which numbers a training can have is the trainer's to say; what it says must name the file.
+        const auto progress_error = [&](auto change) {
+            auto progress = good.values<double>("progress");
+            change(progress);
+            rewrite("progress", {progress.size()}, progress);
+            return error_of(path, second);
+        };
+        constexpr const char* refused = "tensor 'progress': expected the numbers of this training, found '";
+        CHECK(progress_error([](auto& progress) { progress.resize(3); }).starts_with(refused));
+        // Steps, validations since the smallest loss, whether it has stopped.
+        for (const std::size_t element : {0U, 4U, 5U})
+            for (const double wrong : {-1.0, 0.5, 1e300, std::nan("")})
+                CHECK(
+                    progress_error([&](auto& progress) { progress[element] = wrong; }).starts_with(refused));
+        for (const std::size_t element : {1U, 3U}) // losses
+            CHECK(progress_error([&](auto& progress) {
+                      progress[element] = std::nan("");
+                  }).starts_with(refused));
+        const std::string too_many = progress_error([](auto& progress) {
+            progress[0] *= 3.5; // as many steps as seven epochs have, of a recipe of six
+            while (progress.size() < 6 + 7 * 4)
+                progress.push_back(progress[progress.size() - 4]);
+        });
+        CHECK(too_many.starts_with(refused));
+        CHECK(too_many.find("at most 6 epochs, found 7") != std::string::npos);
         rewrite("other", {1}, {1}, true);
         CHECK(error_of(path, second) == "metadata 'format': expected 'tactnet checkpoint', found none");
         CHECK(second.bits() == before);
+    }
+
+    TEST_CASE("before the first epoch, when no loss has a number yet") {
+        const support::temporary_folder folder;
+        const auto path = folder / "t.checkpoint";
+        run first, second;
+        save_checkpoint(path, first.training, settings);
+        CHECK(error_of(path, second) == "no error");
+        CHECK(second.bits() == first.bits());
     }
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <span>
 #include <string>
@@ -117,6 +118,26 @@ TEST_SUITE("io/file") {
     }
 
 #if defined(__linux__)
+    TEST_CASE("a file that is too large is refused before it is read") {
+        const support::temporary_folder folder;
+        const auto file = folder / "file";
+        constexpr std::size_t limit = 4'000'000;
+        write_file(file, std::string_view());
+        std::filesystem::resize_file(file, 10 * limit); // holes: takes no room on the disk
+        // Bytes that this process has read, of whatever kind.
+        const auto bytes_read = [] {
+            std::ifstream counters("/proc/self/io");
+            std::string name;
+            std::size_t count = 0;
+            counters >> name >> count;
+            return count;
+        };
+        const std::size_t before = bytes_read();
+        CHECK(error_of([&] { read_file(file, limit); }) ==
+              file.string() + ": expected at most 4000000 bytes, found 40000000 bytes");
+        CHECK(bytes_read() - before < limit / 2);
+    }
+
     TEST_CASE("devices are read up to the bound and written to, not replaced") {
         CHECK(error_of([] {
                   read_file("/dev/zero", 10'000'000);

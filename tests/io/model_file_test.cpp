@@ -100,6 +100,27 @@ TEST_SUITE("io/model_file") {
         CHECK(load_model<small_network>(path).normalise.scale == 1.0F / 255);
     }
 
+    TEST_CASE("several channels") {
+        using colourful = network<shape{4, 6, 3}, conv2d<2, 3>, batch_norm, relu, max_pool<2>, dense<2>>;
+        const support::temporary_folder folder;
+        const auto path = folder / "m.safetensors";
+        model<colourful> m;
+        initialise(m.network, he_normal{}, 1);
+        for (std::size_t e = 0; e < 72; ++e)
+            m.normalise.mean.data()[e] = 0.1F * static_cast<float>(e);
+        m.classes = {"a", "b"};
+        save_model(path, m, {}, images(6)); // two of three channels
+        const safetensors file = safetensors::read(path);
+        file.require_extents("input_mean", std::vector<std::size_t>{3, 4, 6});
+        file.require_extents("selftest.input", std::vector<std::size_t>{2, 3, 4, 6});
+        file.require_extents("selftest.logits", std::vector<std::size_t>{2, 2});
+
+        const model<colourful> copy = load_model<colourful>(path);
+        CHECK(std::equal(copy.normalise.mean.begin(), copy.normalise.mean.end(), m.normalise.mean.begin()));
+        thread_pool alone;
+        CHECK(copy.logits(images(3), alone) == m.logits(images(3), alone));
+    }
+
     TEST_CASE("a self-test notices what changed") {
         const support::temporary_folder folder;
         const auto path = folder / "m.safetensors";
@@ -141,9 +162,21 @@ TEST_SUITE("io/model_file") {
                   .find("m.safetensors: metadata 'classes': ") == 0);
         CHECK(error_of(changed(good, {{"input", "guess"}})) ==
               "m.safetensors: metadata 'input': expected 'mean' or 'scale', found 'guess'");
+        // What another version means by a word is not for this one to judge.
+        CHECK(error_of(changed(good, {{"version", "2"}, {"rows", "4 to 8"}})) ==
+              "m.safetensors: metadata 'version': expected format version 1, found '2'");
         // Files from elsewhere may use the same words for anything.
-        CHECK(error_of(changed(good, {{"format", "pt"}, {"classes", "alphabetical"}, {"input", "counts"}})) ==
-              "no error");
+        const safetensors foreign = changed(good, {{"format", "pt"},
+                                                   {"classes", "alphabetical"},
+                                                   {"input", "counts"},
+                                                   {"rows", "of the table"},
+                                                   {"columns", "-1"},
+                                                   {"epsilon", "small"}});
+        CHECK(error_of(foreign) == "no error");
+        CHECK_FALSE(describe_model(foreign).rows);
+        CHECK_FALSE(describe_model(foreign).columns);
+        CHECK_FALSE(describe_model(foreign).epsilon);
+        CHECK(describe_model(changed(good, {{"format", "pt"}})).epsilon == 1e-4);
     }
 
     TEST_CASE("a file cut short, at any byte") {

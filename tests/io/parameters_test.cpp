@@ -129,6 +129,30 @@ TEST_SUITE("io/parameters") {
         small_network copy;
         load_parameters(copy, file_of(content));
         CHECK(same_numbers(copy, numbered_network()));
+
+        // Of fewer classes, too.
+        content["fc.weight"] = {{2, 3, 2, 3}, std::vector<float>(36, 1)};
+        content["fc.bias"] = {{2}, {3, 4}};
+        load_parameters(copy, file_of(content), 2);
+        CHECK(arrays_of(copy).at("fc.weight").values[35] == 1);
+    }
+
+    TEST_CASE("several dense layers: each has its own input") {
+        using two_layers = network<shape{4, 6, 2}, max_pool<2>, dense<7>, relu, dense<5>>;
+        const auto load = [](std::vector<std::size_t> first, std::vector<std::size_t> second) {
+            safetensors_writer writer;
+            const std::vector<float> numbers(84);
+            writer.add("fc1.weight", std::move(first), std::span(numbers).first(84));
+            writer.add("fc1.bias", {7}, std::span(numbers).first(7));
+            writer.add("fc2.weight", std::move(second), std::span(numbers).first(35));
+            writer.add("fc2.bias", {5}, std::span(numbers).first(5));
+            two_layers n;
+            load_parameters(n, safetensors::parse(writer.to_bytes(), "weights.safetensors"));
+        };
+        load({7, 12}, {5, 7});
+        load({7, 2, 2, 3}, {5, 7, 1, 1});
+        CHECK_THROWS_AS(load({7, 3, 2, 2}, {5, 7}), file_error);
+        CHECK_THROWS_AS(load({7, 12}, {5, 1, 1, 7}), file_error);
     }
 
     TEST_CASE("a file of another network") {
@@ -144,7 +168,13 @@ TEST_SUITE("io/parameters") {
               }) == "weights.safetensors: tensor 'conv1.weight': expected 2x1x3x3, found 2x1x1x9");
         CHECK(error_after([](arrays& a) {
                   a["fc.weight"].extents = {3, 5, 2, 3};
-              }) == "weights.safetensors: tensor 'fc.weight': expected 5x18, found 3x5x2x3");
+              }) == "weights.safetensors: tensor 'fc.weight': expected 5x18 or 5x3x2x3, found 3x5x2x3");
+        // As many numbers, in another order: the channels must not be taken for rows.
+        for (const std::vector<std::size_t>& extents :
+             {std::vector<std::size_t>{5, 3, 3, 2}, {5, 2, 3, 3}, {5, 18, 1, 1}, {5, 3, 6}, {90}})
+            CHECK(error_after([&](arrays& a) { a["fc.weight"].extents = extents; }) ==
+                  "weights.safetensors: tensor 'fc.weight': expected 5x18 or 5x3x2x3, found " +
+                      shape_text(extents));
         CHECK(error_after([](arrays& a) {
                   a["fc.bias"] = {{6}, std::vector<float>(6)};
               }) == "weights.safetensors: tensor 'fc.bias': expected 5, found 6");

@@ -32,6 +32,15 @@ TEST_SUITE("io/text") {
         CHECK_FALSE(is_utf8("\xFF"));
     }
 
+    TEST_CASE("text as a JSON string") {
+        using namespace std::string_view_literals;
+        using tactnet::json_string;
+        CHECK(json_string("") == "\"\"");
+        CHECK(json_string("a \"b\" \\ \xC3\xA9") == "\"a \\\"b\\\" \\\\ \xC3\xA9\"");
+        CHECK(json_string("a\n\x1F\0"sv) == "\"a\\u000a\\u001f\\u0000\"");
+        CHECK_THROWS_AS(static_cast<void>(json_string("\xC3")), std::invalid_argument);
+    }
+
     TEST_CASE("names in messages cannot break the line or the terminal") {
         using namespace std::string_view_literals;
         using tactnet::in_quotes;

@@ -4,8 +4,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <fstream>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#if defined(__linux__)
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
 
 using namespace tactnet;
 
@@ -80,3 +87,31 @@ TEST_CASE("thread_pool: made and left in a row, used or not") {
     }
     CHECK(sum == 800);
 }
+
+// Sanitizers need memory of their own for every thread, and end the program where they get none.
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("thread_pool: a thread that cannot start is an error, and those before it are ended") {
+    // Memory for a few stacks more, and not for all of them.
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    REQUIRE(pages > 0);
+    const std::size_t used = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    rlimit before{};
+    REQUIRE(getrlimit(RLIMIT_AS, &before) == 0);
+    rlimit tight = before;
+    tight.rlim_cur = used + (std::size_t{64} << 20);
+    REQUIRE(setrlimit(RLIMIT_AS, &tight) == 0);
+    bool refused = false;
+    try {
+        thread_pool pool(256);
+    } catch (const std::system_error&) {
+        refused = true;
+    }
+    REQUIRE(setrlimit(RLIMIT_AS, &before) == 0);
+    CHECK(refused);
+    thread_pool after(4); // nothing is left behind that would be in the way
+    std::atomic<int> sum{0};
+    after.for_each(100, [&](std::size_t) { ++sum; });
+    CHECK(sum == 100);
+}
+#endif

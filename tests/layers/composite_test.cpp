@@ -1,6 +1,7 @@
 #include <tactnet/layers.hpp>
 
 #include <cstring>
+#include <string>
 #include <support/conformance.hpp>
 #include <vector>
 
@@ -128,6 +129,9 @@ TEST_CASE("sequence: within a sequence") {
     check_layer<sequence<sequence<conv2d<3, 3>, relu>, sequence<max_pool<2>, dense<4>>, softmax>,
                 shape{4, 5, 1}>();
 }
+TEST_CASE("sequence: without layers") {
+    check_layer<sequence<>, shape{4, 3, 2}>();
+}
 TEST_CASE("residual: identity") {
     check_layer<residual<sequence<conv2d<3, 3>, batch_norm, relu, conv2d<3, 3>, batch_norm>>,
                 shape{4, 3, 3}>();
@@ -137,6 +141,19 @@ TEST_CASE("residual: projection, and ReLU over the sum") {
         sequence<residual<sequence<conv2d<4, 3, 2>, batch_norm>, sequence<conv2d<4, 1, 2>, batch_norm>>,
                  relu>,
         shape{5, 4, 2}>();
+}
+TEST_CASE("residual: branches of a single layer, named as lists of one") {
+    using block = residual<conv2d<3, 3>, conv2d<3, 1>>;
+    check_layer<block, shape{4, 3, 2}>();
+    const auto names = [](const auto& list) {
+        std::vector<std::string> result;
+        for (const parameter& p : list)
+            result.push_back(p.name);
+        return result;
+    };
+    CHECK(names(support::make_layer<block, float, shape{4, 3, 2}>()->describe()) ==
+          std::vector<std::string>{"layer.conv1.weight", "layer.conv1.bias", "layer.projection.conv1.weight",
+                                   "layer.projection.conv1.bias"});
 }
 TEST_CASE("residual: a branch whose last layer needs its output") {
     check_layer<residual<sequence<conv2d<2, 3>, relu>>, shape{4, 3, 2}>();

@@ -1,3 +1,4 @@
+#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactresnet.hpp>
@@ -7,7 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <string>
+#include <support/allocations.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -147,4 +150,91 @@ TEST_CASE("network: the same sample gives the same bits in any batch, workspace 
                 different += out(s, c) != expected(most - 1 - s, c);
     }
     CHECK(different == 0);
+}
+
+TEST_CASE("network: a softmax at the end stands behind the logits, also at the end of a list within") {
+    constexpr shape size{4, 5, 1};
+    using bare = network<size, conv2d<3, 3>, relu, dense<4>>;
+    using ending = network<size, conv2d<3, 3>, relu, dense<4>, softmax>;
+    using within = network<size, conv2d<3, 3>, sequence<relu, sequence<dense<4>, softmax>>>;
+    static_assert(!bare::ends_in_softmax && ending::ends_in_softmax && within::ends_in_softmax);
+    static_assert(!network<size, softmax, relu>::ends_in_softmax);
+    static_assert(network<size, softmax>::ends_in_softmax);
+    static_assert(ending::parameters == bare::parameters && ending::output_shape == bare::output_shape);
+    static_assert(ending::activation_bytes == bare::activation_bytes);
+
+    constexpr std::size_t count = 5;
+    thread_pool threads;
+    random_stream random(1, draw::order);
+    batch<float, size, lanes<float>> in(count);
+    for (std::size_t s = 0; s < count; ++s)
+        for (std::size_t e = 0; e < size.size(); ++e)
+            in(s, e) = static_cast<float>(random.uniform(-1, 1));
+    std::vector<float> values(bare::parameters);
+    for (float& value : values)
+        value = static_cast<float>(random.uniform(-1, 1));
+    const auto outputs_of = [&](auto net, bool logits) {
+        std::copy(values.begin(), values.end(), net.learnable_values().begin());
+        typename decltype(net)::workspace space;
+        typename decltype(net)::output_batch out(count);
+        net.prepare(threads, space);
+        if (logits)
+            net.logits(threads, space, in, out);
+        else
+            net.infer(threads, space, in, out);
+        std::vector<float> result;
+        for (std::size_t s = 0; s < count; ++s)
+            for (std::size_t c = 0; c < 4; ++c)
+                result.push_back(out(s, c));
+        return result;
+    };
+    const std::vector<float> logits = outputs_of(bare(), false);
+    std::vector<float> probabilities = logits;
+    for (std::size_t s = 0; s < count; ++s) {
+        const std::span<float> row = std::span(probabilities).subspan(4 * s, 4);
+        softmax_of<float>(row, row);
+    }
+    CHECK(logits != probabilities);
+    CHECK(outputs_of(bare(), true) == logits);
+    CHECK(outputs_of(ending(), true) == logits);
+    CHECK(outputs_of(within(), true) == logits);
+    CHECK(outputs_of(ending(), false) == probabilities);
+    CHECK(outputs_of(within(), false) == probabilities);
+}
+
+TEST_CASE("network: without layers the output is the input") {
+    using net = network<shape{1, 1, 3}>;
+    using ending = network<shape{1, 1, 3}, softmax>;
+    thread_pool threads;
+    net::input_batch in(2);
+    net::output_batch out(2);
+    for (std::size_t c = 0; c < 3; ++c)
+        in(1, c) = static_cast<float>(c);
+    net::workspace space;
+    net().infer(threads, space, in, out);
+    CHECK(out(1, 2) == 2);
+    CHECK(out(0, 2) == 0);
+    ending::workspace other;
+    ending().infer(threads, other, in, out);
+    CHECK(out(0, 0) == doctest::Approx(1.0 / 3));
+}
+
+TEST_CASE("network: many images need no more memory in the workspace than some") {
+    using net_type = network<shape{28, 50, 1}, conv2d<8, 5>, relu, dense<3>>;
+    constexpr std::size_t many = 5 * 256 + 3, map = 28 * 50 * 8 * sizeof(float);
+    net_type net;
+    for (float& value : net.learnable_values())
+        value = 0.01F;
+    thread_pool threads;
+    net_type::workspace space;
+    net_type::input_batch in(many);
+    net_type::output_batch out(many);
+    for (std::size_t s = 0; s < many; ++s)
+        in(s, 700) = static_cast<float>(s);
+    net.prepare(threads, space);
+    const std::size_t before = support::bytes_allocated();
+    net.infer(threads, space, in, out);
+    CHECK(support::bytes_allocated() - before <= 257 * 2 * map);
+    for (std::size_t s = 1; s < many; ++s)
+        CHECK(out(s, 0) > out(s - 1, 0)); // every image went through
 }

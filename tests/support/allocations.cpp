@@ -5,10 +5,11 @@
 
 namespace {
 
-std::atomic<std::size_t> count{0};
+std::atomic<std::size_t> count{0}, bytes{0};
 
 void* allocate(std::size_t size, std::size_t alignment) {
     count.fetch_add(1, std::memory_order_relaxed);
+    bytes.fetch_add(size, std::memory_order_relaxed);
     const std::size_t whole = (size / alignment + 1) * alignment; // as aligned_alloc asks
     if (void* memory = std::aligned_alloc(alignment, whole))
         return memory;
@@ -19,6 +20,10 @@ void* allocate(std::size_t size, std::size_t alignment) {
 
 std::size_t support::allocations() noexcept {
     return count.load(std::memory_order_relaxed);
+}
+
+std::size_t support::bytes_allocated() noexcept {
+    return bytes.load(std::memory_order_relaxed);
 }
 
 // The array and non-throwing forms call these.

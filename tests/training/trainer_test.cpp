@@ -5,7 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -124,12 +126,54 @@ TEST_CASE("trainer: stopped and gone on with, the same bits as in one go") {
         CHECK(bits_of(second) == bits_of(whole));
         CHECK(bits_of(second) != bits_of(first));
     }
+}
+
+TEST_CASE("trainer: progress that no training with its recipe has is refused, and nothing is changed") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    r.epochs = 3;
     training t(r, task.images(), split_of(task), 3, threads);
-    std::vector<double> wrong = t.progress();
-    CHECK_NOTHROW(t.restore(wrong));
-    wrong.push_back(1);
-    CHECK_THROWS_AS(t.restore(wrong), std::invalid_argument);
-    CHECK_THROWS_AS(t.restore(std::vector<double>(1)), std::invalid_argument);
+    CHECK_NOTHROW(t.restore(t.progress())); // infinite losses before the first validation
+    run(t, 3);
+    const std::vector<double> right = t.progress();
+    CHECK_NOTHROW(t.restore(right));
+    const std::vector<char> before = bits_of(t);
+    const auto refused = [&](const std::vector<double>& wrong, const std::string& found) {
+        CAPTURE(found);
+        std::string message;
+        try {
+            t.restore(wrong);
+        } catch (const std::invalid_argument& e) {
+            message = e.what();
+        }
+        CHECK(message.starts_with("progress of a training"));
+        CHECK(message.ends_with(", found " + found));
+        CHECK(bits_of(t) == before);
+    };
+    const auto with = [&](std::size_t index, double value) {
+        std::vector<double> wrong = right;
+        wrong[index] = value;
+        return wrong;
+    };
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    const double infinite = std::numeric_limits<double>::infinity();
+    refused({}, "0");
+    refused(std::vector<double>(7), "7");
+    for (const std::size_t index : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u}) { // the last two: one of a pair
+        CAPTURE(index);
+        refused(with(index, -1), "-1.000000");
+        refused(with(index, none), "nan");
+    }
+    for (const std::size_t index : {0u, 4u, 5u, 6u, 7u, 8u, 9u})
+        refused(with(index, infinite), "inf");
+    for (const std::size_t index : {0u, 4u, 5u})
+        refused(with(index, right[index] + 0.5), std::to_string(right[index] + 0.5));
+    refused(with(0, right[0] + 1), std::to_string(right[0] + 1));
+    refused(with(4, 4), "4.000000");
+    std::vector<double> longer = right;
+    longer.insert(longer.end(), right.end() - 4, right.end());
+    refused(longer, "4");
 }
 
 TEST_CASE("trainer: a training that diverges stops and says so") {
@@ -148,6 +192,34 @@ TEST_CASE("trainer: a training that diverges stops and says so") {
     }
     CHECK(message.find("training diverged in epoch ") == 0);
     CHECK(message.find("expected a finite loss") != std::string::npos);
+}
+
+TEST_CASE("trainer: a training that diverges in its very last step says so too") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    r.epochs = 1;
+    r.batch = 0; // one step, whose loss is that of the first parameters
+    r.optimiser = sgd{.momentum = 0.9};
+    r.schedule = constant_rate{};
+    const auto message = [&](double rate, const data_split& split) {
+        r.rate = rate;
+        training t(r, task.images(), split, 1, threads);
+        try {
+            t.run_epoch();
+        } catch (const training_diverged& e) {
+            return std::string(e.what());
+        }
+        return std::string();
+    };
+    data_split split = split_of(task);
+    CHECK(message(1e-3, split).empty());
+    CHECK(message(1e30, split).find("training diverged in epoch 1, validation: expected a finite loss") == 0);
+    CHECK(message(1e300, split).find("training diverged in epoch 1, last step: expected finite parameters") ==
+          0);
+    split.validation.clear();
+    CHECK(message(1e300, split).find("training diverged in epoch 1, last step: expected finite parameters") ==
+          0);
 }
 
 TEST_CASE("trainer: keeps the network that was best on the validation images") {
@@ -176,6 +248,76 @@ TEST_CASE("trainer: keeps the network that was best on the validation images") {
         CHECK(again.loss == loss);
     }
     CHECK(kept_an_older); // or nothing was tested
+}
+
+TEST_CASE("trainer: statistics measured anew are those of the network that is validated, over images as they are") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe r = quick();
+    r.epochs = 4;
+    r.augmentation = augmentation_rule::each_epoch; // the statistics are not those of varied images
+    r.remeasure_statistics = true;
+    // Means and variances of batch norms in one batch of all training images.
+    const auto measured = [&](const training& t) {
+        net network = t.latest();
+        net::workspace space;
+        net::input_batch in(t.split().training.size());
+        net::output_batch out(t.split().training.size());
+        for (std::size_t i = 0; i < in.samples(); ++i)
+            in.set(i, t.input_normalisation()(task.images().image<net::input_shape>(t.split().training[i])));
+        network.momentum = 1;
+        network.prepare(threads, space);
+        network.forward(threads, space, in, out);
+        return network;
+    };
+    const auto check = [&](const net& found, const net& expected, std::size_t first, std::size_t count) {
+        for (std::size_t i = first; i < first + count; ++i)
+            CHECK(found.running_statistics()[i] ==
+                  doctest::Approx(expected.running_statistics()[i]).epsilon(1e-4));
+    };
+    for (const double averaging : {0.0, 0.9}) {
+        r.averaging = averaging;
+        r.batch = 0;
+        data_split split = split_of(task);
+        training whole(r, task.images(), split, 1, threads);
+        run(whole, 4);
+        check(whole.latest(), measured(whole), 0, net::statistics);
+        CHECK(whole.latest().momentum == net().momentum);
+
+        split.validation.clear(); // then it is the network at the end that matters
+        training alone(r, task.images(), split, 1, threads);
+        run(alone, 4);
+        check(alone.best(), measured(alone), 0, net::statistics);
+
+        r.batch = 11; // sizes that differ: 39 images in steps of 9, 10, 10 and 10
+        training small(r, task.images(), split_of(task), 1, threads);
+        run(small, 4);
+        // In front of the first batch norm nothing depends on the batch: the mean over batches is that of
+        // all.
+        for (const parameter& p : net::describe())
+            if (p.name == "bn1.running_mean")
+                check(small.latest(), measured(small), p.offset, p.size);
+    }
+}
+
+TEST_CASE("trainer: a softmax at the end of the list changes nothing in training and evaluation") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    using bare = network<support::toy_task::size, conv2d<4, 3>, relu, max_pool<4>, dense<3>>;
+    using ending = network<support::toy_task::size, conv2d<4, 3>, relu, max_pool<4>, dense<3>, softmax>;
+    trainer<bare> first(quick(), task.images(), split_of(task), 1, threads);
+    trainer<ending> second(quick(), task.images(), split_of(task), 1, threads);
+    for (int i = 0; i < 3; ++i)
+        first.run_epoch(), second.run_epoch();
+    CHECK(first.progress() == second.progress());
+    const auto values = first.best().learnable_values();
+    CHECK(std::equal(values.begin(), values.end(), second.best().learnable_values().begin()));
+    const evaluation a =
+        evaluate(first.best(), first.input_normalisation(), task.images(), first.split().test, threads);
+    const evaluation b =
+        evaluate(second.best(), second.input_normalisation(), task.images(), second.split().test, threads);
+    CHECK(a.loss == b.loss);
+    CHECK(a.recognised == b.recognised);
 }
 
 TEST_CASE("trainer: validates when due, and stops when nothing gets better") {

@@ -1,27 +1,105 @@
 #pragma once
 
 // The instruction set names an inline namespace around the whole library, so that translation units built for
-// different ones can be linked into one program: the same template, compiled twice, has two names. (Not yet
-// the templates of Eigen behind dense layers, which are outside: keep those in units of one instruction set.)
+// different ones can be linked into one program: the same template, compiled twice, has two names, and the
+// linker never takes one unit's for the other's.
+//
+// Told apart is all that changes the layout of vectors, what xsimd chooses, or which instructions a compiler
+// puts in unasked: the level of SSE and AVX, FMA (both kinds), BMI2, LZCNT, each AVX-512 extension that is
+// used for floats, integers or bytes, NEON and SVE, and TACTNET_NO_SIMD. Not told apart is xsimd's version: a
+// program has one. What lies outside this namespace is the program's own care: templates of the standard
+// library, and of Eigen behind kernels/gemm.hpp, which belongs into units of one instruction set.
 //
 // Configuration: define TACTNET_NO_SIMD to build without vector instructions.
 
 #if defined(TACTNET_NO_SIMD)
-#define TACTNET_ARCH scalar
-#elif defined(__AVX512F__) && defined(__AVX512CD__) && defined(__AVX512DQ__) && defined(__AVX512BW__)
-#define TACTNET_ARCH avx512
-#elif defined(__AVX2__) && defined(__FMA__)
-#define TACTNET_ARCH avx2_fma
-#elif defined(__AVX2__)
-#define TACTNET_ARCH avx2
-#elif defined(__AVX__)
-#define TACTNET_ARCH avx
-#elif defined(__SSE4_1__)
-#define TACTNET_ARCH sse4
-#elif defined(__SSE2__)
-#define TACTNET_ARCH sse2
-#elif defined(__aarch64__)
-#define TACTNET_ARCH neon64
+#define TACTNET_ARCH_KIND scalar
 #else
-#define TACTNET_ARCH scalar
+#define TACTNET_ARCH_KIND simd
 #endif
+
+// A level holds those below it.
+#if defined(__AVX512F__)
+#define TACTNET_ARCH_LEVEL _avx512f
+#elif defined(__AVX2__)
+#define TACTNET_ARCH_LEVEL _avx2
+#elif defined(__AVX__)
+#define TACTNET_ARCH_LEVEL _avx
+#elif defined(__SSE4_2__)
+#define TACTNET_ARCH_LEVEL _sse42
+#elif defined(__SSE4_1__)
+#define TACTNET_ARCH_LEVEL _sse41
+#elif defined(__SSSE3__)
+#define TACTNET_ARCH_LEVEL _ssse3
+#elif defined(__SSE3__)
+#define TACTNET_ARCH_LEVEL _sse3
+#elif defined(__SSE2__)
+#define TACTNET_ARCH_LEVEL _sse2
+#elif defined(__ARM_FEATURE_SVE)
+#define TACTNET_ARCH_LEVEL _sve
+#elif defined(__aarch64__)
+#define TACTNET_ARCH_LEVEL _neon64
+#else
+#define TACTNET_ARCH_LEVEL
+#endif
+
+#if defined(__FMA__)
+#define TACTNET_ARCH_FMA _fma
+#else
+#define TACTNET_ARCH_FMA
+#endif
+#if defined(__FMA4__)
+#define TACTNET_ARCH_FMA4 _fma4
+#else
+#define TACTNET_ARCH_FMA4
+#endif
+#if defined(__BMI2__)
+#define TACTNET_ARCH_BMI2 _bmi2
+#else
+#define TACTNET_ARCH_BMI2
+#endif
+#if defined(__LZCNT__)
+#define TACTNET_ARCH_LZCNT _lzcnt
+#else
+#define TACTNET_ARCH_LZCNT
+#endif
+#if defined(__AVX512CD__)
+#define TACTNET_ARCH_CD _cd
+#else
+#define TACTNET_ARCH_CD
+#endif
+#if defined(__AVX512DQ__)
+#define TACTNET_ARCH_DQ _dq
+#else
+#define TACTNET_ARCH_DQ
+#endif
+#if defined(__AVX512BW__)
+#define TACTNET_ARCH_BW _bw
+#else
+#define TACTNET_ARCH_BW
+#endif
+#if defined(__AVX512VL__)
+#define TACTNET_ARCH_VL _vl
+#else
+#define TACTNET_ARCH_VL
+#endif
+#if defined(__AVX512VBMI__)
+#define TACTNET_ARCH_VBMI _vbmi
+#else
+#define TACTNET_ARCH_VBMI
+#endif
+#if defined(__AVX512VNNI__)
+#define TACTNET_ARCH_VNNI _vnni
+#else
+#define TACTNET_ARCH_VNNI
+#endif
+
+#define TACTNET_ARCH_JOINED(kind, level, fma, fma4, bmi2, lzcnt, cd, dq, bw, vl, vbmi, vnni)                 \
+    kind##level##fma##fma4##bmi2##lzcnt##cd##dq##bw##vl##vbmi##vnni
+// Once more, so that the parts are what they stand for before they are joined.
+#define TACTNET_ARCH_JOIN(...) TACTNET_ARCH_JOINED(__VA_ARGS__)
+/// For example simd_avx2_fma, or scalar_sse2.
+#define TACTNET_ARCH                                                                                         \
+    TACTNET_ARCH_JOIN(TACTNET_ARCH_KIND, TACTNET_ARCH_LEVEL, TACTNET_ARCH_FMA, TACTNET_ARCH_FMA4,            \
+                      TACTNET_ARCH_BMI2, TACTNET_ARCH_LZCNT, TACTNET_ARCH_CD, TACTNET_ARCH_DQ,               \
+                      TACTNET_ARCH_BW, TACTNET_ARCH_VL, TACTNET_ARCH_VBMI, TACTNET_ARCH_VNNI)

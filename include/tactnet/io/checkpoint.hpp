@@ -43,7 +43,8 @@ void save_checkpoint(const std::filesystem::path& path, Trainer& trainer, const 
 }
 
 /// Puts a trainer that was made with the same settings where the checkpoint left off. Throws file_error when
-/// the file is no checkpoint, is damaged, or has other settings; the trainer is then as it was.
+/// the file is no checkpoint, is damaged, has other settings, or is where such a training cannot be; the
+/// trainer is then as it was.
 template <class Trainer>
 void load_checkpoint(const std::filesystem::path& path, Trainer& trainer, const file_metadata& settings) {
     const safetensors file = safetensors::read(path);
@@ -79,7 +80,7 @@ void load_checkpoint(const std::filesystem::path& path, Trainer& trainer, const 
     try {
         trainer.restore(progress);
     } catch (const std::invalid_argument& error) {
-        throw file_error(file.file(), detail::tensor_place("progress"), "the numbers of a training",
+        throw file_error(file.file(), detail::tensor_place("progress"), "the numbers of this training",
                          "'" + std::string(error.what()) + "'");
     }
     std::size_t index = 0;

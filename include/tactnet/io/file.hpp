@@ -103,11 +103,16 @@ inline std::vector<std::byte> read_file(const std::filesystem::path& path,
     if (!file)
         throw file_error(path.string(), "", "a readable file", "'" + detail::error_text(errno) + "'");
 
-    // The size is only a hint: a file may grow while it is read, and devices have none.
+    const auto too_large = [&](const std::string& found) {
+        return file_error(path.string(), "", "at most " + std::to_string(limit) + " bytes", found);
+    };
     std::vector<std::byte> bytes;
-    const auto size = std::filesystem::file_size(path, code);
-    if (!code && size <= limit)
+    // A size within the limit is only a hint: a file may grow while it is read, and devices have none.
+    if (const auto size = std::filesystem::file_size(path, code); !code) {
+        if (size > limit)
+            throw too_large(std::to_string(size) + " bytes");
         bytes.reserve(static_cast<std::size_t>(size) + 1);
+    }
     constexpr std::size_t step = std::size_t{1} << 20;
     for (;;) {
         const std::size_t have = bytes.size();
@@ -117,8 +122,7 @@ inline std::vector<std::byte> read_file(const std::filesystem::path& path,
         const std::size_t got = std::fread(bytes.data() + have, 1, room, file.get());
         bytes.resize(have + got);
         if (bytes.size() > limit)
-            throw file_error(path.string(), "", "at most " + std::to_string(limit) + " bytes",
-                             code ? "more" : std::to_string(size) + " bytes");
+            throw too_large("more");
         if (got < room) {
             if (std::ferror(file.get()) != 0)
                 throw file_error(path.string(), "byte " + std::to_string(bytes.size()), "to read on",

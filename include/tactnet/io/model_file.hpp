@@ -10,7 +10,9 @@
 #include <tactnet/io/json_scanner.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/text.hpp>
 #include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -54,7 +56,7 @@ struct model {
         for (std::size_t i = 0; i < count; ++i)
             in.set(i, normalise(images.subspan(i * size).template first<size>()));
         network.prepare(threads, space);
-        network.infer(threads, space, in, out);
+        network.logits(threads, space, in, out);
         std::vector<float> result;
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t c = 0; c < classes.size(); ++c)
@@ -85,8 +87,11 @@ std::string number_text(Number value) {
     return std::string(text, end.ptr);
 }
 
+/// The positive number under a key. Anything else throws if the key is known to be ours (`strict`), and is
+/// passed over if it may be another program's word for something else.
 template <class Number>
-std::optional<Number> number_in(const safetensors& file, std::string_view key, const char* expected) {
+std::optional<Number> number_in(const safetensors& file, std::string_view key, const char* expected,
+                                bool strict) {
     const auto found = file.metadata().find(key);
     if (found == file.metadata().end())
         return std::nullopt;
@@ -94,8 +99,11 @@ std::optional<Number> number_in(const safetensors& file, std::string_view key, c
     Number value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !(value > Number{}) ||
-        !std::isfinite(static_cast<double>(value)))
+        !std::isfinite(static_cast<double>(value))) {
+        if (!strict)
+            return std::nullopt;
         throw file_error(file.file(), "metadata '" + std::string(key) + "'", expected, in_quotes(text));
+    }
     return value;
 }
 
@@ -104,21 +112,21 @@ inline constexpr float selftest_tolerance = 1e-4F;
 
 inline std::string json_array(const std::vector<std::string>& texts) {
     std::string json = "[";
-    for (const std::string& text : texts) {
-        json += json.size() > 1 ? ",\"" : "\"";
-        for (const char c : text) {
-            constexpr std::string_view digits = "0123456789abcdef";
-            const auto code = static_cast<unsigned char>(c);
-            if (code < 0x20)
-                ((json += "\\u00") += digits[code >> 4]) += digits[code & 15U];
-            else if (c == '"' || c == '\\')
-                (json += '\\') += c;
-            else
-                json += c;
-        }
-        json += '"';
-    }
+    for (const std::string& text : texts)
+        json += (json.size() > 1 ? "," : "") + json_string(text);
     return json + "]";
+}
+
+/// Of images in a file: [rows, columns], and channels in front where there are several. With a count,
+/// that many of them.
+inline std::vector<std::size_t> image_extents(shape image, std::optional<std::size_t> count = std::nullopt) {
+    std::vector<std::size_t> extents;
+    if (count)
+        extents.push_back(*count);
+    if (image.channels > 1)
+        extents.push_back(image.channels);
+    extents.insert(extents.end(), {image.rows, image.columns});
+    return extents;
 }
 
 template <class Network>
@@ -127,8 +135,7 @@ void check_selftest(const safetensors& file, const model<Network>& m) {
         return;
     const auto& extents = file.at("selftest.input").extents;
     const std::size_t count = extents.empty() ? 0 : extents.front();
-    file.require_extents("selftest.input",
-                         std::vector{count, Network::input_shape.rows, Network::input_shape.columns});
+    file.require_extents("selftest.input", image_extents(Network::input_shape, count));
     file.require_extents("selftest.logits", std::vector{count, m.classes.size()});
     const std::vector<float> expected = file.values<float>("selftest.logits");
     thread_pool alone;
@@ -146,23 +153,24 @@ void check_selftest(const safetensors& file, const model<Network>& m) {
 
 } // namespace detail
 
-/// Reads the metadata alone, to find the network that the file is for. Throws file_error for values that mean
-/// nothing. Files made elsewhere may say nothing at all, or use the same keys for free text: then `classes`
-/// stays empty.
+/// Reads the metadata alone, to find the network that the file is for. Throws file_error for another version
+/// of the format, and for values that mean nothing. Files made elsewhere may say nothing at all, or use the
+/// same keys for anything: of theirs only the name and what reads as a number is taken.
 [[nodiscard]] inline model_description describe_model(const safetensors& file) {
     const auto text = [&](std::string_view key) {
         const auto found = file.metadata().find(key);
         return found == file.metadata().end() ? std::string() : found->second;
     };
     model_description d;
-    d.network = text("network");
-    d.rows = detail::number_in<std::size_t>(file, "rows", "a number of rows");
-    d.columns = detail::number_in<std::size_t>(file, "columns", "a number of columns");
-    d.epsilon = detail::number_in<double>(file, "epsilon", "a positive number");
-    if (text("format") != "tactnet")
-        return d;
-    if (text("version") != "1")
+    const bool ours = text("format") == "tactnet";
+    if (ours && text("version") != "1")
         throw file_error(file.file(), "metadata 'version'", "format version 1", in_quotes(text("version")));
+    d.network = text("network");
+    d.rows = detail::number_in<std::size_t>(file, "rows", "a number of rows", ours);
+    d.columns = detail::number_in<std::size_t>(file, "columns", "a number of columns", ours);
+    d.epsilon = detail::number_in<double>(file, "epsilon", "a positive number", ours);
+    if (!ours)
+        return d;
     const std::string classes = text("classes"), input = text("input");
     json_scanner scanner(classes, file.file() + ": metadata 'classes'", 0);
     scanner.array([&] { d.classes.push_back(scanner.string()); });
@@ -170,7 +178,7 @@ void check_selftest(const safetensors& file, const model<Network>& m) {
     if (input != "mean" && input != "scale")
         throw file_error(file.file(), "metadata 'input'", "'mean' or 'scale'", in_quotes(input));
     d.subtracts_mean = input == "mean";
-    d.scale = detail::number_in<float>(file, "input_scale", "a positive number");
+    d.scale = detail::number_in<float>(file, "input_scale", "a positive number", ours);
     return d;
 }
 
@@ -197,7 +205,7 @@ template <class Network>
     m.network.epsilon = epsilon ? *epsilon : d.epsilon.value_or(1e-5);
     load_parameters(m.network, file, classes);
     if (d.subtracts_mean.value_or(file.contains("input_mean"))) {
-        file.require_extents("input_mean", std::vector{shape.rows, shape.columns});
+        file.require_extents("input_mean", detail::image_extents(shape));
         const std::vector<float> mean = file.values<float>("input_mean");
         detail::check_values(file, "input_mean", mean);
         std::copy(mean.begin(), mean.end(), m.normalise.mean.begin());
@@ -236,13 +244,13 @@ void save_model(const std::filesystem::path& path, const model<Network>& m, file
     writer.metadata["input_scale"] = detail::number_text(m.normalise.scale);
     add_parameters(writer, m.network, m.classes.size());
     if (subtracts)
-        writer.add("input_mean", {shape.rows, shape.columns},
+        writer.add("input_mean", detail::image_extents(shape),
                    std::span<const float>(m.normalise.mean.data(), shape.size()));
     if (!selftest.empty()) {
         thread_pool alone;
         const std::vector<float> logits = m.logits(selftest, alone);
         const std::size_t count = selftest.size() / shape.size();
-        writer.add("selftest.input", {count, shape.rows, shape.columns}, selftest);
+        writer.add("selftest.input", detail::image_extents(shape, count), selftest);
         writer.add("selftest.logits", {count, m.classes.size()}, std::span<const float>(logits));
     }
     writer.write(path);

@@ -8,12 +8,13 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_writer.hpp>
 #include <tactnet/io/text.hpp>
+#include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <numeric>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -48,15 +49,34 @@ std::vector<std::size_t> stored_extents(const Parameter& p, const std::string& o
     return extents;
 }
 
-/// Whether a tensor holds an array. A dense layer's weights may keep the channels, rows and columns that it
-/// sees apart.
-inline bool extents_match(const std::vector<std::size_t>& expected, const std::vector<std::size_t>& found) {
-    if (found == expected)
-        return true;
-    return expected.size() == 2 && found.size() == 4 && found[0] == expected[0] &&
-           std::accumulate(found.begin() + 1, found.end(), std::size_t{1}, std::multiplies<>()) ==
-               expected[1];
+/// What the dense layers of a list of layers see, in order.
+template <class T, shape Input>
+void append_dense_inputs(std::vector<shape>&) {}
+template <class T, shape Input, class Spec, class... Rest>
+void append_dense_inputs(std::vector<shape>& list) {
+    if (Spec::name == "fc")
+        list.push_back(Input);
+    append_dense_inputs<T, Spec::template layer<T, Input>::output, Rest...>(list);
 }
+
+/// For the weights of dense layers, by name: [channels, rows, columns] of what they see, which a flatten
+/// joins to one extent. Nothing for networks that are no list of layers, and for layers within blocks.
+template <class Network>
+struct flattened_extents {
+    static std::map<std::string, std::vector<std::size_t>, std::less<>> of() { return {}; }
+};
+template <template <class, shape, class...> class Network, class T, shape Input, class... Specs>
+struct flattened_extents<Network<T, Input, Specs...>> {
+    static std::map<std::string, std::vector<std::size_t>, std::less<>> of() {
+        std::vector<shape> inputs;
+        append_dense_inputs<T, Input, Specs...>(inputs);
+        std::map<std::string, std::vector<std::size_t>, std::less<>> result;
+        for (std::size_t i = 0; i < inputs.size(); ++i)
+            result["fc" + (inputs.size() > 1 ? std::to_string(i + 1) : "") + ".weight"] = {
+                inputs[i].channels, inputs[i].rows, inputs[i].columns};
+        return result;
+    }
+};
 
 /// What a weight file may hold beside a network's arrays.
 inline bool is_companion(std::string_view name) {
@@ -93,10 +113,10 @@ template <class Network>
 
 /// Fills a network from a file. With fewer `classes` than outputs the file holds only as many rows of the
 /// last dense layer; the others become zero. The weights of a dense layer may be stored as [outputs, inputs]
-/// or as [outputs, channels, rows, columns]. `input_mean`, `selftest.*` and PyTorch's `num_batches_tracked`
-/// are passed over. Throws file_error when an array is missing, of other extents or not finite, when a
-/// variance is negative, or when there is a tensor that the network does not know; the network is then as it
-/// was.
+/// or as [outputs, channels, rows, columns] of what it sees. `input_mean`, `selftest.*` and PyTorch's
+/// `num_batches_tracked` are passed over. Throws file_error when an array is missing, of other extents or not
+/// finite, when a variance is negative, or when there is a tensor that the network does not know; the network
+/// is then as it was.
 template <class Network>
 void load_parameters(Network& network, const safetensors& file, std::size_t classes = Network::outputs) {
     const std::string output_layer = detail::output_layer_prefix<Network>();
@@ -114,6 +134,7 @@ void load_parameters(Network& network, const safetensors& file, std::size_t clas
                              "only the " + std::to_string(known.size()) + " arrays of this network",
                              detail::tensor_place(name) + " of another network");
 
+    const auto flattened = detail::flattened_extents<Network>::of();
     std::vector<std::vector<float>> values;
     for (const auto& p : arrays) {
         const std::vector<std::size_t> extents = detail::stored_extents(p, output_layer, classes);
@@ -121,9 +142,16 @@ void load_parameters(Network& network, const safetensors& file, std::size_t clas
             throw file_error(file.file(), "",
                              "a " + detail::tensor_place(p.name) + " of " + shape_text(extents),
                              "none of that name");
-        if (!detail::extents_match(extents, file.at(p.name).extents))
-            throw file_error(file.file(), detail::tensor_place(p.name), shape_text(extents),
-                             shape_text(file.at(p.name).extents));
+        std::vector<std::size_t> apart;
+        if (const auto inputs = flattened.find(p.name); inputs != flattened.end()) {
+            apart = inputs->second;
+            apart.insert(apart.begin(), extents.front());
+        }
+        if (const auto& found = file.at(p.name).extents;
+            found != extents && (apart.empty() || found != apart))
+            throw file_error(file.file(), detail::tensor_place(p.name),
+                             shape_text(extents) + (apart.empty() ? "" : " or " + shape_text(apart)),
+                             shape_text(found));
         values.push_back(file.template values<float>(p.name));
         detail::check_values(file, p.name, values.back());
     }

@@ -104,23 +104,6 @@ private:
         return order;
     }
 
-    static std::string json_string(std::string_view text) {
-        if (!is_utf8(text))
-            throw std::invalid_argument("tactnet: metadata must be UTF-8, not " + in_quotes(text));
-        constexpr std::string_view digits = "0123456789abcdef";
-        std::string json = "\"";
-        for (const char c : text) {
-            const auto code = static_cast<unsigned char>(c);
-            if (c == '"' || c == '\\')
-                (json += '\\') += c;
-            else if (code < 0x20)
-                ((json += "\\u00") += digits[code >> 4]) += digits[code & 15U];
-            else
-                json += c;
-        }
-        return json + '"';
-    }
-
     std::vector<std::byte> header_bytes() const {
         std::string json = "{";
         const auto separate = [&] { json += json.back() == '{' ? "" : ","; };

@@ -1,11 +1,12 @@
 #pragma once
 
-// What the file side needs to know about text: whether bytes are UTF-8 (names go into JSON headers, which
+// What the file side needs to know about text: whether bytes are UTF-8, how names go into JSON headers (which
 // must be), and how to show a name that may come from a hostile or damaged file in an error message.
 
 #include <tactnet/detail/config.hpp>
 
 #include <cstddef>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -71,6 +72,24 @@ inline std::string in_quotes(std::string_view text, std::size_t limit = 80) {
         }
     }
     return shown + (text.empty() ? "'" : "…'");
+}
+
+/// `text` as a JSON string (RFC 8259). Throws std::invalid_argument when it is not UTF-8.
+inline std::string json_string(std::string_view text) {
+    if (!is_utf8(text))
+        throw std::invalid_argument("tactnet: text in a file must be UTF-8, not " + in_quotes(text));
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string json = "\"";
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\')
+            (json += '\\') += c;
+        else if (code < 0x20)
+            ((json += "\\u00") += digits[code >> 4]) += digits[code & 15U];
+        else
+            json += c;
+    }
+    return json + '"';
 }
 
 } // namespace tactnet::inline TACTNET_ARCH

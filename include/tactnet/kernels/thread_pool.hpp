@@ -16,7 +16,8 @@ namespace tactnet::inline TACTNET_ARCH {
 /// One thread starts none.
 class thread_pool {
 public:
-    explicit thread_pool(std::size_t threads = 1) : threads_(threads > 0 ? threads : 1) {
+    /// Throws std::system_error when the system refuses a thread; those that run already are ended first.
+    explicit thread_pool(std::size_t threads = 1) : thread_pool(without_workers{}, threads) {
         workers_.reserve(threads_ - 1);
         for (std::size_t index = 1; index < threads_; ++index)
             workers_.emplace_back([this, index] { work(index); });
@@ -67,6 +68,10 @@ public:
     }
 
 private:
+    // A constructor of its own: once it is done the destructor cleans up, whatever the public one throws.
+    struct without_workers {};
+    thread_pool(without_workers, std::size_t threads) : threads_(threads > 0 ? threads : 1) {}
+
     // Layers follow each other within microseconds: a short wait in place saves the way through the
     // scheduler.
     static constexpr std::size_t patience = 4096;

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <tactnet/kernels/gemm.hpp>
+#include <tactnet/kernels/lane_products.hpp>
 #include <tactnet/kernels/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace tactnet::inline TACTNET_ARCH {
@@ -33,8 +34,7 @@ struct dense {
         static constexpr std::size_t multiply_adds = weights, multiply_adds_on_pixels = weights;
 
         struct memory {
-            aligned_vector<T> parts;                         // of every group
-            std::array<aligned_vector<double>, Outputs> row; // of every output
+            aligned_vector<double> totals; // of every thread: [output][lane]
             void resize(std::size_t) {}
         };
 
@@ -46,11 +46,10 @@ struct dense {
         static void infer(const pass& p, const T* values, const T*, memory&, input_view<T, Input> in,
                           output_view<T, output> out) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                multiply(values, in.group(g), out.group(g), Outputs, inputs, lanes<T>);
-                for (std::size_t o = 0; o < Outputs; ++o) {
-                    T* to = out.group(g) + o * lanes<T>;
-                    store(to, load<T>(to) + vector<T>(values[weights + o]));
-                }
+                lane_product<Outputs, inputs, matrix_layout{inputs, 1}>(
+                    values, in.group(g), [&](std::size_t o, const vector<T>& sum) {
+                        store(out.group(g) + o * lanes<T>, sum + vector<T>(values[weights + o]));
+                    });
             });
         }
         static void forward(const pass& p, const T* values, T* none, memory& m, input_view<T, Input> in,
@@ -61,34 +60,54 @@ struct dense {
         static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
-            // One product for each group, always of the same size: its rounding must not depend on the
-            // threads.
-            m.parts.resize(in.groups() * weights);
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                multiply_transposed_right(out_gradient.group(g), in.group(g), m.parts.data() + g * weights,
-                                          Outputs, lanes<T>, inputs);
-            });
-            p.threads.for_each(Outputs, [&](std::size_t o) {
-                m.row[o].assign(inputs, 0.0);
-                double bias = 0;
-                for (std::size_t g = 0; g < in.groups(); ++g) {
-                    const T* part = m.parts.data() + g * weights + o * inputs;
-                    for (std::size_t i = 0; i < inputs; ++i)
-                        m.row[o][i] += static_cast<double>(part[i]);
-                    bias += sum_terms<1, T>(1, [&](std::size_t) {
-                        return std::array<vector<T>, 1>{load(out_gradient.group(g) + o * lanes<T>)};
-                    })[0];
+            // Threads share the outputs for the biases and the inputs, a vector of them at a time, for the
+            // weights; each adds all groups in order.
+            m.totals.resize(p.threads.threads() * Outputs * lanes<T>);
+            p.threads.on_each_thread([&](thread_pool::share part) {
+                for (std::size_t o = part.begin(Outputs); o < part.end(Outputs); ++o) {
+                    double bias = 0;
+                    for (std::size_t g = 0; g < in.groups(); ++g)
+                        bias += sum_terms<1, T>(1, [&](std::size_t) {
+                            return std::array<vector<T>, 1>{load(out_gradient.group(g) + o * lanes<T>)};
+                        })[0];
+                    gradients[weights + o] = static_cast<T>(bias);
                 }
-                for (std::size_t i = 0; i < inputs; ++i)
-                    gradients[o * inputs + i] = static_cast<T>(m.row[o][i]);
-                gradients[weights + o] = static_cast<T>(bias);
+                double* totals = m.totals.data() + part.index * Outputs * lanes<T>;
+                for (std::size_t b = part.begin(vectors); b < part.end(vectors); ++b) {
+                    const std::size_t first = b * lanes<T>, count = std::min(lanes<T>, inputs - first);
+                    std::fill_n(totals, Outputs * lanes<T>, 0.0);
+                    for (std::size_t g = 0; g < in.groups(); ++g)
+                        add_products(out_gradient.group(g), in.group(g) + first * lanes<T>, count, totals);
+                    for (std::size_t o = 0; o < Outputs; ++o)
+                        for (std::size_t i = 0; i < count; ++i)
+                            gradients[o * inputs + first + i] = static_cast<T>(totals[o * lanes<T> + i]);
+                }
             });
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                multiply_transposed_left(values, out_gradient.group(g), in_gradient.group(g), inputs, Outputs,
-                                         lanes<T>);
+                lane_product<inputs, Outputs, matrix_layout{1, inputs}>(
+                    values, out_gradient.group(g), [&](std::size_t i, const vector<T>& sum) {
+                        store(in_gradient.group(g) + i * lanes<T>, sum);
+                    });
             });
+        }
+
+    private:
+        static constexpr std::size_t vectors = padded_size<T>(inputs) / lanes<T>;
+
+        /// Adds what one group gives to the gradients of the weights between up to `lanes<T>` inputs and all
+        /// outputs: sums over its samples.
+        static void add_products(const T* out_gradient, const T* in, std::size_t count, double* totals) {
+            alignas(alignment) std::array<T, lanes<T> * lanes<T>> turned;
+            turn_lanes(in, count, turned.data());
+            lane_product<Outputs, lanes<T>, matrix_layout{lanes<T>, 1}>(
+                out_gradient, turned.data(), [&](std::size_t o, const vector<T>& sum) {
+                    alignas(alignment) std::array<T, lanes<T>> flat;
+                    store(flat.data(), sum);
+                    for (std::size_t lane = 0; lane < lanes<T>; ++lane)
+                        totals[o * lanes<T> + lane] += static_cast<double>(flat[lane]);
+                });
         }
     };
 };

@@ -28,7 +28,7 @@ template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannel
 using identity = sequence<>;
 
 /// Residual block (He, Zhang, Ren, Sun, 2016): main(x) + skip(x), where skip is `identity` or a projection.
-/// The ReLU behind the sum is a layer of its own.
+/// A branch is a list of layers or a single one. The ReLU behind the sum is a layer of its own.
 template <class Main, class Skip = identity>
 struct residual {
     static constexpr std::string_view name = "block";
@@ -37,8 +37,8 @@ struct residual {
     template <class T, shape Input>
     struct layer {
         using value_type = T;
-        using main = typename Main::template layer<T, Input>;
-        using skip = typename Skip::template layer<T, Input>;
+        using main = typename as_sequence<Main>::template layer<T, Input>;
+        using skip = typename as_sequence<Skip>::template layer<T, Input>;
         static constexpr shape input = Input;
         static constexpr shape output =
             detail::residual_output<main::output.rows, main::output.columns, main::output.channels,
@@ -49,7 +49,7 @@ struct residual {
         static constexpr std::size_t multiply_adds = main::multiply_adds + skip::multiply_adds;
         static constexpr std::size_t multiply_adds_on_pixels =
             main::multiply_adds_on_pixels + skip::multiply_adds_on_pixels;
-        static constexpr bool projects = Skip::size > 0;
+        static constexpr bool projects = as_sequence<Skip>::size > 0;
         static constexpr std::size_t inner_activations =
             (main::keeps_output ? output.size() : 0) +
             std::max(main::inner_activations, projects ? output.size() + skip::inner_activations : 0);

@@ -37,7 +37,7 @@ struct chain<T, Input, indexed_leaves<Placed...>, Spec, Rest...> {
 
 } // namespace detail
 
-/// Layers one after the other, as one layer.
+/// Layers one after the other, as one layer. Without any it passes its input on.
 template <class... Specs>
 struct sequence {
     static constexpr std::string_view name = "";
@@ -53,10 +53,21 @@ struct sequence {
     public:
         template <std::size_t I>
         using at = typename place<I>::type;
+        /// Where the arrays of layer I begin in those of the list.
+        template <std::size_t I>
+        static constexpr std::size_t parameter_offset = place<I>::parameter_offset;
+        template <std::size_t I>
+        static constexpr std::size_t statistic_offset = place<I>::statistic_offset;
 
         using value_type = T;
         static constexpr shape input = Input, output = chained::output;
-        static constexpr bool in_place = false, keeps_output = size > 0 && at<size - 1>::keeps_output;
+        static constexpr bool in_place = false;
+        static constexpr bool keeps_output = [] {
+            if constexpr (size > 0)
+                return at<size - 1>::keeps_output;
+            else
+                return false;
+        }();
 
     private:
         template <class Value>
@@ -154,6 +165,8 @@ struct sequence {
         }
         static void infer(const pass& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
+            if constexpr (size == 0)
+                copy(p, in, out);
             unroll<size>([&](auto i) {
                 at<i>::infer(at_depth(p, i), values + place<i>::parameter_offset,
                              running + place<i>::statistic_offset, detail::get<i>(m.inner),
@@ -162,6 +175,8 @@ struct sequence {
         }
         static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
                             output_view<T, output> out) {
+            if constexpr (size == 0)
+                copy(p, in, out);
             unroll<size>([&](auto i) {
                 at<i>::forward(at_depth(p, i), values + place<i>::parameter_offset,
                                running + place<i>::statistic_offset, detail::get<i>(m.inner),
@@ -171,6 +186,9 @@ struct sequence {
         static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
+            if constexpr (size == 0)
+                if (in_gradient.data() != nullptr)
+                    copy(p, out_gradient, in_gradient);
             for (aligned_vector<T>& g : m.gradients)
                 if (g.size() < m.gradient_size)
                     g.resize(m.gradient_size);
@@ -195,6 +213,12 @@ struct sequence {
         template <std::size_t I>
         static constexpr bool spec_numbered = std::array<bool, size>{Specs::numbered...}[I];
 
+        template <shape Shape>
+        static void copy(const pass& p, input_view<T, Shape> from, output_view<T, Shape> to) {
+            p.threads.for_each(from.groups(), [&](std::size_t g) {
+                std::copy_n(from.group(g), from.group_size, to.group(g));
+            });
+        }
         static pass at_depth(const pass& p, std::size_t index) {
             pass inner = p;
             inner.depth = p.depth * 64 + static_cast<std::uint32_t>(index) + 1;
@@ -217,5 +241,22 @@ struct sequence {
         }
     };
 };
+
+namespace detail {
+
+template <class Spec>
+struct as_sequence {
+    using type = sequence<Spec>;
+};
+template <class... Specs>
+struct as_sequence<sequence<Specs...>> {
+    using type = sequence<Specs...>;
+};
+
+} // namespace detail
+
+/// A list of layers as it is, and a single layer as a list of one.
+template <class Spec>
+using as_sequence = typename detail::as_sequence<Spec>::type;
 
 } // namespace tactnet

@@ -22,7 +22,7 @@ void softmax_of(std::span<const T> logits, std::span<T> probabilities) noexcept 
 
 /// Softmax over the channels of every pixel, for lists that end in probabilities. The networks of the paper
 /// end in logits; training joins softmax and cross-entropy (training/loss.hpp), which is exact where
-/// probabilities are not.
+/// probabilities are not, so a network knows its logits whether its list ends in softmax or not.
 struct softmax {
     static constexpr std::string_view name = "softmax";
     static constexpr bool numbered = false;

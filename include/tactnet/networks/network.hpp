@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/layers/sequence.hpp>
+#include <tactnet/layers/softmax.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -9,23 +10,56 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
+namespace detail {
+
+/// Takes the softmax from the end of a list, also from that of a list at its end. First the layers to keep.
+template <class Kept, class... Specs>
+struct split_softmax;
+template <class... Kept>
+struct split_softmax<sequence<Kept...>> {
+    using logits = sequence<Kept...>;
+    static constexpr bool found = false;
+};
+template <class... Kept, class Spec, class... Rest>
+struct split_softmax<sequence<Kept...>, Spec, Rest...> : split_softmax<sequence<Kept..., Spec>, Rest...> {};
+template <class... Kept>
+struct split_softmax<sequence<Kept...>, softmax> {
+    using logits = sequence<Kept...>;
+    static constexpr bool found = true;
+};
+template <class... Kept, class... Inner>
+struct split_softmax<sequence<Kept...>, sequence<Inner...>> {
+    using inner = split_softmax<sequence<>, Inner...>;
+    using logits = sequence<Kept..., typename inner::logits>;
+    static constexpr bool found = inner::found;
+};
+
+} // namespace detail
+
 /// A list of layer specifications bound to an input shape. As a type it is a description: what it costs are
 /// constants. As an object it holds parameters and running statistics on the heap, for training and
 /// inference.
 ///
-/// Input: samples of `Input`, by convention 8-bit counts 0 … 255 minus a mean image. Output: logits (or what
-/// the last layer gives). T is the number type; gradients are checked in double.
+/// Input: samples of `Input`, by convention 8-bit counts 0 … 255 minus a mean image. Output: what the last
+/// layer gives; logits are what stands in front of a softmax at the end, or else the same. Losses and metrics
+/// ask for logits, so that no softmax is taken twice. T is the number type; gradients are checked in double.
 template <class T, shape Input, class... Specs>
 class basic_network {
-    using layers = typename sequence<Specs...>::template layer<T, Input>;
+    using split = detail::split_softmax<sequence<>, Specs...>;
+    using logit_layers = typename split::logits::template layer<T, Input>;
 
 public:
+    /// The list as written, and bound to the input: what deployment reads.
+    using specification = sequence<Specs...>;
+    using layers = typename specification::template layer<T, Input>;
     using value_type = T;
     template <class Other>
     using with_value_type = basic_network<Other, Input, Specs...>;
 
     static constexpr shape input_shape = Input;
     static constexpr shape output_shape = layers::output;
+    /// Whether outputs are probabilities. The softmax has no parameters: they are the same without it.
+    static constexpr bool ends_in_softmax = split::found;
     static constexpr std::size_t outputs = output_shape.size();
     /// Learnable parameters: weights, biases, scales and shifts.
     static constexpr std::size_t parameters = layers::parameters;
@@ -53,8 +87,7 @@ public:
     /// What a batch needs on its way; one for each thread that calls a network.
     class workspace {
     public:
-        /// Makes room for that many samples. Not needed before `infer` or `forward` with as many or fewer:
-        /// they call it.
+        /// Makes room for that many samples. Not needed before `infer`, `logits` or `forward`: they call it.
         void resize(std::size_t samples) {
             if (samples == memory_.samples)
                 return;
@@ -63,7 +96,7 @@ public:
 
     private:
         friend basic_network;
-        typename layers::memory memory_;
+        typename logit_layers::memory memory_;
     };
 
     /// All zero but for scales and running variances, which are one. See initialise() in training.
@@ -107,32 +140,55 @@ public:
 
     /// Readies a workspace for this network's present parameters. Call it again whenever they change.
     void prepare(thread_pool& threads, workspace& space) const {
-        layers::prepare(make_pass(threads), values_.data(), statistics_.data(), space.memory_);
+        logit_layers::prepare(make_pass(threads), values_.data(), statistics_.data(), space.memory_);
     }
-    /// Logits of a batch, with running statistics. The workspace must be prepared. A sample's result has the
-    /// same bits whatever the batch and the threads.
+    /// Outputs of a batch, with running statistics. The workspace must be prepared. A sample's result has the
+    /// same bits whatever the batch and the threads. Any number of samples goes through in parts, so that the
+    /// workspace stays small.
     void infer(thread_pool& threads, workspace& space, const_input in, output_type out) const {
-        space.resize(in.samples());
-        layers::infer(make_pass(threads), values_.data(), statistics_.data(), space.memory_, in, out);
+        logits(threads, space, in, out);
+        if constexpr (ends_in_softmax) {
+            no_memory none;
+            softmax::layer<T, output_shape>::infer(make_pass(threads), nullptr, nullptr, none,
+                                                   const_output(out), out);
+        }
+    }
+    /// As `infer`, in front of a last softmax.
+    void logits(thread_pool& threads, workspace& space, const_input in, output_type out) const {
+        const std::size_t groups = in.groups(),
+                          most = std::max(samples_at_once / lanes<T>, threads.threads());
+        const std::size_t parts = (groups + most - 1) / most;
+        // As equal as can be, a largest one first: the workspace then has room for all.
+        const auto begin = [&](std::size_t part) { return (groups * part + parts - 1) / parts; };
+        for (std::size_t part = 0; part < parts; ++part) {
+            const std::size_t first = begin(part), last = begin(part + 1);
+            const std::size_t count = std::min(last * lanes<T>, in.samples()) - first * lanes<T>;
+            space.resize(count);
+            logit_layers::infer(make_pass(threads), values_.data(), statistics_.data(), space.memory_,
+                                const_input(in.group(first), count), output_type(out.group(first), count));
+        }
     }
     /// Logits of a batch in training: moments of the batch in batch norms (which move the running ones),
     /// dropout.
     void forward(thread_pool& threads, workspace& space, const_input in, output_type out,
                  std::uint64_t seed = 0, std::uint32_t step = 0) {
         space.resize(in.samples());
-        layers::forward(make_pass(threads, seed, step), values_.data(), statistics_.data(), space.memory_, in,
-                        out);
+        logit_layers::forward(make_pass(threads, seed, step), values_.data(), statistics_.data(),
+                              space.memory_, in, out);
     }
-    /// Gradients of the learnable parameters (as many as `learnable_values`, or without the zeros behind),
-    /// after `forward` with the same arguments; `in_gradient` may be a null view.
+    /// Gradients of the learnable parameters (as many as `learnable_values`, or without the zeros behind)
+    /// from those of the logits, after `forward` with the same arguments; `in_gradient` may be a null view.
     void backward(thread_pool& threads, workspace& space, const_input in, const_output out,
                   const_output out_gradient, input_type in_gradient, std::span<T> gradients,
                   std::uint64_t seed = 0, std::uint32_t step = 0) const {
-        layers::backward(make_pass(threads, seed, step), values_.data(), space.memory_, in, out, out_gradient,
-                         in_gradient, gradients.data());
+        logit_layers::backward(make_pass(threads, seed, step), values_.data(), space.memory_, in, out,
+                               out_gradient, in_gradient, gradients.data());
     }
 
 private:
+    /// Enough for every thread to have work, little enough for the caches.
+    static constexpr std::size_t samples_at_once = 256;
+
     [[nodiscard]] pass make_pass(thread_pool& threads, std::uint64_t seed = 0, std::uint32_t step = 0) const {
         return {.threads = threads, .epsilon = epsilon, .momentum = momentum, .seed = seed, .step = step};
     }

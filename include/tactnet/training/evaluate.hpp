@@ -71,7 +71,7 @@ evaluate(const Network& network, const normalisation<Network::input_shape>& norm
             in.set(i, normalise(images.template image<Network::input_shape>(index)));
             labels[i] = images.labels[index];
         }
-        network.infer(threads, space, in, out);
+        network.logits(threads, space, in, out);
         const auto mean = softmax_cross_entropy(out.as_const(), std::span<const std::size_t>(labels),
                                                 images.classes, 0.0, gradient.view());
         result.loss += mean * static_cast<double>(count) / static_cast<double>(chosen.size());

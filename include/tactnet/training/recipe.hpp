@@ -40,8 +40,10 @@ struct recipe {
     double label_smoothing = 0.1;
     double averaging = 0;  ///< share of the past in a running average of the parameters; 0 is off
     double epsilon = 1e-5; ///< of batch norms
-    /// Take the statistics of batch norms anew from the last batch before each validation. Right where a
-    /// batch is the whole training set: running ones lag behind parameters that move in large steps.
+    /// Take the statistics of batch norms anew when a validation is due, of the network that is validated
+    /// (the averaged one where there is one), from the training images without augmentation. Right where a
+    /// batch is the whole training set: running ones lag behind parameters that move in large steps, and
+    /// those of varied images are not those of the images to recognise.
     bool remeasure_statistics = false;
     std::size_t validate_every = 1; ///< epochs
     std::size_t patience = 0;       ///< validations without a smaller loss before it stops; 0 never stops

@@ -1,15 +1,13 @@
 #pragma once
 
-#include <tactnet/image/augmentation.hpp>
 #include <tactnet/training/early_stopping.hpp>
+#include <tactnet/training/epoch_images.hpp>
 #include <tactnet/training/evaluate.hpp>
+#include <tactnet/training/progress.hpp>
 #include <tactnet/training/recipe.hpp>
 #include <tactnet/training/split.hpp>
 
 #include <cmath>
-#include <limits>
-#include <numeric>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -20,15 +18,6 @@ namespace tactnet::inline TACTNET_ARCH {
 /// The loss is no longer a finite number.
 struct training_diverged : std::runtime_error {
     using std::runtime_error::runtime_error;
-};
-
-/// One epoch of a training.
-struct epoch_report {
-    std::size_t epoch = 0;                                                 ///< counted from 1
-    double rate = 0;                                                       ///< learning rate of its last step
-    double loss = 0;                                                       ///< mean training loss
-    double validation_loss = std::numeric_limits<double>::quiet_NaN();     ///< NaN where none was due
-    double validation_accuracy = std::numeric_limits<double>::quiet_NaN(); ///< NaN where none was due
 };
 
 /// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
@@ -42,17 +31,13 @@ public:
     /// The images must outlive the trainer.
     trainer(const recipe& how, const labelled_images& images, data_split split, std::uint64_t seed,
             thread_pool& threads)
-        : how_(how),
+        : how_(checked(how, images, split)),
           images_(images),
           split_(std::move(split)),
           seed_(seed),
           threads_(threads),
+          shown_(how, images, split_.training, seed, threads),
           stopping_(how.patience) {
-        check_images<Network>(images);
-        if (how.validate_every == 0)
-            throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
-        if (split_.training.empty())
-            throw std::invalid_argument("trainer: the training part of the split holds no image");
         network_.epsilon = how.epsilon;
         initialise(network_, how.initialisation, seed);
         if (how.input == input_rule::subtract_mean)
@@ -66,15 +51,11 @@ public:
             if (p.what == role::weight)
                 std::fill_n(decayed_.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size, 1.0f);
         averaged_ = best_ = network_;
-        if (how.augmentation == augmentation_rule::sixfold)
-            make_sixfold();
     }
 
-    [[nodiscard]] bool finished() const { return stopped_ || history_.size() >= how_.epochs; }
-    [[nodiscard]] const std::vector<epoch_report>& history() const { return history_; }
-    [[nodiscard]] std::size_t images_per_epoch() const {
-        return split_.training.size() * (how_.augmentation == augmentation_rule::sixfold ? 6 : 1);
-    }
+    [[nodiscard]] bool finished() const { return progress_.stopped || history().size() >= how_.epochs; }
+    [[nodiscard]] const std::vector<epoch_report>& history() const { return progress_.history; }
+    [[nodiscard]] std::size_t images_per_epoch() const { return shown_.size(); }
     /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
     /// where there are no validation images.
     [[nodiscard]] const Network& best() const { return split_.validation.empty() ? candidate() : best_; }
@@ -82,36 +63,33 @@ public:
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
     [[nodiscard]] const data_split& split() const { return split_; }
 
-    /// Trains for one epoch, and validates when due. Throws training_diverged.
+    /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
+    /// that leaves numbers which are not finite, or when the validation loss is not.
     const epoch_report& run_epoch() {
-        const std::size_t epoch = history_.size(), count = images_per_epoch();
-        const std::size_t batch = how_.batch == 0 ? split_.training.size() : std::min(how_.batch, count);
-        const std::size_t steps = (count + batch - 1) / batch;
-        std::vector<std::size_t> order(count);
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        if (steps > 1)
-            random_stream(seed_, draw::order, static_cast<std::uint32_t>(epoch)).shuffle(order);
-
+        const std::size_t epoch = history().size();
+        const std::vector<std::size_t> order = shown_.order(epoch);
         epoch_report report{.epoch = epoch + 1};
-        for (std::size_t step = 0; step < steps; ++step) {
-            // Batches of equal size, so that none is left with a handful of images for its batch norms.
-            const std::size_t first = count * step / steps, last = count * (step + 1) / steps;
+        for (std::size_t step = 0; step < shown_.steps(); ++step) {
             const double when =
-                static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(steps);
+                static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(shown_.steps());
             report.rate = rate_at(how_.schedule, how_.rate, when, static_cast<double>(how_.epochs));
-            const double loss = take(std::span(order).subspan(first, last - first), epoch, report.rate);
+            const std::span<const std::size_t> places = shown_.batch(step, order);
+            const double loss = take(places, epoch, report.rate);
             if (!std::isfinite(loss))
-                throw training_diverged(
-                    "training diverged in epoch " + std::to_string(epoch + 1) + ", step " +
-                    std::to_string(step + 1) + ": expected a finite loss, found " + std::to_string(loss) +
-                    "; lower the learning rate (now " + std::to_string(report.rate) + ")");
-            report.loss += loss * static_cast<double>(last - first) / static_cast<double>(count);
+                diverged(report, ", step " + std::to_string(step + 1) + ": expected a finite loss, found " +
+                                     std::to_string(loss));
+            report.loss += loss * static_cast<double>(places.size()) / static_cast<double>(order.size());
         }
-        if (!split_.validation.empty() &&
-            ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs))
-            validate(report);
-        history_.push_back(report);
-        return history_.back();
+        check_finite(network_.learnable_values(), report);
+        check_finite(network_.running_statistics(), report);
+        if ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs) {
+            if (how_.remeasure_statistics)
+                remeasure_statistics(how_.averaging > 0 ? averaged_ : network_);
+            if (!split_.validation.empty())
+                validate(report);
+        }
+        progress_.history.push_back(report);
+        return history().back();
     }
 
     /// visit(name, span of float or double) for all that a resumed training needs; after writing to them,
@@ -129,75 +107,59 @@ public:
     }
     /// The numbers beside the arrays.
     [[nodiscard]] std::vector<double> progress() const {
-        std::vector<double> p{static_cast<double>(optimiser_.steps),
-                              best_loss_,
-                              smoothed_loss_,
-                              stopping_.smallest(),
-                              static_cast<double>(stopping_.waited()),
-                              stopped_ ? 1.0 : 0.0};
-        for (const epoch_report& e : history_)
-            p.insert(p.end(), {e.rate, e.loss, e.validation_loss, e.validation_accuracy});
-        return p;
+        training_progress p = progress_;
+        p.steps = optimiser_.steps;
+        p.smallest_loss = stopping_.smallest(), p.waited = stopping_.waited();
+        return p.numbers();
     }
-    void restore(std::span<const double> p) {
-        if (p.size() < 6 || (p.size() - 6) % 4 != 0)
-            throw std::invalid_argument(
-                "trainer: the progress of a training has 6 numbers and 4 for each epoch");
-        optimiser_.steps = static_cast<std::uint64_t>(p[0]);
-        best_loss_ = p[1];
-        smoothed_loss_ = p[2];
-        stopping_.restore(p[3], static_cast<std::size_t>(p[4]));
-        stopped_ = p[5] != 0;
-        history_.clear();
-        for (std::size_t i = 6; i < p.size(); i += 4)
-            history_.push_back({history_.size() + 1, p[i], p[i + 1], p[i + 2], p[i + 3]});
+    /// Throws std::invalid_argument, and changes nothing, for numbers that no training with this recipe has.
+    void restore(std::span<const double> numbers) {
+        progress_ = training_progress::from(numbers, how_.epochs, shown_.steps());
+        optimiser_.steps = progress_.steps;
+        stopping_.restore(progress_.smallest_loss, progress_.waited);
     }
 
 private:
     [[nodiscard]] const Network& candidate() const { return how_.averaging > 0 ? averaged_ : network_; }
 
-    void make_sixfold() {
-        sixfold_.resize(images_per_epoch());
-        threads_.for_each(sixfold_.size(), [&](std::size_t i) {
-            const std::size_t image = split_.training[i / 6];
-            random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(i % 6),
-                                 static_cast<std::uint32_t>(image));
-            const image_transform t =
-                i % 6 == 0 ? image_transform{} : image_transform::draw(how_.ranges, random);
-            transform_image<input>(t, images_.template image<input>(image), sixfold_[i]);
-        });
+    static const recipe& checked(const recipe& how, const labelled_images& images, const data_split& split) {
+        check_images<Network>(images);
+        if (how.validate_every == 0)
+            throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
+        if (split.training.empty())
+            throw std::invalid_argument("trainer: the training part of the split holds no image");
+        return how;
     }
 
-    /// The image at one place of the epoch's order, augmented and normalised.
-    void make_input(std::size_t place, std::size_t epoch, tensor<float, input>& to) const {
-        if (how_.augmentation == augmentation_rule::sixfold) {
-            to = sixfold_[place];
-        } else {
-            const std::size_t image = split_.training[place];
-            image_transform t;
-            if (how_.augmentation == augmentation_rule::each_epoch) {
-                random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(epoch),
-                                     static_cast<std::uint32_t>(image));
-                t = image_transform::draw(how_.ranges, random);
-            }
-            transform_image<input>(t, images_.template image<input>(image), to);
-        }
-        normalise_.apply(to);
+    /// The loss of a step tells of the steps before it, and nothing of its own.
+    void check_finite(std::span<const float> values, const epoch_report& report) const {
+        for (const float value : values)
+            if (!std::isfinite(value))
+                diverged(report, ", last step: expected finite parameters, found " + std::to_string(value));
+    }
+    [[noreturn]] void diverged(const epoch_report& report, const std::string& what) const {
+        throw training_diverged("training diverged in epoch " + std::to_string(report.epoch) + what +
+                                "; lower the learning rate (now " + std::to_string(report.rate) + ")");
+    }
+
+    void make_inputs(std::span<const std::size_t> places, std::size_t epoch) {
+        in_.resize(places.size()), out_.resize(places.size());
+        threads_.for_each(places.size(), [&](std::size_t i) {
+            tensor<float, input> image;
+            shown_.make(places[i], epoch, image);
+            normalise_.apply(image);
+            in_.set(i, image);
+        });
     }
 
     /// One step; returns the mean loss before it.
     double take(std::span<const std::size_t> places, std::size_t epoch, double rate) {
         const std::size_t count = places.size();
-        in_.resize(count), out_.resize(count), out_gradient_.resize(count);
+        make_inputs(places, epoch);
+        out_gradient_.resize(count);
         std::vector<std::size_t> labels(count);
-        threads_.for_each(count, [&](std::size_t i) {
-            tensor<float, input> image;
-            make_input(places[i], epoch, image);
-            in_.set(i, image);
-        });
-        const std::size_t copies = how_.augmentation == augmentation_rule::sixfold ? 6 : 1;
         for (std::size_t i = 0; i < count; ++i)
-            labels[i] = images_.labels[split_.training[places[i] / copies]];
+            labels[i] = shown_.label(places[i]);
 
         const auto step = static_cast<std::uint32_t>(optimiser_.steps);
         network_.prepare(threads_, space_);
@@ -224,28 +186,44 @@ private:
         blend(averaged_.running_statistics(), network_.running_statistics());
     }
 
-    void remeasure_statistics() {
-        const double momentum = std::exchange(network_.momentum, 1.0);
-        network_.prepare(threads_, space_);
-        network_.forward(threads_, space_, in_, out_, seed_, static_cast<std::uint32_t>(optimiser_.steps));
-        network_.momentum = momentum;
+    /// Statistics of the network that is to be validated, anew from the training images as they are: the mean
+    /// of what batches of them give, each counted by its images. Not from the images as they were varied:
+    /// shifted and turned ones have empty corners, and other moments than those that are to be recognised.
+    void remeasure_statistics(Network& network) {
+        const std::span<const std::size_t> images = split_.training;
+        const std::size_t most = how_.batch == 0 ? images.size() : std::min(how_.batch, images.size());
+        const std::size_t batches = (images.size() + most - 1) / most;
+        const double momentum = network.momentum;
+        network.prepare(threads_, space_);
+        for (std::size_t batch = 0; batch < batches; ++batch) {
+            const std::size_t first = images.size() * batch / batches,
+                              last = images.size() * (batch + 1) / batches;
+            network.momentum = static_cast<double>(last - first) / static_cast<double>(last);
+            in_.resize(last - first), out_.resize(last - first);
+            threads_.for_each(last - first, [&](std::size_t i) {
+                in_.set(i, normalise_(images_.template image<input>(images[first + i])));
+            });
+            network.forward(threads_, space_, in_, out_, seed_,
+                            static_cast<std::uint32_t>(optimiser_.steps + batch));
+        }
+        network.momentum = momentum;
     }
 
     void validate(epoch_report& report) {
-        if (how_.remeasure_statistics)
-            remeasure_statistics();
         const evaluation result = evaluate(candidate(), normalise_, images_, split_.validation, threads_);
+        if (!std::isfinite(result.loss))
+            diverged(report, ", validation: expected a finite loss, found " + std::to_string(result.loss));
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();
         // Smoothed, for a few images tell good from better only by luck: one lucky epoch long before the end
         // would otherwise be kept.
-        smoothed_loss_ =
-            std::isfinite(smoothed_loss_) ? 0.8 * smoothed_loss_ + 0.2 * result.loss : result.loss;
-        if (smoothed_loss_ <= best_loss_) {
+        double& smoothed = progress_.smoothed_loss;
+        smoothed = std::isfinite(smoothed) ? 0.8 * smoothed + 0.2 * result.loss : result.loss;
+        if (smoothed <= progress_.best_loss) {
             best_ = candidate();
-            best_loss_ = smoothed_loss_;
+            progress_.best_loss = smoothed;
         }
-        stopped_ = stopping_.check(result.loss);
+        progress_.stopped = stopping_.check(result.loss);
     }
 
     recipe how_;
@@ -253,15 +231,13 @@ private:
     data_split split_;
     std::uint64_t seed_;
     thread_pool& threads_;
+    epoch_images<input> shown_;
     early_stopping stopping_;
     normalisation<input> normalise_;
     Network network_, averaged_, best_;
     optimiser_state<float> optimiser_;
     aligned_vector<float> gradients_, decayed_;
-    std::vector<tensor<float, input>> sixfold_;
-    std::vector<epoch_report> history_;
-    double best_loss_ = std::numeric_limits<double>::infinity(), smoothed_loss_ = best_loss_;
-    bool stopped_ = false;
+    training_progress progress_;
     typename Network::workspace space_;
     typename Network::input_batch in_;
     typename Network::output_batch out_, out_gradient_;

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// One epoch of a training.
+struct epoch_report {
+    std::size_t epoch = 0;                                                 ///< counted from 1
+    double rate = 0;                                                       ///< learning rate of its last step
+    double loss = 0;                                                       ///< mean training loss
+    double validation_loss = std::numeric_limits<double>::quiet_NaN();     ///< NaN where none was due
+    double validation_accuracy = std::numeric_limits<double>::quiet_NaN(); ///< NaN where none was due
+};
+
+/// How far a training has come, beside the arrays of its network: as plain numbers it goes into a file.
+struct training_progress {
+    std::uint64_t steps = 0;
+    // Of validations; infinite before the first.
+    double best_loss = std::numeric_limits<double>::infinity(), smoothed_loss = best_loss,
+           smallest_loss = best_loss;
+    std::size_t waited = 0; ///< validations since the smallest loss
+    bool stopped = false;
+    std::vector<epoch_report> history;
+
+    [[nodiscard]] std::vector<double> numbers() const {
+        std::vector<double> n{static_cast<double>(steps),  best_loss,          smoothed_loss, smallest_loss,
+                              static_cast<double>(waited), stopped ? 1.0 : 0.0};
+        for (const epoch_report& e : history)
+            n.insert(n.end(), {e.rate, e.loss, e.validation_loss, e.validation_accuracy});
+        return n;
+    }
+
+    /// From `numbers`. Throws std::invalid_argument for those that no training of at most `most_epochs` with
+    /// so many steps in each can have.
+    [[nodiscard]] static training_progress from(std::span<const double> n, std::size_t most_epochs,
+                                                std::size_t steps_per_epoch) {
+        if (n.size() < 6 || (n.size() - 6) % 4 != 0)
+            throw std::invalid_argument("progress of a training: expected 6 numbers and 4 for each epoch, "
+                                        "found " +
+                                        std::to_string(n.size()));
+        const std::size_t epochs = (n.size() - 6) / 4, steps = epochs * steps_per_epoch;
+        if (epochs > most_epochs)
+            throw std::invalid_argument("progress of a training: expected at most " +
+                                        std::to_string(most_epochs) + " epochs, found " +
+                                        std::to_string(epochs));
+        const auto require = [&](bool right, std::size_t index, const std::string& expected) {
+            if (!right)
+                throw std::invalid_argument("progress of a training, number " + std::to_string(index) +
+                                            ": expected " + expected + ", found " + std::to_string(n[index]));
+        };
+        const auto finite = [](double v) { return std::isfinite(v) && v >= 0; };
+        require(n[0] == static_cast<double>(steps), 0,
+                std::to_string(steps) + " steps in " + std::to_string(epochs) + " epochs");
+        for (const std::size_t i : {1u, 2u, 3u})
+            require(n[i] >= 0, i, "a loss, or infinity before the first");
+        require(n[4] >= 0 && n[4] <= static_cast<double>(epochs) && n[4] == std::floor(n[4]), 4,
+                "validations, 0 to " + std::to_string(epochs));
+        require(n[5] == 0 || n[5] == 1, 5, "0, or 1 for a training that stopped");
+        training_progress p{.steps = steps,
+                            .best_loss = n[1],
+                            .smoothed_loss = n[2],
+                            .smallest_loss = n[3],
+                            .waited = static_cast<std::size_t>(n[4]),
+                            .stopped = n[5] != 0,
+                            .history = {}};
+        for (std::size_t i = 6; i < n.size(); i += 4) {
+            require(finite(n[i]), i, "a learning rate");
+            require(finite(n[i + 1]), i + 1, "a training loss");
+            const bool none = std::isnan(n[i + 2]) && std::isnan(n[i + 3]);
+            require(none || finite(n[i + 2]), i + 2, "a validation loss");
+            require(none || (n[i + 3] >= 0 && n[i + 3] <= 1), i + 3, "an accuracy, 0 to 1");
+            p.history.push_back({p.history.size() + 1, n[i], n[i + 1], n[i + 2], n[i + 3]});
+        }
+        return p;
+    }
+};
+
+} // namespace tactnet
