@@ -1,0 +1,108 @@
+// Deployed inference and its peers: runs the benchmarks (see --help; --benchmark_out=FILE for JSON), then
+// prints a table of medians, spreads, ratios to each peer and shares of the core's multiply-add peak,
+// measured in the same run. Rounds of all benchmarks are interleaved, so that a change of the machine's speed
+// meets them alike.
+
+#include "inference.hpp"
+
+#include "../support/peak.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+namespace {
+
+/// Keeps the time of every round.
+class collector final : public benchmark::ConsoleReporter {
+public:
+    collector() : ConsoleReporter(OO_None) {}
+    void ReportRuns(const std::vector<Run>& runs) override {
+        for (const Run& run : runs)
+            if (run.error_occurred)
+                failed_ = true;
+            else if (run.run_type == Run::RT_Iteration)
+                seconds_[run.run_name.function_name].push_back(run.real_accumulated_time /
+                                                               static_cast<double>(run.iterations));
+        ConsoleReporter::ReportRuns(runs);
+    }
+    [[nodiscard]] bool failed() const { return failed_; }
+    /// Median and half the distance of the quartiles, as a share of it; no number where it did not run.
+    struct summary {
+        double median, spread;
+    };
+    [[nodiscard]] summary of(const std::string& name) const {
+        const auto found = seconds_.find(name);
+        if (found == seconds_.end())
+            return {std::nan(""), std::nan("")};
+        std::vector<double> s = found->second;
+        std::sort(s.begin(), s.end());
+        const double median = s[s.size() / 2];
+        return {median, (s[s.size() * 3 / 4] - s[s.size() / 4]) / 2 / median};
+    }
+
+private:
+    std::map<std::string, std::vector<double>> seconds_;
+    bool failed_ = false;
+};
+
+void print_table(const collector& all, std::size_t batch, double peak) {
+    std::printf("\nbatch %zu, microseconds a frame (median, half the quartiles' distance)\n"
+                "%-20s %18s %18s %8s %9s\n",
+                batch, "network", "tactnet", "onednn", "ratio", "of peak");
+    double logarithms = 0, smallest = 1e9;
+    std::size_t count = 0;
+    for (const auto& c : benchmark::inference_cases()) {
+        const std::string end = c.name + "/batch" + std::to_string(batch);
+        const auto ours = all.of("tactnet/" + end), theirs = all.of("onednn/" + end);
+        const double ratio = theirs.median / ours.median, frames = static_cast<double>(batch);
+        std::printf("%-20s %9.2f ± %4.1f %% %9.2f ± %4.1f %% %8.2f %7.1f %%\n", c.name.c_str(),
+                    1e6 * ours.median / frames, 100 * ours.spread, 1e6 * theirs.median / frames,
+                    100 * theirs.spread, ratio,
+                    100 * frames * static_cast<double>(c.multiply_adds_on_pixels) / ours.median / peak);
+        if (std::isfinite(ratio)) {
+            logarithms += std::log(ratio);
+            smallest = std::min(smallest, ratio);
+            ++count;
+        }
+    }
+    if (count > 0)
+        std::printf("geometric mean of %zu ratios %.2f, smallest %.2f\n", count,
+                    std::exp(logarithms / static_cast<double>(count)), smallest);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    benchmark::RegisterBenchmark("peak/multiply_adds", [](benchmark::State& state) {
+        float check = 1;
+        for (auto _ : state)
+            check = std::isfinite(benchmark::run_chains(check)) ? 1.0f : 0.0f;
+        if (check != 1.0f)
+            state.SkipWithError("not a number");
+    });
+    std::vector<std::string> options{argv[0], "--benchmark_repetitions=7", "--benchmark_min_time=0.05",
+                                     "--benchmark_enable_random_interleaving=true",
+                                     "--benchmark_report_aggregates_only=false"};
+    options.insert(options.end(), argv + 1, argv + argc);
+    std::vector<char*> pointers;
+    for (std::string& o : options)
+        pointers.push_back(o.data());
+    int count = static_cast<int>(pointers.size());
+    benchmark::Initialize(&count, pointers.data());
+    if (benchmark::ReportUnrecognizedArguments(count, pointers.data()))
+        return EXIT_FAILURE;
+    std::sort(
+        benchmark::inference_cases().begin(), benchmark::inference_cases().end(),
+        [](const auto& a, const auto& b) { return a.multiply_adds_on_pixels < b.multiply_adds_on_pixels; });
+    collector all;
+    benchmark::RunSpecifiedBenchmarks(&all);
+    const double peak =
+        static_cast<double>(benchmark::multiply_adds_of_chains) / all.of("peak/multiply_adds").median;
+    std::printf("\none core, %zu lanes, multiply-add peak %.1f GFLOP/s\n", tactnet::lanes<float>,
+                2e-9 * peak);
+    for (const std::size_t batch : {std::size_t{1}, std::size_t{64}})
+        print_table(all, batch, peak);
+    return all.failed() ? EXIT_FAILURE : EXIT_SUCCESS;
+}

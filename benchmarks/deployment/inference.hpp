@@ -1,0 +1,129 @@
+#pragma once
+
+#include "../peers/peer.hpp"
+#include "../support/described_network.hpp"
+
+#include <tactnet/training/initialise.hpp>
+
+#include <benchmark/benchmark.h>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+// Deployed inference beside its peers: one network at one size, in batches of 1 and 64. Every implementation
+// must give the logits of the network in double precision before it is timed, and the same bits afterwards.
+
+namespace benchmark {
+
+struct inference_case {
+    std::string name; ///< for example tactnet6/28x50
+    std::size_t multiply_adds_on_pixels;
+};
+
+/// All cases in this program, for the table behind the benchmarks.
+inline std::vector<inference_case>& inference_cases() {
+    static std::vector<inference_case> cases;
+    return cases;
+}
+
+/// A network as after training: random weights, statistics that differ from channel to channel.
+template <class Network>
+Network trained_network() {
+    Network network;
+    tactnet::initialise(network, tactnet::he_normal{}, 1);
+    tactnet::random_stream random(2, tactnet::draw::order);
+    for (float& s : network.running_statistics())
+        s = static_cast<float>(random.uniform(0.5, 2));
+    for (float& v : network.learnable_values())
+        v += static_cast<float>(random.uniform(-0.02, 0.02));
+    return network;
+}
+
+template <class Network>
+std::vector<double> exact_logits(const Network& network, const std::vector<float>& frames) {
+    using exact_network = typename Network::template with_value_type<double>;
+    exact_network exact;
+    std::copy_n(network.learnable_values().begin(), Network::parameters, exact.learnable_values().begin());
+    std::copy_n(network.running_statistics().begin(), Network::statistics,
+                exact.running_statistics().begin());
+    const std::size_t count = frames.size() / Network::input_shape.size();
+    tactnet::thread_pool one(1);
+    typename exact_network::workspace space;
+    typename exact_network::input_batch in(count);
+    typename exact_network::output_batch out(count);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t e = 0; e < Network::input_shape.size(); ++e)
+            in(i, e) = static_cast<double>(frames[i * Network::input_shape.size() + e]);
+    exact.prepare(one, space);
+    exact.infer(one, space, in, out);
+    std::vector<double> logits;
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t o = 0; o < Network::outputs; ++o)
+            logits.push_back(out(i, o));
+    return logits;
+}
+
+/// Times body(), which fills `logits`, and refuses wrong ones.
+template <class Body>
+void time_checked(State& state, std::vector<float>& logits, const std::vector<double>& expected, Body body) {
+    body();
+    double error = 0, largest = 0;
+    for (std::size_t i = 0; i < logits.size(); ++i) {
+        error = std::max(error, std::abs(static_cast<double>(logits[i]) - expected[i]));
+        largest = std::max(largest, std::abs(expected[i]));
+    }
+    if (!(error < 1e-4 * largest)) {
+        state.SkipWithError("wrong logits");
+        return;
+    }
+    const std::vector<float> first = logits;
+    for (auto _ : state) {
+        body();
+        ClobberMemory();
+    }
+    if (first != logits)
+        state.SkipWithError("logits differ from run to run");
+    state.counters["error"] = error / largest;
+}
+
+template <class Network>
+void register_inference(const std::string& name) {
+    inference_cases().push_back({name, Network::multiply_adds_on_pixels});
+    for (const std::size_t batch : {std::size_t{1}, std::size_t{64}}) {
+        const std::string end = name + "/batch" + std::to_string(batch);
+        const auto make_frames = [batch] {
+            std::vector<float> frames(batch * Network::input_shape.size());
+            tactnet::random_stream random(3, tactnet::draw::order);
+            for (float& f : frames)
+                f = static_cast<float>(random.uniform(-20, 100));
+            return frames;
+        };
+        RegisterBenchmark(("tactnet/" + end).c_str(), [=](State& state) {
+            const auto network = trained_network<Network>();
+            const std::vector<float> frames = make_frames();
+            std::vector<float> logits(batch * Network::outputs);
+            const auto deployed = tactnet::deploy(network);
+            typename decltype(deployed)::scratch memory;
+            tactnet::thread_pool one(1);
+            time_checked(state, logits, exact_logits(network, frames), [&] {
+                if (batch == 1)
+                    deployed(tactnet::tensor_view<const float, Network::input_shape>(frames.data()),
+                             std::span(logits).template first<Network::outputs>(), memory);
+                else
+                    deployed(one, std::span(frames), std::span(logits));
+            });
+        });
+#ifdef TACTNET_BENCHMARK_ONEDNN
+        RegisterBenchmark(("onednn/" + end).c_str(), [=](State& state) {
+            const auto network = trained_network<Network>();
+            const std::vector<float> frames = make_frames();
+            std::vector<float> logits(batch * Network::outputs);
+            const auto onednn = make_onednn(described_network::of(network), batch);
+            time_checked(state, logits, exact_logits(network, frames), [&] { onednn->run(frames, logits); });
+        });
+#endif
+    }
+}
+
+} // namespace benchmark

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+// What a peer must do: build a network once, then run it on frames. One file a peer; each is found by CMake
+// and left out with a message where it is absent.
+
+namespace benchmark {
+
+class described_network;
+
+class peer {
+public:
+    virtual ~peer() = default;
+    /// Logits of as many frames as the peer was built for, one row each. Frames are float, logits too.
+    virtual void run(std::span<const float> frames, std::span<float> logits) = 0;
+};
+
+/// oneDNN, primitives called one after the other on one thread, in the layouts that it prefers.
+[[nodiscard]] std::unique_ptr<peer> make_onednn(const described_network& network, std::size_t batch);
+
+} // namespace benchmark

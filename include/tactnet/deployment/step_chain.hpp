@@ -1,0 +1,78 @@
+#pragma once
+
+#include <tactnet/deployment/steps.hpp>
+#include <tactnet/detail/indexed_leaves.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Steps one after the other, as one step. Maps between them lie in two buffers that take turns.
+template <class... Steps>
+struct step_chain {
+    static constexpr std::size_t size = sizeof...(Steps);
+    static_assert(size > 0, "step_chain: there must be at least one step");
+    template <std::size_t I>
+    using at = typename decltype(detail::type_at<I>(
+        std::declval<detail::indexed_leaves<std::type_identity<Steps>...>>()))::type;
+
+    static constexpr shape output = at<size - 1>::output;
+    static constexpr std::size_t output_stride = at<size - 1>::output_stride;
+    static constexpr std::size_t folded = (Steps::folded + ...), packed = (Steps::packed + ...);
+    /// The largest map between two steps.
+    static constexpr std::size_t buffer = [] {
+        std::size_t most = 0;
+        unroll<size - 1>([&](auto i) {
+            most = std::max(most, detail::whole_lines(at<i>::output.area() * at<i>::output_stride));
+        });
+        return most;
+    }();
+    static constexpr std::size_t buffers = std::min<std::size_t>(size - 1, 2);
+    static constexpr std::size_t scratch = buffers * buffer + std::max({Steps::scratch...});
+
+    static constexpr void pack(const float* from, float* to) {
+        ((Steps::pack(from, to), from += Steps::folded, to += Steps::packed), ...);
+    }
+    static void run(const float* packed_values, const float* in, float* out, float* memory) noexcept {
+        float* const inner = memory + buffers * buffer;
+        unroll<size>([&](auto i) {
+            float* const to = i + 1 == size ? out : memory + i % 2 * buffer;
+            at<i>::run(packed_values, in, to, inner);
+            packed_values += at<i>::packed;
+            in = to;
+        });
+    }
+};
+
+/// The skip of a residual block that passes its input on.
+struct no_step {
+    static constexpr std::size_t folded = 0, packed = 0, scratch = 0;
+    static constexpr void pack(const float*, float*) {}
+};
+
+/// main(x) + skip(x), with the ReLU behind it. The skip is left in the output, and the main branch's last
+/// convolution adds to it.
+template <class Main, class Skip>
+struct residual_step {
+    static constexpr shape output = Main::output;
+    static constexpr std::size_t output_stride = Main::output_stride;
+    static constexpr std::size_t folded = Main::folded + Skip::folded, packed = Main::packed + Skip::packed;
+    static constexpr std::size_t scratch = std::max(Main::scratch, Skip::scratch);
+
+    static constexpr void pack(const float* from, float* to) {
+        Main::pack(from, to);
+        Skip::pack(from + Main::folded, to + Main::packed);
+    }
+    static void run(const float* packed_values, const float* in, float* out, float* memory) noexcept {
+        if constexpr (std::is_same_v<Skip, no_step>)
+            std::copy_n(in, output.area() * output_stride, out);
+        else
+            Skip::run(packed_values + Main::packed, in, out, memory);
+        Main::run(packed_values, in, out, memory);
+    }
+};
+
+} // namespace tactnet

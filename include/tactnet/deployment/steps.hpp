@@ -1,0 +1,159 @@
+#pragma once
+
+#include <tactnet/kernels/frame_convolution.hpp>
+#include <tactnet/kernels/frame_dense.hpp>
+#include <tactnet/kernels/frame_pooling.hpp>
+#include <tactnet/kernels/frame_winograd.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+// What a deployed network does, step by step. A step stands for one or several layers, and knows sizes only.
+// Its constants:
+//   output, output_stride   the map it writes, pixel by pixel, and elements from one pixel to the next
+//   folded                  numbers that remain of the layers' parameters once batch norms are folded in:
+//   weights
+//                           [output][channel][row][column], then biases
+//   packed                  the same in the order of use, padded to whole vectors
+//   scratch                 elements of memory it needs while it runs
+// and its functions: `pack` from folded to packed numbers (usable when compiling, into zeros), and `run`.
+//
+// This header and those below it need neither exceptions nor run-time type information nor files.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+namespace detail {
+
+/// Elements up to a whole cache line, so that what follows is aligned.
+[[nodiscard]] constexpr std::size_t whole_lines(std::size_t elements) {
+    constexpr std::size_t line = alignment / sizeof(float);
+    return (elements + line - 1) / line * line;
+}
+
+} // namespace detail
+
+/// Convolution with what follows it: batch norm, a sum, max pool, ReLU.
+template <frame_convolution Kernel>
+struct convolution_step {
+    static constexpr frame_convolution kernel = Kernel;
+    static constexpr shape output{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters};
+    static constexpr std::size_t output_stride = Kernel.output_stride();
+    static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
+    static constexpr std::size_t folded = weights + Kernel.filters;
+    /// Whether tiles take fewer operations than taps.
+    static constexpr bool tiled = winograd_tiles<Kernel>::pays;
+    static constexpr std::size_t packed_weights =
+        detail::whole_lines(tiled ? winograd_tiles<Kernel>::weights : Kernel.weights());
+    static constexpr std::size_t packed = packed_weights + detail::whole_lines(output_stride);
+    static constexpr std::size_t scratch = tiled ? winograd_tiles<Kernel>::scratch : 0;
+
+    static constexpr void pack(const float* from, float* to) {
+        const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
+                                std::size_t column) {
+            constexpr extent k = Kernel.window.kernel;
+            return from[((filter * Kernel.window.input.channels + channel) * k.rows + row) * k.columns +
+                        column];
+        };
+        if constexpr (tiled)
+            pack_winograd_weights<Kernel>(to, weight);
+        else
+            pack_frame_weights<Kernel>(to, weight);
+        std::copy_n(from + weights, Kernel.filters, to + packed_weights);
+    }
+    static void run(const float* packed_values, const float* in, float* out,
+                    [[maybe_unused]] float* memory) noexcept {
+        if constexpr (tiled)
+            convolve_frame_by_tiles<Kernel>(in, packed_values, packed_values + packed_weights, out, memory);
+        else
+            convolve_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);
+    }
+};
+
+/// A batch norm that follows no convolution, with or without ReLU: a factor and an offset for each channel.
+template <shape Map, std::size_t Stride, bool Rectified>
+struct norm_step {
+    static constexpr shape output = Map;
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr std::size_t folded = 2 * Map.channels, packed = 2 * detail::whole_lines(Stride);
+    static constexpr std::size_t scratch = 0;
+
+    static constexpr void pack(const float* from, float* to) {
+        std::copy_n(from, Map.channels, to);
+        std::copy_n(from + Map.channels, Map.channels, to + detail::whole_lines(Stride));
+    }
+    static void run(const float* factors, const float* in, float* out, float*) noexcept {
+        const float* offsets = factors + detail::whole_lines(Stride);
+        for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
+            for (std::size_t c = 0; c < Stride; ++c) {
+                const float y = in[pixel + c] * factors[c] + offsets[c];
+                out[pixel + c] = Rectified && y < 0 ? 0 : y;
+            }
+    }
+};
+
+/// What steps without parameters have in common.
+template <shape Output, std::size_t Stride>
+struct step_without_parameters {
+    static constexpr shape output = Output;
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr std::size_t folded = 0, packed = 0, scratch = 0;
+    static constexpr void pack(const float*, float*) {}
+};
+
+template <shape Map, std::size_t Stride>
+struct relu_step : step_without_parameters<Map, Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        for (std::size_t e = 0; e < Map.area() * Stride; ++e)
+            out[e] = in[e] < 0 ? 0 : in[e];
+    }
+};
+
+template <sliding_window Window, std::size_t Stride>
+struct pool_step
+    : step_without_parameters<shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
+                              Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        pool_frame<Window, Stride>(in, out);
+    }
+};
+
+template <shape Map, std::size_t Stride>
+struct softmax_step : step_without_parameters<Map, Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride) {
+            const float largest = *std::max_element(in + pixel, in + pixel + Map.channels);
+            double sum = 0;
+            for (std::size_t c = pixel; c < pixel + Map.channels; ++c)
+                sum += static_cast<double>(out[c] = std::exp(in[c] - largest));
+            for (std::size_t c = pixel; c < pixel + Map.channels; ++c)
+                out[c] = static_cast<float>(static_cast<double>(out[c]) / sum);
+            std::fill(out + pixel + Map.channels, out + pixel + Stride, 0.0f);
+        }
+    }
+};
+
+template <frame_dense Kernel>
+struct dense_step {
+    static constexpr frame_dense kernel = Kernel;
+    static constexpr shape output{1, 1, Kernel.outputs};
+    static constexpr std::size_t output_stride = Kernel.output_stride();
+    static constexpr std::size_t weights = Kernel.outputs * Kernel.input.size();
+    static constexpr std::size_t folded = weights + Kernel.outputs;
+    static constexpr std::size_t packed_weights = detail::whole_lines(Kernel.weights());
+    static constexpr std::size_t packed = packed_weights + detail::whole_lines(output_stride);
+    static constexpr std::size_t scratch = 0;
+
+    static constexpr void pack(const float* from, float* to) {
+        pack_dense_weights<Kernel>(to, [&](std::size_t o, std::size_t channel, std::size_t pixel) {
+            return from[(o * Kernel.input.channels + channel) * Kernel.input.area() + pixel];
+        });
+        std::copy_n(from + weights, Kernel.outputs, to + packed_weights);
+    }
+    static void run(const float* packed_values, const float* in, float* out, float*) noexcept {
+        multiply_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);
+    }
+};
+
+} // namespace tactnet

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <tactnet/kernels/unroll.hpp>
+#include <tactnet/kernels/vector.hpp>
+
+#include <array>
+#include <cstddef>
+
+// Vectors of a chosen number of lanes. The widest register is the best one only where there is enough to fill
+// it: eight filters fit a register of eight lanes, and leave one of sixteen half empty.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+#ifndef TACTNET_NO_SIMD
+
+template <class T, std::size_t Lanes>
+using sized_vector = xsimd::make_sized_batch_t<T, Lanes>;
+
+/// The narrowest vector of this instruction set: 16 bytes.
+template <class T>
+inline constexpr std::size_t fewest_lanes = 16 / sizeof(T);
+
+template <class Vector, class T>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_as(const T* from) {
+    return Vector::load_aligned(from);
+}
+template <class Vector, class T>
+[[gnu::always_inline]] inline void store_as(T* to, const Vector& values) {
+    values.store_aligned(to);
+}
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector fused_multiply_add(const Vector& a, const Vector& b,
+                                                                      const Vector& c) {
+    return xsimd::fma(a, b, c);
+}
+/// The larger of both; `b` where one is NaN. Not xsimd::max: GCC 12's own header warns of it.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector larger(const Vector& a, const Vector& b) {
+    return xsimd::select(a > b, a, b);
+}
+
+#else
+
+template <class T, std::size_t>
+using sized_vector = vector<T>;
+template <class T>
+inline constexpr std::size_t fewest_lanes = 1;
+
+template <class Vector, class T>
+[[nodiscard]] inline Vector load_as(const T* from) {
+    return *from;
+}
+template <class Vector, class T>
+inline void store_as(T* to, const Vector& values) {
+    *to = values.value;
+}
+template <class Vector>
+[[nodiscard]] inline Vector fused_multiply_add(const Vector& a, const Vector& b, const Vector& c) {
+    return a * b + c;
+}
+template <class Vector>
+[[nodiscard]] inline Vector larger(const Vector& a, const Vector& b) {
+    return a > b ? a : b;
+}
+
+#endif
+
+/// Lanes of the vectors that hold `count` values side by side: the widest that they fill, or the narrowest.
+template <class T>
+[[nodiscard]] constexpr std::size_t lanes_for(std::size_t count) {
+    std::size_t width = lanes<T>;
+    while (width > count && width > fewest_lanes<T>)
+        width /= 2;
+    return width;
+}
+
+/// Rows × columns × vectors of accumulators that stay in registers.
+template <class Vector, std::size_t Pixels, std::size_t Vectors>
+using register_block = std::array<std::array<Vector, Vectors>, Pixels>;
+
+} // namespace tactnet
