@@ -47,7 +47,7 @@ private:
     bool failed_ = false;
 };
 
-void print_table(const collector& all, std::size_t batch, double peak) {
+void print_table(const collector& all, std::size_t batch, double peak, std::FILE* csv) {
     std::printf("\nbatch %zu, microseconds a frame (median, half the quartiles' distance)\n"
                 "%-20s %18s %18s %8s %9s\n",
                 batch, "network", "tactnet", "onednn", "ratio", "of peak");
@@ -61,6 +61,11 @@ void print_table(const collector& all, std::size_t batch, double peak) {
                     1e6 * ours.median / frames, 100 * ours.spread, 1e6 * theirs.median / frames,
                     100 * theirs.spread, ratio,
                     100 * frames * static_cast<double>(c.multiply_adds_on_pixels) / ours.median / peak);
+        if (csv)
+            std::fprintf(csv, "%s,%zu,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g\n", c.name.c_str(), batch,
+                         c.multiply_adds_on_pixels, 1e6 * ours.median / frames, ours.spread,
+                         1e6 * theirs.median / frames, theirs.spread, ratio,
+                         frames * static_cast<double>(c.multiply_adds_on_pixels) / ours.median / peak);
         if (std::isfinite(ratio)) {
             logarithms += std::log(ratio);
             smallest = std::min(smallest, ratio);
@@ -85,7 +90,12 @@ int main(int argc, char** argv) {
     std::vector<std::string> options{argv[0], "--benchmark_repetitions=7", "--benchmark_min_time=0.05",
                                      "--benchmark_enable_random_interleaving=true",
                                      "--benchmark_report_aggregates_only=false"};
-    options.insert(options.end(), argv + 1, argv + argc);
+    std::FILE* csv = nullptr;
+    for (const std::string& option : std::vector<std::string>(argv + 1, argv + argc))
+        if (!option.starts_with("--table="))
+            options.push_back(option);
+        else if (csv = std::fopen(option.c_str() + 8, "w"); !csv)
+            return std::perror(option.c_str() + 8), EXIT_FAILURE;
     std::vector<char*> pointers;
     for (std::string& o : options)
         pointers.push_back(o.data());
@@ -102,7 +112,13 @@ int main(int argc, char** argv) {
         static_cast<double>(benchmark::multiply_adds_of_chains) / all.of("peak/multiply_adds").median;
     std::printf("\none core, %zu lanes, multiply-add peak %.1f GFLOP/s\n", tactnet::lanes<float>,
                 2e-9 * peak);
+    if (csv)
+        std::fprintf(
+            csv, "network,batch,multiply_adds_on_pixels,tactnet_us,tactnet_spread,onednn_us,onednn_spread,"
+                 "ratio,share_of_peak\n");
     for (const std::size_t batch : {std::size_t{1}, std::size_t{64}})
-        print_table(all, batch, peak);
+        print_table(all, batch, peak, csv);
+    if (csv && std::fclose(csv) != 0)
+        return std::perror("--table"), EXIT_FAILURE;
     return all.failed() ? EXIT_FAILURE : EXIT_SUCCESS;
 }

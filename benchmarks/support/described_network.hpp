@@ -30,9 +30,10 @@ public:
         d.maps_.push_back(Network::input_shape);
         const tactnet::parameter_source source{network.learnable_values().data(),
                                                network.running_statistics().data(), network.epsilon};
-        std::vector<float> folded(tactnet::deployment_plan<Network>::folded);
-        tactnet::deployment_plan<Network>::fold(source, folded.data());
-        d.add(tactnet::deployment_plan<Network>{}, folded.data(), 0);
+        using plan = tactnet::deployment_plan<Network>;
+        std::vector<float> folded(plan::step::folded);
+        plan::fold(source, folded.data());
+        d.add(typename plan::step{}, folded.data(), 0);
         return d;
     }
     [[nodiscard]] const std::vector<operation>& operations() const { return operations_; }
@@ -50,62 +51,68 @@ private:
         ((from = add(Steps{}, folded, from), folded += Steps::folded), ...);
         return from;
     }
-    template <class L, std::size_t C, std::size_t N, std::size_t P, bool R, bool A, std::size_t S>
-    std::size_t add(tactnet::convolution_step<L, C, N, P, R, A, S>, const float* folded, std::size_t from) {
-        using step = tactnet::convolution_step<L, C, N, P, R, A, S>;
-        using layer = typename step::layer;
-        const std::size_t to = A ? other_term_ : new_map(layer::output);
+    template <tactnet::frame_convolution C>
+    std::size_t add(tactnet::convolution_step<C>, const float* folded, std::size_t from) {
+        using step = tactnet::convolution_step<C>;
+        const tactnet::shape full{C.window.output_rows(), C.window.output_columns(), C.filters};
+        const std::size_t to = C.adds ? other_term_ : new_map(full);
         operations_.push_back({.what = operation::kind::convolution,
                                .input = from,
                                .output = to,
-                               .window = layer::window,
-                               .from = layer::input,
-                               .to = layer::output,
-                               .rectified = R,
-                               .adds = A,
-                               .weights = {folded, folded + layer::weights},
-                               .bias = {folded + layer::weights, folded + layer::parameters}});
-        if constexpr (P != tactnet::no_layer)
-            return add_pool<typename L::template at<P>>(to);
-        else
+                               .window = C.window,
+                               .from = C.window.input,
+                               .to = full,
+                               .rectified = C.rectified,
+                               .adds = C.adds,
+                               .weights = {folded, folded + step::weights},
+                               .bias = {folded + step::weights, folded + step::folded}});
+        if constexpr (C.pool == tactnet::extent(1)) {
             return to;
+        } else {
+            tactnet::sliding_window pool{full, C.pool, C.pool};
+            const auto missing = [](std::size_t outputs, std::size_t window, std::size_t size) {
+                return outputs * window > size ? outputs * window - size : 0;
+            };
+            pool.bottom = missing(step::output.rows, C.pool.rows, full.rows);
+            pool.right = missing(step::output.columns, C.pool.columns, full.columns);
+            return add_pool(pool, to);
+        }
     }
-    template <class L, std::size_t I, std::size_t S>
-    std::size_t add(tactnet::pool_step<L, I, S>, const float*, std::size_t from) {
-        return add_pool<typename L::template at<I>>(from);
+    template <tactnet::sliding_window Window, std::size_t Stride>
+    std::size_t add(tactnet::pool_step<Window, Stride>, const float*, std::size_t from) {
+        return add_pool(Window, from);
     }
-    template <class L, std::size_t I, std::size_t S>
-    std::size_t add(tactnet::dense_step<L, I, S>, const float* folded, std::size_t from) {
-        using layer = typename L::template at<I>;
-        const std::size_t to = new_map(layer::output);
+    template <tactnet::frame_dense D>
+    std::size_t add(tactnet::dense_step<D>, const float* folded, std::size_t from) {
+        using step = tactnet::dense_step<D>;
+        const std::size_t to = new_map(step::output);
         operations_.push_back({.what = operation::kind::dense,
                                .input = from,
                                .output = to,
-                               .from = layer::input,
-                               .to = layer::output,
-                               .weights = {folded, folded + layer::weights},
-                               .bias = {folded + layer::weights, folded + layer::parameters}});
+                               .from = D.input,
+                               .to = step::output,
+                               .weights = {folded, folded + step::weights},
+                               .bias = {folded + step::weights, folded + step::folded}});
         return to;
     }
-    template <class L, std::size_t I, class Main, class Skip, std::size_t S>
-    std::size_t add(tactnet::step_at_layer<L, I, tactnet::residual_step<Main, Skip, S>>, const float* folded,
-                    std::size_t from) {
+    template <class Main, class Skip>
+    std::size_t add(tactnet::residual_step<Main, Skip>, const float* folded, std::size_t from) {
         std::size_t term = from;
-        if constexpr (!std::is_void_v<Skip>)
+        if constexpr (!std::is_same_v<Skip, tactnet::no_step>)
             term = add(Skip{}, folded + Main::folded, from);
         other_term_ = term;
         return add(Main{}, folded, from);
     }
-    template <class Pool>
-    std::size_t add_pool(std::size_t from) {
-        const std::size_t to = new_map(Pool::output);
+    std::size_t add_pool(const tactnet::sliding_window& window, std::size_t from) {
+        const tactnet::shape to{window.output_rows(), window.output_columns(), window.input.channels};
+        const std::size_t output = new_map(to);
         operations_.push_back({.what = operation::kind::pool,
                                .input = from,
-                               .output = to,
-                               .window = Pool::window,
-                               .from = Pool::input,
-                               .to = Pool::output});
-        return to;
+                               .output = output,
+                               .window = window,
+                               .from = window.input,
+                               .to = to});
+        return output;
     }
 
     std::vector<operation> operations_;

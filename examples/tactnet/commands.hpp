@@ -14,4 +14,5 @@ using command = std::function<int()>;
 command add_train(CLI::App& program);
 command add_evaluate(CLI::App& program);
 command add_classify(CLI::App& program);
+command add_export(CLI::App& program);
 command add_list(CLI::App& program);

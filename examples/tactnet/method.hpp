@@ -4,6 +4,7 @@
 // for each network and size, in units of their own (see network_unit.cpp.in); everything else is built
 // without them.
 
+#include <tactnet/deployment/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>
@@ -48,6 +49,10 @@ public:
                                       tactnet::thread_pool& threads) const = 0;
     virtual void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
                       std::span<const std::uint8_t> selftest) const = 0;
+    /// The text of a C++ header that holds the deployed network, with a frame to test it. Throws
+    /// std::invalid_argument for weights that cannot be deployed.
+    virtual std::string header(const tactnet::header_description& says,
+                               std::span<const std::uint8_t> frame) const = 0;
 };
 
 /// A training in progress.

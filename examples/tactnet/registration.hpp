@@ -5,10 +5,13 @@
 #include "method.hpp"
 #include "stopwatch.hpp"
 
+#include <tactnet/deployment.hpp>
+#include <tactnet/deployment/deployed_header.hpp>
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/training/trainer.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 template <class Network>
@@ -23,11 +26,24 @@ public:
     }
     std::vector<float> logits(std::span<const std::uint8_t> images,
                               tactnet::thread_pool& threads) const override {
-        return model_.logits(images, threads);
+        const auto deployed = tactnet::deploy(model_);
+        const std::size_t count = images.size() / Network::input_shape.size(), names = classes().size();
+        std::vector<float> all(count * Network::outputs), result;
+        deployed(threads, images, std::span(all));
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto first = all.begin() + static_cast<std::ptrdiff_t>(i * Network::outputs);
+            result.insert(result.end(), first, first + static_cast<std::ptrdiff_t>(names));
+        }
+        return result;
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
         tactnet::save_model(path, model_, metadata, selftest);
+    }
+    std::string header(const tactnet::header_description& says,
+                       std::span<const std::uint8_t> frame) const override {
+        return tactnet::deployed_header(tactnet::deploy(model_), says,
+                                        frame.first<Network::input_shape.size()>());
     }
 
 private:
@@ -105,14 +121,13 @@ private:
 
     static double time(const Network& network, std::size_t batch) {
         tactnet::thread_pool alone;
-        typename Network::workspace space;
-        typename Network::input_batch in(batch);
-        typename Network::output_batch out(batch);
-        for (std::size_t i = 0; i < batch; ++i)
-            for (std::size_t e = 0; e < input.size(); ++e)
-                in(i, e) = static_cast<float>((e * 37 + i * 11) % 64);
-        network.prepare(alone, space);
-        return median_microseconds([&] { network.infer(alone, space, in, out); }) /
+        const auto deployed = tactnet::deploy(network);
+        std::vector<std::uint8_t> frames(batch * input.size());
+        std::vector<float> logits(batch * Network::outputs);
+        for (std::size_t e = 0; e < frames.size(); ++e)
+            frames[e] = static_cast<std::uint8_t>(e * 37 % 64);
+        return median_microseconds(
+                   [&] { deployed(alone, std::span<const std::uint8_t>(frames), std::span(logits)); }) /
                static_cast<double>(batch);
     }
 };

@@ -18,5 +18,7 @@ template <class Network>
 struct model;
 template <class Network>
 class trainer;
+template <class Network>
+class deployed;
 
 } // namespace tactnet

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -38,12 +39,13 @@ public:
         std::copy(mean.begin(), mean.end(), folded_.begin());
         folded_[input_shape.size()] = scale;
         plan::fold({network.learnable_values().data(), network.running_statistics().data(), network.epsilon},
-                   folded_.data() + input_shape.size() + 1);
+                   folded_.data() + view_type::steps_folded);
         for (const float value : folded_)
             if (!std::isfinite(value))
                 throw std::invalid_argument("deploy: expected finite parameters and variances above zero, "
                                             "found " +
                                             std::to_string(value) + " once batch norms are folded in");
+        set_limit();
         view_type::pack(folded_.data(), packed_.data());
     }
 
@@ -54,13 +56,19 @@ public:
         return std::span<const float, view_type::folded_elements>(folded_.data(), folded_.size());
     }
 
-    template <class Count>
-    frame_status operator()(tensor_view<Count, input_shape> counts, std::span<float, outputs> to,
+    frame_status operator()(tensor_view<const std::uint8_t, input_shape> counts, std::span<float, outputs> to,
                             scratch& memory) const noexcept {
         return view()(counts, to, memory);
     }
-    template <class Count>
-    frame_status operator()(tensor_view<Count, input_shape> counts,
+    frame_status operator()(tensor_view<const float, input_shape> counts, std::span<float, outputs> to,
+                            scratch& memory) const noexcept {
+        return view()(counts, to, memory);
+    }
+    frame_status operator()(tensor_view<const std::uint8_t, input_shape> counts,
+                            std::span<float, outputs> to) const noexcept {
+        return view()(counts, to);
+    }
+    frame_status operator()(tensor_view<const float, input_shape> counts,
                             std::span<float, outputs> to) const noexcept {
         return view()(counts, to);
     }
@@ -84,6 +92,25 @@ public:
     }
 
 private:
+    /// The largest magnitude of the input, a power of ten, with which no sum can overflow. Tiles add and
+    /// subtract up to 81 products of the same size on their way: hence the 128.
+    void set_limit() {
+        constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) / 128;
+        float& limit = folded_[input_shape.size() + 1];
+        double largest = 1e36;
+        while (largest > 1e-30 &&
+               !(plan::step::reach(folded_.data() + view_type::steps_folded, largest) <= most))
+            largest /= 10;
+        limit = static_cast<float>(largest);
+        for (std::size_t e = 0; e < input_shape.size(); ++e)
+            for (const float count : {0.0f, 255.0f})
+                if (!(std::abs((count - folded_[e]) * folded_[input_shape.size()]) <= limit))
+                    throw std::invalid_argument(
+                        "deploy: expected parameters with which counts of 8 bits stay in "
+                        "the range of single precision, found some for inputs up to " +
+                        std::to_string(limit));
+    }
+
     aligned_vector<float> folded_, packed_;
 };
 
@@ -98,6 +125,15 @@ template <class Network>
 [[nodiscard]] deployed<Network> deploy(const Network& network) {
     const tensor<float, Network::input_shape> zero;
     return deployed<Network>(network, zero.view().elements(), 1);
+}
+/// A network with what its inputs are normalised by, as `load_model` gives it.
+template <class Model>
+    requires requires(const Model& m) {
+        m.network.epsilon;
+        m.normalise.mean.view().elements();
+    }
+[[nodiscard]] auto deploy(const Model& model) {
+    return deploy(model.network, model.normalise.mean.view().elements(), model.normalise.scale);
 }
 
 } // namespace tactnet

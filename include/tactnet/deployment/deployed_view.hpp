@@ -17,8 +17,8 @@ namespace tactnet::inline TACTNET_ARCH {
 /// What became of a frame.
 enum class frame_status {
     recognised,
-    not_finite ///< NaN or infinity in the frame, or numbers beyond single precision on the way: the outputs
-               ///< mean nothing
+    not_finite ///< NaN or infinity in the frame, or a number so large that sums in the network might leave
+               ///< the range of single precision: the outputs mean nothing
 };
 
 /// The fastest form of a trained network, over packed weights that someone else keeps (in a `deployed`, or in
@@ -29,7 +29,7 @@ enum class frame_status {
 template <shape Input, class Steps>
 class deployed_view {
     static constexpr std::size_t mean_elements = detail::whole_lines(Input.size());
-    static constexpr std::size_t steps_begin = mean_elements + detail::whole_lines(1);
+    static constexpr std::size_t steps_begin = mean_elements + detail::whole_lines(2);
     static constexpr std::size_t output_elements =
         detail::whole_lines(Steps::output.area() * Steps::output_stride);
 
@@ -38,9 +38,10 @@ public:
     static constexpr shape input_shape = Input, output_shape = Steps::output;
     static constexpr std::size_t outputs = output_shape.size();
 
-    /// The mean image and the scale of the input, then what remains of the parameters once batch norms are
-    /// folded in: the same on every machine.
-    static constexpr std::size_t folded_elements = Input.size() + 1 + Steps::folded;
+    /// The mean image, the scale of the input and its largest magnitude (see `not_finite`), then what remains
+    /// of the parameters once batch norms are folded in: the same on every machine.
+    static constexpr std::size_t steps_folded = Input.size() + 2,
+                                 folded_elements = steps_folded + Steps::folded;
     /// The same in the order of use, for one instruction set.
     static constexpr std::size_t packed_elements = steps_begin + Steps::packed;
     static constexpr std::size_t weight_bytes = packed_elements * sizeof(float);
@@ -59,7 +60,8 @@ public:
     static constexpr void pack(const float* folded, float* packed) {
         std::copy_n(folded, Input.size(), packed);
         packed[mean_elements] = folded[Input.size()];
-        Steps::pack(folded + Input.size() + 1, packed + steps_begin);
+        packed[mean_elements + 1] = folded[Input.size() + 1];
+        Steps::pack(folded + steps_folded, packed + steps_begin);
     }
     [[nodiscard]] static constexpr packed_weights pack(const std::array<float, folded_elements>& folded) {
         packed_weights result;
@@ -108,31 +110,19 @@ private:
                 const std::size_t at = channel * Input.area() + pixel;
                 in[pixel * Input.channels + channel] = (static_cast<float>(counts[at]) - mean[at]) * scale;
             }
-        // Pools and ReLUs let a NaN vanish: it must be seen here. A finite number times zero is zero.
-        float broken = 0;
-        if constexpr (std::is_floating_point_v<Count>)
-            broken = sum_of_zeros(in, Input.size());
+        // Pools and ReLUs would let a NaN or an infinity vanish: it must be seen here. Counts of 8 bits were
+        // checked against the limit when the network was deployed.
+        std::uint32_t beyond = 0;
+        if constexpr (std::is_floating_point_v<Count>) {
+            const float limit = packed_[mean_elements + 1];
+            for (std::size_t e = 0; e < Input.size(); ++e)
+                beyond += !(in[e] <= limit && in[e] >= -limit);
+        }
         Steps::run(packed_ + steps_begin, in, out, out + output_elements);
         for (std::size_t channel = 0; channel < output_shape.channels; ++channel)
             for (std::size_t pixel = 0; pixel < output_shape.area(); ++pixel)
                 to[channel * output_shape.area() + pixel] = out[pixel * Steps::output_stride + channel];
-        broken += sum_of_zeros(to.data(), outputs);
-        return broken == 0 ? frame_status::recognised : frame_status::not_finite;
-    }
-    /// Zero, or NaN if any element is NaN or infinite. In lanes, or each addition would wait for the last.
-    static float sum_of_zeros(const float* values, std::size_t count) {
-        constexpr std::size_t chains = 32;
-        std::array<float, chains> sums{};
-        std::size_t i = 0;
-        for (; i + chains <= count; i += chains)
-            for (std::size_t lane = 0; lane < chains; ++lane)
-                sums[lane] += values[i + lane] * 0;
-        for (; i < count; ++i)
-            sums[0] += values[i] * 0;
-        float sum = 0;
-        for (const float s : sums)
-            sum += s;
-        return sum;
+        return beyond == 0 ? frame_status::recognised : frame_status::not_finite;
     }
 
     const float* packed_;

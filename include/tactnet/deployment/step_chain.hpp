@@ -36,6 +36,12 @@ struct step_chain {
     static constexpr void pack(const float* from, float* to) {
         ((Steps::pack(from, to), from += Steps::folded, to += Steps::packed), ...);
     }
+    /// Of all steps, not only the last: maps between them must stay finite as well.
+    static double reach(const float* from, double input) {
+        double most = input;
+        ((input = Steps::reach(from, input), most = std::max(most, input), from += Steps::folded), ...);
+        return most;
+    }
     static void run(const float* packed_values, const float* in, float* out, float* memory) noexcept {
         float* const inner = memory + buffers * buffer;
         unroll<size>([&](auto i) {
@@ -51,6 +57,7 @@ struct step_chain {
 struct no_step {
     static constexpr std::size_t folded = 0, packed = 0, scratch = 0;
     static constexpr void pack(const float*, float*) {}
+    static double reach(const float*, double input) { return input; }
 };
 
 /// main(x) + skip(x), with the ReLU behind it. The skip is left in the output, and the main branch's last
@@ -65,6 +72,9 @@ struct residual_step {
     static constexpr void pack(const float* from, float* to) {
         Main::pack(from, to);
         Skip::pack(from + Main::folded, to + Main::packed);
+    }
+    static double reach(const float* from, double input) {
+        return Main::reach(from, input) + Skip::reach(from + Main::folded, input);
     }
     static void run(const float* packed_values, const float* in, float* out, float* memory) noexcept {
         if constexpr (std::is_same_v<Skip, no_step>)

@@ -4,7 +4,7 @@
 #include <tactnet/kernels/frame_dense.hpp>
 #include <tactnet/kernels/frame_pooling.hpp>
 #include <tactnet/kernels/frame_winograd.hpp>
-#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,8 @@
 //                           [output][channel][row][column], then biases
 //   packed                  the same in the order of use, padded to whole vectors
 //   scratch                 elements of memory it needs while it runs
-// and its functions: `pack` from folded to packed numbers (usable when compiling, into zeros), and `run`.
+// and its functions: `pack` from folded to packed numbers (usable when compiling, into zeros), `run`, and
+// `reach`, the largest magnitude that an output can have where inputs have at most `input`.
 //
 // This header and those below it need neither exceptions nor run-time type information nor files.
 
@@ -30,6 +31,19 @@ namespace detail {
 [[nodiscard]] constexpr std::size_t whole_lines(std::size_t elements) {
     constexpr std::size_t line = alignment / sizeof(float);
     return (elements + line - 1) / line * line;
+}
+
+/// For [output][weights of one], then biases: the largest |bias| + input · Σ |weight|.
+[[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
+                                        double input) {
+    double most = 0;
+    for (std::size_t o = 0; o < outputs; ++o) {
+        double sum = 0;
+        for (std::size_t i = 0; i < of_one; ++i)
+            sum += std::abs(static_cast<double>(weights[o * of_one + i]));
+        most = std::max(most, sum * input + std::abs(static_cast<double>(weights[outputs * of_one + o])));
+    }
+    return most;
 }
 
 } // namespace detail
@@ -62,6 +76,9 @@ struct convolution_step {
             pack_frame_weights<Kernel>(to, weight);
         std::copy_n(from + weights, Kernel.filters, to + packed_weights);
     }
+    static double reach(const float* from, double input) {
+        return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
+    }
     static void run(const float* packed_values, const float* in, float* out,
                     [[maybe_unused]] float* memory) noexcept {
         if constexpr (tiled)
@@ -83,6 +100,9 @@ struct norm_step {
         std::copy_n(from, Map.channels, to);
         std::copy_n(from + Map.channels, Map.channels, to + detail::whole_lines(Stride));
     }
+    static double reach(const float* from, double input) {
+        return detail::largest_sum(from, Map.channels, 1, input);
+    }
     static void run(const float* factors, const float* in, float* out, float*) noexcept {
         const float* offsets = factors + detail::whole_lines(Stride);
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
@@ -100,6 +120,7 @@ struct step_without_parameters {
     static constexpr std::size_t output_stride = Stride;
     static constexpr std::size_t folded = 0, packed = 0, scratch = 0;
     static constexpr void pack(const float*, float*) {}
+    static double reach(const float*, double input) { return input; }
 };
 
 template <shape Map, std::size_t Stride>
@@ -150,6 +171,9 @@ struct dense_step {
             return from[(o * Kernel.input.channels + channel) * Kernel.input.area() + pixel];
         });
         std::copy_n(from + weights, Kernel.outputs, to + packed_weights);
+    }
+    static double reach(const float* from, double input) {
+        return detail::largest_sum(from, Kernel.outputs, Kernel.input.size(), input);
     }
     static void run(const float* packed_values, const float* in, float* out, float*) noexcept {
         multiply_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);

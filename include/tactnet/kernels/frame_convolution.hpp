@@ -97,9 +97,9 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     constexpr auto stride = static_cast<std::ptrdiff_t>(C.input_stride);
 
     register_block<wide, Rows * Columns, Vectors> sums;
-    unroll<Vectors>([&](auto v) {
+    unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
         const wide start = load_as<wide>(bias + v * width);
-        unroll<Rows * Columns>([&](auto p) {
+        unroll<Rows * Columns>([&](auto p) __attribute__((always_inline)) {
             if constexpr (C.adds)
                 sums[p][v] = start + load_as<wide>(output +
                                                    (p / Columns * C.output_columns() + p % Columns) *
@@ -111,25 +111,25 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     });
 
     for (std::size_t channel = 0; channel < C.window.input.channels; ++channel) {
-        unroll<under_rows>([&](auto r) {
+        unroll<under_rows>([&](auto r) __attribute__((always_inline)) {
             if (r < where.first_row || r >= where.last_row)
                 return;
             const float* row =
                 input +
                 (where.first_pixel + static_cast<std::ptrdiff_t>(r * C.window.input.columns)) * stride;
             std::array<wide, under_columns> x;
-            unroll<under_columns>([&](auto c) {
+            unroll<under_columns>([&](auto c) __attribute__((always_inline)) {
                 if constexpr (c >= MissingLeft && c + MissingRight < under_columns)
                     x[c] = wide(row[static_cast<std::ptrdiff_t>(c) * stride]);
             });
-            unroll<Rows>([&](auto y) {
+            unroll<Rows>([&](auto y) __attribute__((always_inline)) {
                 constexpr std::size_t above = y * C.window.stride.rows;
                 if constexpr (r >= above && r - above < kernel.rows)
-                    unroll<kernel.columns * Vectors>([&](auto tap) {
+                    unroll<kernel.columns * Vectors>([&](auto tap) __attribute__((always_inline)) {
                         constexpr std::size_t column = tap / Vectors, v = tap % Vectors;
                         const wide weight = load_as<wide>(
                             weights + (((r - above) * kernel.columns + column) * Vectors + v) * width);
-                        unroll<Columns>([&](auto p) {
+                        unroll<Columns>([&](auto p) __attribute__((always_inline)) {
                             constexpr std::size_t c = p * step + column;
                             if constexpr (c >= MissingLeft && c + MissingRight < under_columns)
                                 sums[y * Columns + p][v] =
@@ -143,14 +143,15 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     }
 
     constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
-    unroll<(Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns>([&](auto o) {
+    unroll<(Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns>([&](
+        auto o) __attribute__((always_inline)) {
         constexpr std::size_t top = o / pooled_columns * C.pool.rows,
                               left = o % pooled_columns * C.pool.columns;
         constexpr std::size_t high = std::min(C.pool.rows, Rows - top),
                               wide_ = std::min(C.pool.columns, Columns - left);
-        unroll<Vectors>([&](auto v) {
+        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
             wide largest = sums[top * Columns + left][v];
-            unroll<high * wide_>([&](auto i) {
+            unroll<high * wide_>([&](auto i) __attribute__((always_inline)) {
                 if constexpr (i > 0)
                     largest = larger(sums[(top + i / wide_) * Columns + left + i % wide_][v], largest);
             });
@@ -222,7 +223,9 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
     unroll<blocks::first_whole>(edge);
     for (std::size_t b = blocks::first_whole; b < blocks::last_whole; ++b)
         convolve_block<C, Vectors, Rows, blocks::size, 0, 0>(input, weights, bias, output_of(b), at(b));
-    unroll<blocks::count - blocks::last_whole>([&](auto b) { edge(constant<blocks::last_whole + b>{}); });
+    unroll<blocks::count - blocks::last_whole>([&](auto b) __attribute__((always_inline)) {
+        edge(constant<blocks::last_whole + b>{});
+    });
 }
 
 /// output = the fused step. Input and output lie pixel by pixel; weights and biases are packed, aligned to

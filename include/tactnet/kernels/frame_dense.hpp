@@ -56,21 +56,25 @@ template <frame_dense D>
     blocked<D.vectors(), D.block_vectors()>([&](auto vectors, std::size_t first) {
         constexpr std::size_t parts = std::max<std::size_t>(8 / vectors, 1);
         register_block<wide, parts, vectors> sums;
-        unroll<parts * vectors>([&](auto i) { sums[i / vectors][i % vectors] = wide(0.0f); });
+        unroll<parts * vectors>([&](auto i) __attribute__((always_inline)) {
+            sums[i / vectors][i % vectors] = wide(0.0f);
+        });
         const float* w = weights + first * width * D.inputs();
         const auto add = [&](auto part, std::size_t i) __attribute__((always_inline)) {
             const wide x(input[i]);
-            unroll<vectors>([&](auto v) {
+            unroll<vectors>([&](auto v) __attribute__((always_inline)) {
                 sums[part][v] =
                     fused_multiply_add(load_as<wide>(w + (i * vectors + v) * width), x, sums[part][v]);
             });
         };
         for (std::size_t i = 0; i + parts <= D.inputs(); i += parts)
-            unroll<parts>([&](auto p) { add(p, i + p); });
-        unroll<D.inputs() % parts>([&](auto p) { add(p, D.inputs() / parts * parts + p); });
-        unroll<vectors>([&](auto v) {
+            unroll<parts>([&](auto p) __attribute__((always_inline)) { add(p, i + p); });
+        unroll<D.inputs() % parts>([&](auto p) __attribute__((always_inline)) {
+            add(p, D.inputs() / parts * parts + p);
+        });
+        unroll<vectors>([&](auto v) __attribute__((always_inline)) {
             wide sum = load_as<wide>(bias + (first + v) * width);
-            unroll<parts>([&](auto p) { sum = sum + sums[p][v]; });
+            unroll<parts>([&](auto p) __attribute__((always_inline)) { sum = sum + sums[p][v]; });
             store_as(output + (first + v) * width, sum);
         });
     });

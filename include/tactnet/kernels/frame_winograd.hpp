@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/frame_convolution.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <array>
 #include <cstddef>
@@ -150,7 +151,7 @@ template <frame_convolution C>
         const auto left = static_cast<std::ptrdiff_t>(tile % tiles::columns * 2) -
                           static_cast<std::ptrdiff_t>(C.window.left);
         std::array<const float*, tiles::elements> pixels;
-        unroll<tiles::elements>([&](auto e) {
+        unroll<tiles::elements>([&](auto e) __attribute__((always_inline)) {
             const std::ptrdiff_t y = top + static_cast<std::ptrdiff_t>(e / side),
                                  x = left + static_cast<std::ptrdiff_t>(e % side);
             const bool inside = y >= 0 && y < static_cast<std::ptrdiff_t>(C.window.input.rows) && x >= 0 &&
@@ -162,15 +163,17 @@ template <frame_convolution C>
         float* const to = transformed + (tile - first) * tiles::input_stride;
         for (std::size_t channel = 0; channel < tiles::input_stride; channel += tiles::input_width) {
             std::array<std::array<wide, side>, side> d;
-            unroll<side>([&](auto x) {
+            unroll<side>([&](auto x) __attribute__((always_inline)) {
                 std::array<wide, side> column;
-                unroll<side>([&](auto y) { column[y] = load_as<wide>(pixels[y * side + x] + channel); });
+                unroll<side>([&](auto y) __attribute__((always_inline)) {
+                    column[y] = load_as<wide>(pixels[y * side + x] + channel);
+                });
                 column = detail::winograd_input_line(column);
-                unroll<side>([&](auto y) { d[y][x] = column[y]; });
+                unroll<side>([&](auto y) __attribute__((always_inline)) { d[y][x] = column[y]; });
             });
-            unroll<side>([&](auto y) {
+            unroll<side>([&](auto y) __attribute__((always_inline)) {
                 const std::array<wide, side> line = detail::winograd_input_line(d[y]);
-                unroll<side>([&](auto x) {
+                unroll<side>([&](auto x) __attribute__((always_inline)) {
                     store_as(to + (y * side + x) * tiles::band * tiles::input_stride + channel, line[x]);
                 });
             });
@@ -185,16 +188,22 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Tiles>
     using tiles = winograd_tiles<C>;
     using wide = sized_vector<float, C.width()>;
     register_block<wide, Tiles, Vectors> sums;
-    unroll<Tiles * Vectors>([&](auto i) { sums[i / Vectors][i % Vectors] = wide(0.0f); });
+    unroll<Tiles * Vectors>([&](auto i) __attribute__((always_inline)) {
+        sums[i / Vectors][i % Vectors] = wide(0.0f);
+    });
     for (std::size_t channel = 0; channel < tiles::channels; ++channel) {
         std::array<wide, Vectors> w;
-        unroll<Vectors>([&](auto v) { w[v] = load_as<wide>(weights + (channel * Vectors + v) * C.width()); });
-        unroll<Tiles>([&](auto t) {
+        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+            w[v] = load_as<wide>(weights + (channel * Vectors + v) * C.width());
+        });
+        unroll<Tiles>([&](auto t) __attribute__((always_inline)) {
             const wide x(input[t * tiles::input_stride + channel]);
-            unroll<Vectors>([&](auto v) { sums[t][v] = fused_multiply_add(w[v], x, sums[t][v]); });
+            unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+                sums[t][v] = fused_multiply_add(w[v], x, sums[t][v]);
+            });
         });
     }
-    unroll<Tiles * Vectors>([&](auto i) {
+    unroll<Tiles * Vectors>([&](auto i) __attribute__((always_inline)) {
         store_as(products + (i / Vectors * Vectors + i % Vectors) * C.width(),
                  sums[i / Vectors][i % Vectors]);
     });
@@ -211,11 +220,11 @@ template <frame_convolution C, std::size_t Vectors>
     for (std::size_t tile = first; tile < last; ++tile) {
         const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
         const bool below = top + 1 < C.rows(), right = left + 1 < C.columns();
-        unroll<Vectors>([&](auto v) {
+        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
             std::array<std::array<wide, side>, 2> half;
-            unroll<side>([&](auto x) {
+            unroll<side>([&](auto x) __attribute__((always_inline)) {
                 std::array<wide, side> column;
-                unroll<side>([&](auto y) {
+                unroll<side>([&](auto y) __attribute__((always_inline)) {
                     column[y] = load_as<wide>(
                         products + (((y * side + x) * tiles::band + tile - first) * Vectors + v) * width);
                 });
@@ -236,7 +245,7 @@ template <frame_convolution C, std::size_t Vectors>
                     largest = larger(y[1][1], largest);
                 store_as(output + tile * C.output_stride() + v * width, finished(largest + start));
             } else {
-                unroll<4>([&](auto i) {
+                unroll<4>([&](auto i) __attribute__((always_inline)) {
                     if ((i / 2 == 1 && !below) || (i % 2 == 1 && !right))
                         return;
                     float* const to =

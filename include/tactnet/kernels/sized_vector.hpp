@@ -28,11 +28,6 @@ template <class Vector, class T>
 [[gnu::always_inline]] inline void store_as(T* to, const Vector& values) {
     values.store_aligned(to);
 }
-template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector fused_multiply_add(const Vector& a, const Vector& b,
-                                                                      const Vector& c) {
-    return xsimd::fma(a, b, c);
-}
 /// The larger of both; `b` where one is NaN. Not xsimd::max: GCC 12's own header warns of it.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector larger(const Vector& a, const Vector& b) {
@@ -53,10 +48,6 @@ template <class Vector, class T>
 template <class Vector, class T>
 inline void store_as(T* to, const Vector& values) {
     *to = values.value;
-}
-template <class Vector>
-[[nodiscard]] inline Vector fused_multiply_add(const Vector& a, const Vector& b, const Vector& c) {
-    return a * b + c;
 }
 template <class Vector>
 [[nodiscard]] inline Vector larger(const Vector& a, const Vector& b) {

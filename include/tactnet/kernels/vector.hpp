@@ -34,9 +34,22 @@ template <class T>
 inline void store(T* to, const vector<T>& values) {
     values.store_aligned(to);
 }
+/// a · b + c, of vectors of any width, rounded once where the instruction set can.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector fused_multiply_add(const Vector& a, const Vector& b,
+                                                                      const Vector& c) {
+    // xsimd 8 has no instruction of AVX-512 behind this, and Clang does not find it by itself.
+#if defined(__clang__)
+    if constexpr (sizeof(Vector) == 64) {
+#pragma clang fp contract(fast)
+        return Vector(a.data * b.data + c.data);
+    }
+#endif
+    return xsimd::fma(a, b, c);
+}
 template <class T>
 [[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
-    return xsimd::fma(a, b, c);
+    return fused_multiply_add(a, b, c);
 }
 template <class T>
 [[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
@@ -103,6 +116,10 @@ inline void store(T* to, const vector<T>& values) {
 }
 template <class T>
 [[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
+    return a * b + c;
+}
+template <class Vector>
+[[nodiscard]] inline Vector fused_multiply_add(const Vector& a, const Vector& b, const Vector& c) {
     return a * b + c;
 }
 template <class T>

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <cstddef>
 #include <new>
 #include <vector>
 
 namespace tactnet::inline TACTNET_ARCH {
-
-/// One cache line, and the widest vector register there is.
-inline constexpr std::size_t alignment = 64;
 
 /// An allocator whose memory vector loads may be aligned on.
 template <class T>

@@ -2,6 +2,7 @@
 
 #include <tactnet/tensor/shape.hpp>
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <type_traits>
@@ -18,6 +19,10 @@ public:
     constexpr explicit tensor_view(T* elements) : data_(elements) {}
     constexpr tensor_view(const tensor_view<std::remove_const_t<T>, Shape>& other) requires std::is_const_v<T>
         : data_(other.data()) {}
+    /// An array of as many elements, as a program may hold a frame.
+    constexpr tensor_view(
+        const std::array<std::remove_const_t<T>, Shape.size()>& elements) requires std::is_const_v<T>
+        : data_(elements.data()) {}
     constexpr tensor_view(const tensor_view&) = default;
     constexpr tensor_view& operator=(const tensor_view&) = default;
 

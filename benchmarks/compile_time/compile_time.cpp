@@ -1,0 +1,101 @@
+// What the library costs the compiler: seconds of processor time and memory for small files, from nothing at
+// all to a deployed TactNet-6. The compiler and its options are those of this build; each file is compiled
+// several times and the median printed.
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+namespace {
+
+struct cost {
+    double seconds, megabytes;
+};
+
+cost compile(const std::vector<std::string>& command) {
+    std::vector<char*> arguments;
+    for (const std::string& a : command)
+        arguments.push_back(const_cast<char*>(a.c_str()));
+    arguments.push_back(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+        execvp(arguments[0], arguments.data());
+        _exit(127);
+    }
+    int status = 0;
+    rusage used{};
+    if (child < 0 || wait4(child, &status, 0, &used) != child || !WIFEXITED(status) ||
+        WEXITSTATUS(status) != 0) {
+        std::fprintf(stderr, "the compiler failed\n");
+        std::exit(EXIT_FAILURE);
+    }
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    // The peak of the largest process: the compiler proper, not its driver.
+    return {seconds(used.ru_utime) + seconds(used.ru_stime), static_cast<double>(used.ru_maxrss) / 1024};
+}
+
+struct unit {
+    const char* name;
+    std::string text;
+};
+
+std::string deployed(const std::string& network) {
+    return "#include <tactnet/tactnet.hpp>\n"
+           "using network = " +
+           network +
+           ";\n"
+           "tactnet::frame_status recognise(const tactnet::deployed<network>& d,\n"
+           "                                tactnet::tensor_view<const float, network::input_shape> frame,\n"
+           "                                std::span<float, network::outputs> logits) {\n"
+           "    return d(frame, logits);\n"
+           "}\n"
+           "tactnet::deployed<network> make(const network& n) { return tactnet::deploy(n); }\n";
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    constexpr std::size_t rounds = 5;
+    if (count < 2) {
+        std::fprintf(stderr, "usage: benchmark_compile_time COMPILER OPTION...\n");
+        return 2;
+    }
+    const std::vector<unit> units{
+        {"an empty file", "\n"},
+        {"xsimd alone", "#if __has_include(<xsimd/xsimd.hpp>)\n#include <xsimd/xsimd.hpp>\n#endif\n"},
+        {"the core included", "#include <tactnet/tactnet.hpp>\n"},
+        {"TactNet-4 28x50 deployed", deployed("tactnet::tactnet4<tactnet::shape{28, 50, 1}, 22>")},
+        {"TactNet-6 28x50 deployed", deployed("tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>")},
+        {"TactNet-6 10x18 deployed", deployed("tactnet::tactnet6<tactnet::shape{10, 18, 1}, 22>")},
+        {"TactResNet 28x50 deployed", deployed("tactnet::tactresnet<tactnet::shape{28, 50, 1}, 22>")},
+    };
+    const auto folder = std::filesystem::temp_directory_path() /
+                        ("tactnet_compile_time_" + std::to_string(static_cast<long>(getpid())));
+    std::filesystem::create_directories(folder);
+    std::printf("%-28s %9s %9s %12s\n", "median of 5 compilations", "seconds", "MB", "object, kB");
+    for (const unit& u : units) {
+        const std::string source = (folder / "unit.cpp").string(), object = (folder / "unit.o").string();
+        std::ofstream(source) << u.text;
+        std::vector<std::string> command(arguments + 1, arguments + count);
+        command.insert(command.end(), {"-c", source, "-o", object});
+        std::vector<double> seconds, megabytes;
+        for (std::size_t round = 0; round < rounds; ++round) {
+            const cost c = compile(command);
+            seconds.push_back(c.seconds), megabytes.push_back(c.megabytes);
+        }
+        std::sort(seconds.begin(), seconds.end());
+        std::sort(megabytes.begin(), megabytes.end());
+        std::printf("%-28s %9.2f %9.0f %12.1f\n", u.name, seconds[rounds / 2], megabytes[rounds / 2],
+                    static_cast<double>(std::filesystem::file_size(object)) / 1024);
+    }
+    std::filesystem::remove_all(folder);
+}

@@ -1,0 +1,40 @@
+// What a firmware does with a deployed network: no files, no heap, no exceptions, no run-time type
+// information. recogniser.hpp was written by `tactnet export`, or as in write_header.cpp.
+
+#include "recogniser.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace {
+
+/// Stands for the sensor: the counts of one frame, row by row.
+std::array<std::uint8_t, gripper::recogniser_type::input_shape.size()> read_tactels() {
+    return gripper::selftest_frame;
+}
+
+/// Stands for the display.
+std::string_view shown;
+void show(std::string_view object) {
+    shown = object;
+}
+
+} // namespace
+
+int main() {
+    // Once after start-up: compiler and processor make of a frame what they should.
+    if (!gripper::passes_selftest())
+        return 1;
+
+    const auto counts = read_tactels();
+    std::array<float, gripper::recogniser_type::outputs> logits;
+    if (gripper::recogniser(counts, logits) != tactnet::frame_status::recognised)
+        return 1;
+    // Outputs behind the classes stand for nothing.
+    const auto likeliest = std::max_element(logits.begin(), logits.begin() + gripper::classes.size());
+    show(gripper::classes[static_cast<std::size_t>(likeliest - logits.begin())]);
+    return 0;
+}

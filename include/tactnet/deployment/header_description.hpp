@@ -1,0 +1,67 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// What one may choose when a deployed network is written as a header (deployed_header.hpp).
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// When a program brings the weights of a header into the order of use. Neither takes heap.
+enum class packing {
+    when_compiling, ///< weights in read-only memory, or an error of the compiler: Clang needs
+                    ///< -fconstexpr-steps=4000000 for TactNet-6, GCC's limits are enough
+    at_start        ///< before main, into static memory, unless the compiler's limits allow it earlier
+};
+/// What the usual limits of GCC 12 and Clang 14 allow, whichever instruction set is compiled for: Clang takes
+/// up to 1 048 576 steps, and 76 to 94 for a number of a kernel that is computed by tiles.
+[[nodiscard]] constexpr packing usual_packing(std::size_t folded_elements) {
+    return folded_elements <= 8192 ? packing::when_compiling : packing::at_start;
+}
+
+/// What a header says besides its numbers.
+struct header_description {
+    std::string network;        ///< its name, for the comment on top; one line
+    std::string namespace_name; ///< what everything stands in: an identifier, or several with :: between
+    std::vector<std::string> classes; ///< names of the first outputs, in order; may be fewer than outputs
+    std::optional<packing> when = {}; ///< if not said, usual_packing
+};
+
+/// Whether a text is an identifier, or several with :: between them, that a program may define: no keyword,
+/// nothing that is kept for compilers, and no `tactnet` or `std` that would hide the real ones.
+[[nodiscard]] inline bool is_namespace_name(std::string_view text) {
+    constexpr std::string_view keywords =
+        " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t "
+        "char8_t class co_await co_return co_yield compl concept const const_cast consteval constexpr "
+        "constinit continue decltype default delete do double dynamic_cast else enum explicit export extern "
+        "false float for friend goto if inline int long mutable namespace new noexcept not not_eq nullptr "
+        "operator or or_eq private protected public register reinterpret_cast requires return short signed "
+        "sizeof static static_assert static_cast struct switch template this thread_local throw true try "
+        "typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq "
+        "std tactnet linux unix "; // the last two are macros of GCC and Clang unless told to keep to the
+                                   // standard
+    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+    for (;;) {
+        const std::string_view name = text.substr(0, text.find(':'));
+        if (name.empty() || name[0] == '_' || !letter(name[0]) ||
+            !std::all_of(name.begin(), name.end(),
+                         [&](char c) { return letter(c) || (c >= '0' && c <= '9'); }) ||
+            name.find("__") != std::string_view::npos ||
+            keywords.find(" " + std::string(name) + " ") != std::string_view::npos)
+            return false;
+        if (name.size() == text.size())
+            return true;
+        text.remove_prefix(name.size());
+        if (!text.starts_with("::"))
+            return false;
+        text.remove_prefix(2);
+    }
+}
+
+} // namespace tactnet

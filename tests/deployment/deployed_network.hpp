@@ -1,0 +1,250 @@
+#pragma once
+
+// What the tests of deployed networks share: networks full of numbers, frames, and the description of a
+// network that the bound of its errors is derived from (support/deployment_bound.hpp).
+
+#include <tactnet/deployment.hpp>
+#include <tactnet/networks/network.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <ostream>
+#include <span>
+#include <support/deployment_bound.hpp>
+#include <type_traits>
+#include <vector>
+
+namespace support {
+
+/// Numbers spread evenly over [low, high), the same everywhere (Knuth's 64-bit generator).
+class numbers {
+public:
+    explicit numbers(std::uint64_t seed) : state_(seed * 2 + 1) { next(0, 1), next(0, 1); }
+    float next(float low, float high) {
+        state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+        return low + (high - low) * static_cast<float>(state_ >> 40) * 0x1p-24f;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+/// No parameter is left at a value that would hide a mistake: no zero, no one, norms of both signs.
+template <class Network>
+void fill(Network& net, std::uint64_t seed) {
+    numbers draw(seed);
+    net.for_each_parameter([&](const tactnet::parameter& p, auto values) {
+        using tactnet::role;
+        const float spread = p.what == role::weight ? std::sqrt(6.0f / static_cast<float>(p.fan_in)) : 0.5f;
+        for (float& value : values) {
+            value = draw.next(-spread, spread);
+            if (p.what == role::running_variance)
+                value = 0.3f + 2 * std::abs(value);
+            if (p.what == role::scale)
+                value += value < 0 ? -0.7f : 0.7f;
+        }
+    });
+}
+
+/// Counts of a frame as a sensor may give them: most of it untouched.
+inline std::vector<std::uint8_t> make_frame(std::size_t size, std::uint64_t seed) {
+    numbers draw(seed + 1000);
+    std::vector<std::uint8_t> counts(size);
+    for (std::uint8_t& c : counts)
+        c = static_cast<std::uint8_t>(std::max(0.0f, draw.next(-100, 256)));
+    return counts;
+}
+
+/// Layers of a list, as the bound wants them.
+template <class Spec>
+struct description;
+
+inline reference_window described_window(tactnet::sliding_window w) {
+    return {{w.input.channels, w.input.rows, w.input.columns},
+            w.kernel.rows,
+            w.kernel.columns,
+            w.stride.rows,
+            w.stride.columns,
+            w.top,
+            w.bottom,
+            w.left,
+            w.right};
+}
+
+template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding>
+struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding>> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::convolution,
+                .window = described_window(tactnet::sliding_window::over(in, Kernel, Stride, Padding)),
+                .filters = Filters};
+    }
+};
+template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
+struct description<tactnet::max_pool<Window, Stride, Padding>> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::pool,
+                .window = described_window(tactnet::sliding_window::over(in, Window, Stride, Padding))};
+    }
+};
+template <std::size_t Outputs>
+struct description<tactnet::dense<Outputs>> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::dense,
+                .window = described_window({in, {in.rows, in.columns}, 1}),
+                .filters = Outputs};
+    }
+};
+template <>
+struct description<tactnet::batch_norm> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::norm, .filters = in.channels};
+    }
+};
+template <>
+struct description<tactnet::softmax> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::softmax, .filters = in.channels};
+    }
+};
+template <>
+struct description<tactnet::relu> {
+    static described_layer on(tactnet::shape) { return {.what = described_layer::kind::relu}; }
+};
+template <unsigned Percent>
+struct description<tactnet::dropout<Percent>> {
+    static described_layer on(tactnet::shape) { return {.what = described_layer::kind::dropout}; }
+};
+template <class... Specs>
+struct description<tactnet::sequence<Specs...>> {
+    static std::vector<described_layer> list([[maybe_unused]] tactnet::shape in) {
+        std::vector<described_layer> layers;
+        ((layers.push_back(description<Specs>::on(in)), in = behind(layers.back(), in)), ...);
+        return layers;
+    }
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::list, .inner = list(in)};
+    }
+    /// By the rules of the reference, not those of the library.
+    static tactnet::shape behind(const described_layer& layer, tactnet::shape in) {
+        using kind = described_layer::kind;
+        if (layer.what == kind::convolution || layer.what == kind::dense || layer.what == kind::pool)
+            return {layer.window.output_rows(), layer.window.output_columns(),
+                    layer.what == kind::pool ? in.channels : layer.filters};
+        for (const described_layer& each : layer.inner)
+            in = behind(each, in);
+        return in;
+    }
+};
+template <class Main, class Skip>
+struct description<tactnet::residual<Main, Skip>> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::residual,
+                .inner = description<tactnet::as_sequence<Main>>::list(in),
+                .skip = description<tactnet::as_sequence<Skip>>::list(in)};
+    }
+};
+
+/// Which convolutions of a plan are computed by tiles, in the order of their parameters.
+template <class Step>
+void append_tiled(std::type_identity<Step>, std::vector<bool>& list) {
+    if constexpr (requires { Step::tiled; })
+        list.push_back(Step::tiled);
+}
+template <class... Steps>
+void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<bool>& list);
+template <class Main, class Skip>
+void append_tiled(std::type_identity<tactnet::residual_step<Main, Skip>>, std::vector<bool>& list) {
+    append_tiled(std::type_identity<Main>{}, list);
+    append_tiled(std::type_identity<Skip>{}, list);
+}
+template <class... Steps>
+void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<bool>& list) {
+    (append_tiled(std::type_identity<Steps>{}, list), ...);
+}
+inline void mark_tiled(std::vector<described_layer>& layers, const std::vector<bool>& tiled,
+                       std::size_t& at) {
+    for (described_layer& layer : layers) {
+        if (layer.what == described_layer::kind::convolution)
+            layer.tiled = tiled.at(at++);
+        mark_tiled(layer.inner, tiled, at);
+        mark_tiled(layer.skip, tiled, at);
+    }
+}
+template <class Network>
+std::vector<described_layer> describe() {
+    auto layers = description<typename Network::specification>::list(Network::input_shape);
+    std::vector<bool> tiled;
+    append_tiled(std::type_identity<typename tactnet::deployment_plan<Network>::step>{}, tiled);
+    std::size_t at = 0;
+    mark_tiled(layers, tiled, at);
+    return layers;
+}
+
+template <class Network>
+described_parameters parameters_of(const Network& net) {
+    return {net.learnable_values(), net.running_statistics(), net.epsilon};
+}
+
+/// The largest error of an output ÷ its bound, at most 1 if all is well, and ÷ its deviation. Infinite for
+/// what is not a number, and for a wrong count of outputs.
+struct error_shares {
+    double of_bound = 0, of_deviation = 0;
+
+    void add(const error_shares& other) {
+        of_bound = std::max(of_bound, other.of_bound);
+        of_deviation = std::max(of_deviation, other.of_deviation);
+    }
+    /// Errors stay well below their deviation, which takes every partial sum for as large as all its terms
+    /// together.
+    [[nodiscard]] bool good() const { return of_bound <= 1 && of_deviation <= 1; }
+};
+inline std::ostream& operator<<(std::ostream& to, const error_shares& s) {
+    return to << "largest error " << s.of_bound << " of its bound, " << s.of_deviation << " of its deviation";
+}
+
+inline error_shares shares_of(std::span<const float> found, const rounded_map& expected) {
+    if (found.size() != expected.size())
+        return {INFINITY, INFINITY};
+    error_shares worst;
+    for (std::size_t o = 0; o < found.size(); ++o) {
+        const double error = std::abs(static_cast<double>(found[o]) - expected[o].value);
+        if (!std::isfinite(error))
+            return {INFINITY, INFINITY};
+        if (error > 0)
+            worst.add({error / expected[o].error, error / expected[o].deviation});
+    }
+    return worst;
+}
+
+/// Deploys a network of that kind, full of numbers, and gives the largest errors over some frames.
+template <class Network>
+error_shares errors_of(std::uint64_t seed, std::size_t frames, float scale = 1.0f / 64) {
+    Network net;
+    fill(net, seed);
+    constexpr std::size_t size = Network::input_shape.size();
+    std::vector<float> mean(size);
+    numbers draw(seed + 7);
+    for (float& m : mean)
+        m = draw.next(0, 60);
+    const auto fast = tactnet::deploy(net, std::span<const float, size>(mean), scale);
+    const std::vector<described_layer> layers = describe<Network>();
+    error_shares worst;
+    for (std::size_t i = 0; i < frames; ++i) {
+        const std::vector<std::uint8_t> counts = make_frame(size, seed * 100 + i);
+        const std::vector<float> exact(counts.begin(), counts.end());
+        std::vector<float> out(Network::outputs, NAN);
+        const auto status =
+            fast(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                 std::span<float, Network::outputs>(out));
+        if (status != tactnet::frame_status::recognised)
+            return {INFINITY, INFINITY};
+        const rounded_map expected =
+            bounded_outputs(layers, parameters_of(net), bounded_input(exact, mean, scale));
+        worst.add(shares_of(out, expected));
+    }
+    return worst;
+}
+
+} // namespace support

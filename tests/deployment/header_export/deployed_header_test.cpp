@@ -1,0 +1,86 @@
+#include "mixed.hpp"
+#include "networks.hpp"
+#include "small.hpp"
+
+#include <tactnet/deployment/deployed_header.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+// What a header says is the network that it was written from: the same type, the same weights, the same bits.
+
+namespace {
+
+template <class Network, class Recogniser, class Packed>
+void same_as(const Recogniser& recogniser, const Packed& packed) {
+    const auto original = deployed_network<Network>();
+    static_assert(std::is_same_v<Recogniser, const typename tactnet::deployed<Network>::view_type> ||
+                  std::is_same_v<Recogniser, typename tactnet::deployed<Network>::view_type>);
+    std::array<float, Recogniser::packed_elements> again{};
+    Recogniser::pack(original.folded().data(), again.data());
+    CHECK(std::equal(again.begin(), again.end(), packed.elements.begin(), [](float a, float b) {
+        return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+    }));
+    for (std::size_t i = 0; i < 20; ++i) {
+        const auto frame = frame_of<Network>(i);
+        const tactnet::tensor_view<const std::uint8_t, Network::input_shape> counts(frame);
+        std::array<float, Recogniser::outputs> expected, found;
+        REQUIRE(original(counts, expected) == tactnet::frame_status::recognised);
+        REQUIRE(recogniser(counts, found) == tactnet::frame_status::recognised);
+        CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
+    }
+}
+
+} // namespace
+
+TEST_CASE("deployed header: the network that it was written from") {
+    namespace small = gripper::recognition;
+    static_assert(small::packed.elements.size() > 0 &&
+                  small::folded[small_network::input_shape.size()] == 1.0f / 64);
+    same_as<small_network>(small::recogniser, small::packed);
+    same_as<mixed_network>(mixed::recogniser, mixed::packed);
+    CHECK(small::passes_selftest());
+    CHECK(mixed::passes_selftest());
+    CHECK(small::classes.size() == 3);
+    CHECK(small::classes[1] == "\"a\\b\"\n?\?/");
+    CHECK(small::classes[2] == "é");
+    CHECK(mixed::classes.empty());
+}
+
+TEST_CASE("deployed header: the folded numbers to the bit") {
+    const auto original = deployed_network<mixed_network>();
+    CHECK(std::equal(
+        original.folded().begin(), original.folded().end(), mixed::folded.begin(),
+        [](float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }));
+    CHECK(tactnet::detail::float_literal(-0.0f) == "-0x0p+0f");
+    CHECK(tactnet::detail::float_literal(-1.5f) == "-0x1.8p+0f");
+    CHECK(tactnet::detail::float_literal(0x1p-149f).starts_with("0x"));
+}
+
+TEST_CASE("deployed header: names of namespaces") {
+    for (const char* good : {"a", "gripper", "gripper::tactile", "g2_x::y", "classes"})
+        CHECK_MESSAGE(tactnet::is_namespace_name(good), good);
+    for (const char* bad : {"",       "2a", "a-b",  "a b",   "a::",    "::a", "a:b",
+                            "a:::b",  "_a", "a__b", "class", "a::int", "std", "tactnet::x",
+                            "a::std", "é",  "a\n",  "a;b",   "a:",     ":",   "static static_assert"})
+        CHECK_FALSE_MESSAGE(tactnet::is_namespace_name(bad), bad);
+}
+
+TEST_CASE("deployed header: what it refuses") {
+    const auto original = deployed_network<small_network>();
+    const auto frame = frame_of<small_network>(0);
+    CHECK_THROWS_WITH_AS((void)tactnet::deployed_header(original, {"x", "a-b", {}}, frame),
+                         doctest::Contains("found 'a-b'"), std::invalid_argument);
+    CHECK_THROWS_WITH_AS(
+        (void)tactnet::deployed_header(original, {"x", "a", {"1", "2", "3", "4", "5", "6"}}, frame),
+        doctest::Contains("expected at most 5 class names, found 6"), std::invalid_argument);
+    // The same text every time.
+    CHECK(tactnet::deployed_header(original, {"x", "a", {}}, frame) ==
+          tactnet::deployed_header(original, {"x", "a", {}}, frame));
+}

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/networks/tactnet4.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+// The networks that are written as headers. Generator and test make them alike.
+
+using small_network = tactnet::tactnet4<tactnet::shape{7, 13}, 5>;
+
+/// Every kind of step, and sizes that fill no vector: then distances between pixels depend on the instruction
+/// set.
+using mixed_network = tactnet::network<
+    tactnet::shape{8, 9, 2}, tactnet::batch_norm, tactnet::conv2d<6, 3, tactnet::extent(2, 1)>, tactnet::relu,
+    tactnet::residual<tactnet::sequence<tactnet::conv2d<20, 3>, tactnet::relu, tactnet::conv2d<20, 3>>,
+                      tactnet::sequence<tactnet::conv2d<20, 1>, tactnet::batch_norm>>,
+    tactnet::relu, tactnet::residual<tactnet::conv2d<20, 3>>, tactnet::max_pool<3, 1>, tactnet::relu,
+    tactnet::sequence<tactnet::conv2d<5, 2>, tactnet::max_pool<2>>, tactnet::dense<3>, tactnet::softmax>;
+
+/// As a sensor may count: most of it untouched.
+template <class Network>
+std::array<std::uint8_t, Network::input_shape.size()> frame_of(std::size_t number) {
+    std::array<std::uint8_t, Network::input_shape.size()> frame;
+    for (std::size_t i = 0; i < frame.size(); ++i) {
+        const std::size_t drawn = (i * i * 7 + number * 31 + i * 11) % 97;
+        frame[i] = static_cast<std::uint8_t>(drawn < 50 ? 0 : drawn * 2);
+    }
+    return frame;
+}
+
+/// No parameter is left at a value that would hide a mistake.
+template <class Network>
+tactnet::deployed<Network> deployed_network() {
+    Network net;
+    net.for_each_parameter([&](const tactnet::parameter& p, auto values) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const float drawn = static_cast<float>((i * 73 + i * i * 3 + p.offset * 5) % 201) / 100.0f - 1.0f;
+            const bool positive = p.what == tactnet::role::running_variance || p.what == tactnet::role::scale;
+            values[i] = positive ? 1.0f + drawn / 2 : drawn / 4;
+        }
+    });
+    tactnet::tensor<float, Network::input_shape> mean;
+    for (std::size_t i = 0; i < Network::input_shape.size(); ++i)
+        mean.data()[i] = static_cast<float>(i % 13) * 1.1f;
+    return tactnet::deploy(net, mean.view().elements(), 1.0f / 64);
+}

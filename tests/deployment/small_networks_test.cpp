@@ -1,0 +1,68 @@
+#include "deployed_network.hpp"
+
+#include <doctest/doctest.h>
+
+// What the published networks do not hold: each network here has a few layers that must be taken up in the
+// right order, at sizes that fill no vector and no register block.
+
+using namespace tactnet;
+
+TEST_CASE("deployed: filters that fill no vector, even kernels, strides, explicit padding") {
+    using net = network<shape{9, 11, 3},                                                //
+                        conv2d<5, extent(4, 2), 1>, relu,                               //
+                        conv2d<12, 3, extent(2, 1), pad(0, 2, 1, 1)>, batch_norm, relu, //
+                        conv2d<33, 3>, conv2d<3, extent(1, 3), extent(1, 2), valid>,    //
+                        conv2d<20, 2>, dense<7>>;
+    const support::error_shares errors = support::errors_of<net>(21, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+}
+
+TEST_CASE("deployed: pools that overlap, cut, complete or keep the image, on either side of ReLU") {
+    using net = network<shape{13, 17, 2},                                         //
+                        conv2d<12, 3>, batch_norm, max_pool<2, 2, valid>, relu,   // cut
+                        conv2d<8, 3>, relu, max_pool<3, 2>, max_pool<2, 1>,       // overlap, stride 1
+                        conv2d<20, 2>, max_pool<2>, max_pool<extent(1, 2)>, relu, // completed, twice
+                        batch_norm, dense<5>>;
+    const support::error_shares errors = support::errors_of<net>(22, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+}
+
+TEST_CASE("deployed: batch norm in front of everything, behind a pool and behind dense; softmax at the end") {
+    using net = network<shape{7, 6, 2},                                                     //
+                        batch_norm, conv2d<3, 3>, max_pool<3, 1, pad(1)>, batch_norm, relu, //
+                        conv2d<1, 3>, dropout<50>, batch_norm, relu,                        //
+                        dense<9>, batch_norm, relu, dropout<50>, dense<4>, batch_norm, softmax>;
+    const support::error_shares errors = support::errors_of<net>(23, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+}
+
+TEST_CASE("deployed: residual blocks with identity and with projection, lists inside lists") {
+    using main = sequence<conv2d<12, 3>, batch_norm, relu, conv2d<12, 3>, batch_norm>;
+    using net = network<shape{6, 9}, sequence<conv2d<12, 3>, sequence<batch_norm, relu>>, //
+                        residual<main>, relu, max_pool<2>,                                //
+                        residual<sequence<conv2d<20, 3, 2>, relu, conv2d<20, 2>>,         //
+                                 sequence<conv2d<20, 1, 2>, batch_norm>>,                 //
+                        residual<conv2d<20, 3>>, relu, dense<3>>;
+    const support::error_shares errors = support::errors_of<net>(24, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+}
+
+TEST_CASE("deployed: images of one row, of one column and of one pixel") {
+    using row =
+        network<shape{1, 19}, conv2d<5, 3>, batch_norm, relu, max_pool<2>, conv2d<16, 3>, relu, dense<3>>;
+    using column =
+        network<shape{19, 1, 3}, conv2d<16, 3>, relu, max_pool<2>, conv2d<8, 2>, max_pool<2>, dense<2>>;
+    using pixel = network<shape{1, 1}, conv2d<8, 3>, relu, conv2d<9, 1>, max_pool<2>, dense<1>>;
+    CHECK(support::errors_of<row>(25, 5).good());
+    CHECK(support::errors_of<column>(26, 5).good());
+    CHECK(support::errors_of<pixel>(27, 5).good());
+}
+
+TEST_CASE("deployed: a network whose output is an image") {
+    using net = network<shape{5, 7}, conv2d<5, 3>, relu, conv2d<3, 1>>;
+    CHECK(support::errors_of<net>(28, 5).good());
+}

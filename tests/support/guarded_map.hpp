@@ -1,0 +1,43 @@
+#pragma once
+
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace support {
+
+/// The next number in [-1, 1), the same everywhere (Knuth's 64-bit generator).
+inline float draw(std::uint64_t& state) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<float>(state >> 40) * 0x1p-23f - 1;
+}
+
+/// A map that lies pixel by pixel between two guards of numbers that nobody may read or write. Aligned, so
+/// that loads and stores of whole vectors end the program where packed numbers do not begin at a vector.
+class guarded_map {
+public:
+    guarded_map(std::size_t elements, float guard, float inside)
+        : guard_(guard), elements_(elements), memory_(elements + 2 * width, guard) {
+        std::fill_n(data(), elements, inside);
+    }
+    [[nodiscard]] float* data() { return memory_.data() + width; }
+    [[nodiscard]] bool untouched() const {
+        const auto same = [&](float value) { // also where the guard is NaN
+            return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(guard_);
+        };
+        return std::all_of(memory_.begin(), memory_.begin() + width, same) &&
+               std::all_of(memory_.begin() + static_cast<std::ptrdiff_t>(width + elements_), memory_.end(),
+                           same);
+    }
+
+private:
+    static constexpr std::ptrdiff_t width = 256;
+    float guard_;
+    std::size_t elements_;
+    tactnet::aligned_vector<float> memory_;
+};
+
+} // namespace support
