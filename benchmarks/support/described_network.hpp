@@ -95,8 +95,8 @@ private:
                                .bias = {folded + step::weights, folded + step::folded}});
         return to;
     }
-    template <class Main, class Skip>
-    std::size_t add(tactnet::residual_step<Main, Skip>, const float* folded, std::size_t from) {
+    template <class Main, class Skip, std::size_t Stride>
+    std::size_t add(tactnet::residual_step<Main, Skip, Stride>, const float* folded, std::size_t from) {
         std::size_t term = from;
         if constexpr (!std::is_same_v<Skip, tactnet::no_step>)
             term = add(Skip{}, folded + Main::folded, from);

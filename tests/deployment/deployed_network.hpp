@@ -154,8 +154,8 @@ void append_tiled(std::type_identity<Step>, std::vector<bool>& list) {
 }
 template <class... Steps>
 void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<bool>& list);
-template <class Main, class Skip>
-void append_tiled(std::type_identity<tactnet::residual_step<Main, Skip>>, std::vector<bool>& list) {
+template <class Main, class Skip, std::size_t Stride>
+void append_tiled(std::type_identity<tactnet::residual_step<Main, Skip, Stride>>, std::vector<bool>& list) {
     append_tiled(std::type_identity<Main>{}, list);
     append_tiled(std::type_identity<Skip>{}, list);
 }

@@ -66,3 +66,21 @@ TEST_CASE("deployed: a network whose output is an image") {
     using net = network<shape{5, 7}, conv2d<5, 3>, relu, conv2d<3, 1>>;
     CHECK(support::errors_of<net>(28, 5).good());
 }
+
+TEST_CASE("deployed: branches whose pixels lie differently far apart") {
+    using on_input = network<shape{6, 6, 1}, residual<conv2d<1, 3>>, relu, dense<3>>;
+    using pooled_skip = network<shape{6, 6, 3}, residual<conv2d<3, 3>, max_pool<3, 1>>, dense<3>>;
+    using behind_dense = network<shape{3, 3, 1}, dense<22>, residual<conv2d<22, 1>>, dense<3>>;
+    CHECK(support::errors_of<on_input>(29, 5).good());
+    CHECK(support::errors_of<pooled_skip>(30, 5).good());
+    CHECK(support::errors_of<behind_dense>(31, 5).good());
+}
+
+TEST_CASE("deployed: tiles whose parts end within a cache line, padding larger than the kernel, large pools") {
+    using odd_tiles = network<shape{7, 7, 8}, conv2d<32, 2, 1, valid>, dense<3>>;
+    using far_padding = network<shape{4, 4}, conv2d<8, 3, 1, pad(7)>, relu, dense<3>>;
+    using large_pool = network<shape{12, 12}, conv2d<16, 3>, relu, max_pool<6>, dense<3>>;
+    CHECK(support::errors_of<odd_tiles>(32, 5).good());
+    CHECK(support::errors_of<far_padding>(33, 5).good());
+    CHECK(support::errors_of<large_pool>(34, 5).good());
+}

@@ -5,6 +5,7 @@
 #include <tactnet/kernels/thread_pool.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
@@ -13,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -40,17 +42,23 @@ public:
         folded_[input_shape.size()] = scale;
         plan::fold({network.learnable_values().data(), network.running_statistics().data(), network.epsilon},
                    folded_.data() + view_type::steps_folded);
-        for (const float value : folded_)
-            if (!std::isfinite(value))
-                throw std::invalid_argument("deploy: expected finite parameters and variances above zero, "
-                                            "found " +
-                                            std::to_string(value) + " once batch norms are folded in");
+        for (std::size_t i = 0; i < folded_.size(); ++i)
+            if (!(std::abs(folded_[i]) <= largest_parameter))
+                throw std::invalid_argument(std::string("deploy: expected ") +
+                                            (i <= input_shape.size()
+                                                 ? "a mean and a scale"
+                                                 : "parameters and variances + epsilon above zero") +
+                                            " that give finite numbers up to 1e30, found " +
+                                            std::to_string(folded_[i]) + " once batch norms are folded in");
         set_limit();
         view_type::pack(folded_.data(), packed_.data());
     }
 
-    [[nodiscard]] view_type view() const noexcept { return view_type(packed_.data()); }
-    operator view_type() const noexcept { return view(); }
+    /// A view of these weights, which must outlive it.
+    [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data()); }
+    view_type view() const&& = delete;
+    operator view_type() const& noexcept { return view(); }
+    operator view_type() const&& = delete;
     /// The numbers before packing, for a file or a header.
     [[nodiscard]] std::span<const float, view_type::folded_elements> folded() const noexcept {
         return std::span<const float, view_type::folded_elements>(folded_.data(), folded_.size());
@@ -74,8 +82,18 @@ public:
     }
     /// Frames one after the other, on all threads of a pool: each with the same bits as alone. Tells whether
     /// all were recognised. Throws std::invalid_argument unless there is a row of outputs for each frame.
+    frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames,
+                            std::span<float> to) const {
+        return recognise_all(threads, frames, to);
+    }
+    frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to) const {
+        return recognise_all(threads, frames, to);
+    }
+
+private:
     template <class Count>
-    frame_status operator()(thread_pool& threads, std::span<const Count> frames, std::span<float> to) const {
+    frame_status recognise_all(thread_pool& threads, std::span<const Count> frames,
+                               std::span<float> to) const {
         const std::size_t count = frames.size() / input_shape.size();
         if (count * input_shape.size() != frames.size() || count * outputs != to.size())
             throw std::invalid_argument("deployed: expected frames of " + std::to_string(input_shape.size()) +
@@ -91,30 +109,32 @@ public:
         return status;
     }
 
-private:
-    /// The largest magnitude of the input, a power of ten, with which no sum can overflow. Tiles add and
-    /// subtract up to 81 products of the same size on their way: hence the 128.
+    static constexpr float largest_parameter = 1e30f;
+
+    /// The largest magnitude of the input, a power of ten, with which no sum can overflow, whatever the
+    /// signs. Tiles add and subtract up to 81 products of the same size on their way: hence the 128. For a
+    /// network so deep that this bound would refuse counts of 8 bits it says nothing: then only NaN and
+    /// infinity are told.
     void set_limit() {
         constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) / 128;
-        float& limit = folded_[input_shape.size() + 1];
-        double largest = 1e36;
-        while (largest > 1e-30 &&
+        double largest = 1e36, needed = 0;
+        for (std::size_t e = 0; e < input_shape.size(); ++e)
+            for (const double count : {0.0, 255.0})
+                needed = std::max(needed, std::abs((count - static_cast<double>(folded_[e])) *
+                                                   static_cast<double>(folded_[input_shape.size()])));
+        while (largest >= needed &&
                !(plan::step::reach(folded_.data() + view_type::steps_folded, largest) <= most))
             largest /= 10;
-        limit = static_cast<float>(largest);
-        for (std::size_t e = 0; e < input_shape.size(); ++e)
-            for (const float count : {0.0f, 255.0f})
-                if (!(std::abs((count - folded_[e]) * folded_[input_shape.size()]) <= limit))
-                    throw std::invalid_argument(
-                        "deploy: expected parameters with which counts of 8 bits stay in "
-                        "the range of single precision, found some for inputs up to " +
-                        std::to_string(limit));
+        folded_[input_shape.size() + 1] =
+            largest >= needed ? static_cast<float>(largest) : std::numeric_limits<float>::max();
     }
 
     aligned_vector<float> folded_, packed_;
 };
 
-/// Turns a trained network into its fastest form, for inputs (count − mean) × scale.
+/// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Any list of this
+/// library's layers; the main branch of a residual block must end in a convolution, with or without batch
+/// norm. Throws as the constructor of `deployed`.
 template <class Network>
 [[nodiscard]] deployed<Network>
 deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale = 1) {

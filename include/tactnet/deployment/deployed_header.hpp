@@ -114,7 +114,7 @@ template <class Network>
                        "#include <tactnet/deployment/deployed_view.hpp>\n\n"
                        "#include <array>\n#include <cstddef>\n#include <cstdint>\n#include <string_view>\n\n"
                        "namespace " +
-                       says.namespace_name + " {\n\n" + steps.definitions() +
+                       says.namespace_name + "::inline TACTNET_ARCH {\n\n" + steps.definitions() +
                        "\nusing recogniser_type = tactnet::deployed_view<tactnet::shape{.rows = " +
                        std::to_string(input.rows) + ", .columns = " + std::to_string(input.columns) +
                        ", .channels = " + std::to_string(input.channels) + "}, " + chain + ">;\n\n";

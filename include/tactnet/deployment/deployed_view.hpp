@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 
@@ -122,6 +124,8 @@ private:
         for (std::size_t channel = 0; channel < output_shape.channels; ++channel)
             for (std::size_t pixel = 0; pixel < output_shape.area(); ++pixel)
                 to[channel * output_shape.area() + pixel] = out[pixel * Steps::output_stride + channel];
+        for (const float value : to)
+            beyond += !(std::abs(value) <= std::numeric_limits<float>::max());
         return beyond == 0 ? frame_status::recognised : frame_status::not_finite;
     }
 

@@ -136,10 +136,10 @@ struct folded_list {
     }
 };
 
-template <class Layers, std::size_t I, class Main, class Skip>
+template <class Layers, std::size_t I, class Main, class Skip, std::size_t InputStride>
 struct folded_residual {
     using layer = typename Layers::template at<I>;
-    using step = residual_step<typename Main::step, typename Skip::step>;
+    using step = residual_step<typename Main::step, typename Skip::step, InputStride>;
 
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here =

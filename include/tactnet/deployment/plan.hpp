@@ -36,9 +36,11 @@ inline constexpr layer_kind kind_of<dropout<Percent>> = layer_kind::dropout;
 template <class Main, class Skip>
 inline constexpr layer_kind kind_of<residual<Main, Skip>> = layer_kind::residual;
 
-/// A max pool that a convolution can take along: windows side by side, none before the image.
+/// A max pool that a convolution can take along: windows side by side, none before the image, and no more
+/// pixels than a register block holds.
 [[nodiscard]] constexpr bool side_by_side(const sliding_window& w) {
-    return w.kernel == w.stride && w.top == 0 && w.left == 0;
+    return w.kernel == w.stride && w.top == 0 && w.left == 0 &&
+           2 * w.kernel.area() <= frame_convolution::most_accumulators;
 }
 
 /// Which layers behind one go into its step.
@@ -106,7 +108,8 @@ private:
             "deploy: the main branch of a residual block must end in a convolution, with or without "
             "batch norm");
         using skip = planned<as_sequence<Skip>, typename layer<I>::skip, InputStride>;
-        return std::type_identity<folded_residual<Layers, I, typename main::type, typename skip::type>>{};
+        return std::type_identity<
+            folded_residual<Layers, I, typename main::type, typename skip::type, InputStride>>{};
     }
 
     template <std::size_t I, std::size_t InputStride, class... Steps>

@@ -61,13 +61,22 @@ struct no_step {
 };
 
 /// main(x) + skip(x), with the ReLU behind it. The skip is left in the output, and the main branch's last
-/// convolution adds to it.
-template <class Main, class Skip>
+/// convolution adds to it. The input has `InputStride` elements from one pixel to the next.
+template <class Main, class Skip, std::size_t InputStride>
 struct residual_step {
     static constexpr shape output = Main::output;
     static constexpr std::size_t output_stride = Main::output_stride;
     static constexpr std::size_t folded = Main::folded + Skip::folded, packed = Main::packed + Skip::packed;
-    static constexpr std::size_t scratch = std::max(Main::scratch, Skip::scratch);
+    /// Where the skip's pixels are not as far apart as the output's, it is computed aside.
+    static constexpr std::size_t aside = [] {
+        if constexpr (std::is_same_v<Skip, no_step>)
+            return std::size_t{0};
+        else
+            return Skip::output_stride == output_stride
+                       ? 0
+                       : detail::whole_lines(output.area() * Skip::output_stride);
+    }();
+    static constexpr std::size_t scratch = std::max(Main::scratch, aside + Skip::scratch);
 
     static constexpr void pack(const float* from, float* to) {
         Main::pack(from, to);
@@ -77,11 +86,29 @@ struct residual_step {
         return Main::reach(from, input) + Skip::reach(from + Main::folded, input);
     }
     static void run(const float* packed_values, const float* in, float* out, float* memory) noexcept {
-        if constexpr (std::is_same_v<Skip, no_step>)
-            std::copy_n(in, output.area() * output_stride, out);
-        else
+        if constexpr (std::is_same_v<Skip, no_step>) {
+            copy_pixels<InputStride>(in, out);
+        } else if constexpr (aside == 0) {
             Skip::run(packed_values + Main::packed, in, out, memory);
+        } else {
+            Skip::run(packed_values + Main::packed, in, memory, memory + aside);
+            copy_pixels<Skip::output_stride>(memory, out);
+        }
         Main::run(packed_values, in, out, memory);
+    }
+
+private:
+    template <std::size_t Stride>
+    static void copy_pixels(const float* from, float* to) {
+        if constexpr (Stride == output_stride) {
+            std::copy_n(from, output.area() * output_stride, to);
+        } else {
+            for (std::size_t pixel = 0; pixel < output.area(); ++pixel) {
+                float* const end =
+                    std::copy_n(from + pixel * Stride, output.channels, to + pixel * output_stride);
+                std::fill(end, to + (pixel + 1) * output_stride, 0.0f);
+            }
+        }
     }
 };
 

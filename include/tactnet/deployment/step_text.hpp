@@ -111,12 +111,12 @@ private:
     std::string spell(std::type_identity<no_step>, const shape&, const std::string&) {
         return "tactnet::no_step";
     }
-    template <class Main, class Skip>
-    std::string spell(std::type_identity<residual_step<Main, Skip>>, const shape& input,
+    template <class Main, class Skip, std::size_t InputStride>
+    std::string spell(std::type_identity<residual_step<Main, Skip, InputStride>>, const shape& input,
                       const std::string& stride) {
         const std::string main = define<Main>(input, stride), skip = define<Skip>(input, stride);
         return add("Both branches of a residual block", input, Main::output,
-                   "residual_step<" + main + ", " + skip + ">");
+                   "residual_step<" + main + ", " + skip + ", " + stride + ">");
     }
     template <class... Steps>
     std::string spell(std::type_identity<step_chain<Steps...>>, shape input, std::string stride) {

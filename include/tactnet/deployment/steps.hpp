@@ -13,13 +13,15 @@
 // What a deployed network does, step by step. A step stands for one or several layers, and knows sizes only.
 // Its constants:
 //   output, output_stride   the map it writes, pixel by pixel, and elements from one pixel to the next
-//   folded                  numbers that remain of the layers' parameters once batch norms are folded in:
-//   weights
-//                           [output][channel][row][column], then biases
+//   folded                  numbers that remain of the layers' parameters once batch norms are folded in
+//                           ([output][channel][row][column], then biases)
 //   packed                  the same in the order of use, padded to whole vectors
 //   scratch                 elements of memory it needs while it runs
-// and its functions: `pack` from folded to packed numbers (usable when compiling, into zeros), `run`, and
-// `reach`, the largest magnitude that an output can have where inputs have at most `input`.
+// and its functions:
+//   pack                    from folded to packed numbers, into zeros; usable when compiling
+//   run                     from one map to the next
+//   reach                   the largest magnitude that an output can have where inputs have at most `input`
+// Lanes behind the last channel of a pixel hold zeros in every map.
 //
 // This header and those below it need neither exceptions nor run-time type information nor files.
 

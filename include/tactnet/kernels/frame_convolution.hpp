@@ -23,6 +23,9 @@ struct frame_convolution {
     bool rectified = false;
     bool adds = false; ///< to the map that the output takes the place of
 
+    /// Of a register block: more of them, beside inputs and weights, and compilers spill.
+    static constexpr std::size_t most_accumulators = vector_registers == 32 ? 16 : 12;
+
     [[nodiscard]] constexpr std::size_t width() const { return lanes_for<float>(filters); }
     [[nodiscard]] constexpr std::size_t vectors() const { return (filters + width() - 1) / width(); }
     [[nodiscard]] constexpr std::size_t output_stride() const { return vectors() * width(); }
@@ -51,10 +54,9 @@ struct frame_convolution {
     }
     /// Columns of a block: as many as registers allow, evenly spread over the image.
     [[nodiscard]] constexpr std::size_t block_columns() const {
-        constexpr std::size_t accumulators = vector_registers == 32 ? 16 : 12;
         const std::size_t step = pool.columns;
         const std::size_t most =
-            std::max(accumulators / (block_rows() * block_vectors()) / step * step, step);
+            std::max(most_accumulators / (block_rows() * block_vectors()) / step * step, step);
         const std::size_t blocks = (columns() + most - 1) / most;
         const std::size_t even = (columns() + blocks - 1) / blocks;
         return (even + step - 1) / step * step;
@@ -114,13 +116,12 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
         unroll<under_rows>([&](auto r) __attribute__((always_inline)) {
             if (r < where.first_row || r >= where.last_row)
                 return;
-            const float* row =
-                input +
+            const std::ptrdiff_t row =
                 (where.first_pixel + static_cast<std::ptrdiff_t>(r * C.window.input.columns)) * stride;
             std::array<wide, under_columns> x;
             unroll<under_columns>([&](auto c) __attribute__((always_inline)) {
                 if constexpr (c >= MissingLeft && c + MissingRight < under_columns)
-                    x[c] = wide(row[static_cast<std::ptrdiff_t>(c) * stride]);
+                    x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
             });
             unroll<Rows>([&](auto y) __attribute__((always_inline)) {
                 constexpr std::size_t above = y * C.window.stride.rows;
@@ -148,12 +149,12 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
         constexpr std::size_t top = o / pooled_columns * C.pool.rows,
                               left = o % pooled_columns * C.pool.columns;
         constexpr std::size_t high = std::min(C.pool.rows, Rows - top),
-                              wide_ = std::min(C.pool.columns, Columns - left);
+                              across = std::min(C.pool.columns, Columns - left);
         unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
             wide largest = sums[top * Columns + left][v];
-            unroll<high * wide_>([&](auto i) __attribute__((always_inline)) {
+            unroll<high * across>([&](auto i) __attribute__((always_inline)) {
                 if constexpr (i > 0)
-                    largest = larger(sums[(top + i / wide_) * Columns + left + i % wide_][v], largest);
+                    largest = larger(sums[(top + i / across) * Columns + left + i % across][v], largest);
             });
             if constexpr (C.rectified)
                 largest = larger(wide(0.0f), largest);
@@ -211,7 +212,8 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
                                static_cast<std::ptrdiff_t>(b * blocks::size * C.window.stride.columns) -
                                static_cast<std::ptrdiff_t>(C.window.left),
                 .first_row = C.window.top - std::min(C.window.top, first),
-                .last_row = std::min(under_rows, C.window.top + C.window.input.rows - first)};
+                .last_row =
+                    std::min(under_rows, std::max(C.window.top + C.window.input.rows, first) - first)};
     };
     const auto output_of = [&](std::size_t b) {
         return to + b * blocks::size / C.pool.columns * C.output_stride();
@@ -232,6 +234,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
 /// `alignment`, as is the output. With `adds`, the output holds the other term before.
 template <frame_convolution C>
 void convolve_frame(const float* input, const float* weights, const float* bias, float* output) {
+    static_assert(!C.adds || C.pool == extent(1), "convolve_frame: a sum is not pooled");
     blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first = first_vector * C.width();
         constexpr std::size_t rows = C.block_rows();

@@ -13,11 +13,17 @@
 // ½, so that little accuracy is lost. A tile of outputs is also a window of the pools in these networks.
 //
 // With d the input tile, g the kernel, y the outputs: y = Aᵀ [(G g Gᵀ) ∘ (Bᵀ d B)] A.
-//   3 × 3:  Bᵀ = 1  0 −1  0    G = 1   0   0    Aᵀ = 1 1  1  0     2 × 2:  Bᵀ = 1 −1  0   G = 1 0   Aᵀ = 1 1
-//   0
-//                0  1  1  0        ½   ½   ½         0 1 −1 −1                  0  1  0       1 1        0 1
-//                −1 0 −1  1  0        ½  −½   ½                                    0  1 −1       0 1 0  1  0
-//                −1        0   0   1
+//
+// clang-format off
+//   3 × 3:   Bᵀ = 1  0 −1  0     G = 1  0  0     Aᵀ = 1  1  1  0
+//                 0  1  1  0         ½  ½  ½          0  1 −1 −1
+//                 0 −1  1  0         ½ −½  ½
+//                 0  1  0 −1         0  0  1
+//
+//   2 × 2:   Bᵀ = 1 −1  0        G = 1  0        Aᵀ = 1  1  0
+//                 0  1  0            1  1             0  1 −1
+//                 0  1 −1            0  1
+// clang-format on
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -53,7 +59,10 @@ struct winograd_tiles {
         return (band + (band + most - 1) / most - 1) / ((band + most - 1) / most);
     }();
 
-    static constexpr std::size_t transformed_input = elements * band * input_stride;
+    /// Up to a whole cache line, so that the products behind are aligned.
+    static constexpr std::size_t transformed_input =
+        (elements * band * input_stride * sizeof(float) + alignment - 1) / alignment * alignment /
+        sizeof(float);
     static constexpr std::size_t products = elements * band * block_stride;
     /// Elements of scratch memory.
     static constexpr std::size_t scratch = transformed_input + products;
@@ -265,6 +274,7 @@ template <frame_convolution C, std::size_t Vectors>
 template <frame_convolution C>
 void convolve_frame_by_tiles(const float* input, const float* weights, const float* bias, float* output,
                              float* scratch) {
+    static_assert(!C.adds || C.pool == extent(1), "convolve_frame_by_tiles: a sum is not pooled");
     using tiles = winograd_tiles<C>;
     float* const products = scratch + tiles::transformed_input;
     blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
