@@ -1,7 +1,7 @@
 #pragma once
 
-// The core: shapes, tensors, layers, networks and their deployed form. Training, images and files have umbrellas of
-// their own.
+// The core: shapes, tensors, layers, networks and their deployed form. Training, images and files have
+// umbrellas of their own.
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/layers.hpp>

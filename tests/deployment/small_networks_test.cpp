@@ -76,7 +76,8 @@ TEST_CASE("deployed: branches whose pixels lie differently far apart") {
     CHECK(support::errors_of<behind_dense>(31, 5).good());
 }
 
-TEST_CASE("deployed: tiles whose parts end within a cache line, padding larger than the kernel, large pools") {
+TEST_CASE(
+    "deployed: tiles whose parts end within a cache line, padding larger than the kernel, large pools") {
     using odd_tiles = network<shape{7, 7, 8}, conv2d<32, 2, 1, valid>, dense<3>>;
     using far_padding = network<shape{4, 4}, conv2d<8, 3, 1, pad(7)>, relu, dense<3>>;
     using large_pool = network<shape{12, 12}, conv2d<16, 3>, relu, max_pool<6>, dense<3>>;

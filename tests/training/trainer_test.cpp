@@ -250,7 +250,8 @@ TEST_CASE("trainer: keeps the network that was best on the validation images") {
     CHECK(kept_an_older); // or nothing was tested
 }
 
-TEST_CASE("trainer: statistics measured anew are those of the network that is validated, over images as they are") {
+TEST_CASE(
+    "trainer: statistics measured anew are those of the network that is validated, over images as they are") {
     const support::toy_task task(20);
     thread_pool threads;
     recipe r = quick();
