@@ -107,11 +107,13 @@ void register_inference(const std::string& name) {
             typename decltype(deployed)::scratch memory;
             tactnet::thread_pool one(1);
             time_checked(state, logits, exact_logits(network, frames), [&] {
-                if (batch == 1)
-                    deployed(tactnet::tensor_view<const float, Network::input_shape>(frames.data()),
-                             std::span(logits).template first<Network::outputs>(), memory);
-                else
-                    deployed(one, std::span(frames), std::span(logits));
+                const auto status =
+                    batch == 1
+                        ? deployed(tactnet::tensor_view<const float, Network::input_shape>(frames.data()),
+                                   std::span(logits).template first<Network::outputs>(), memory)
+                        : deployed(one, std::span(frames), std::span(logits));
+                if (status != tactnet::frame_status::recognised)
+                    state.SkipWithError("a frame was not recognised");
             });
         });
 #ifdef TACTNET_BENCHMARK_ONEDNN

@@ -3,6 +3,7 @@
 // must be those of the first to the bit, and the gradients must agree with a network in double precision.
 
 #include "../support/measure.hpp"
+#include "../support/peak.hpp"
 
 #include <tactnet/networks.hpp>
 #include <tactnet/training.hpp>
@@ -17,32 +18,14 @@ using tactnet::lanes;
 
 constexpr std::size_t rounds = 15;
 
-/// Independent chains of multiply-adds in registers, as many as hide the latency.
-constexpr std::size_t chains = 12, chain_length = 1'000'000;
-
-[[gnu::flatten, gnu::noinline]] float run_chains(float seed) {
-    std::array<tactnet::vector<float>, chains> x;
-    tactnet::unroll<chains>([&](auto i) { x[i] = tactnet::vector<float>(seed + static_cast<float>(i)); });
-    const tactnet::vector<float> a(0.999f * seed), b(0.001f * seed);
-    for (std::size_t s = 0; s < chain_length; ++s)
-        tactnet::unroll<chains>([&](auto i) { x[i] = tactnet::multiply_add(x[i], a, b); });
-    alignas(64) std::array<float, lanes<float>> flat;
-    float sum = 0;
-    tactnet::unroll<chains>([&](auto i) {
-        tactnet::store(flat.data(), x[i]);
-        sum += flat[0];
-    });
-    return sum;
-}
-
 /// Multiply-adds per second of this core.
 double peak_multiply_adds() {
     float check = 1;
-    const auto t =
-        benchmark::time_rounds(rounds, [&] { check = std::isfinite(run_chains(check)) ? 1.0f : 0.0f; });
+    const auto t = benchmark::time_rounds(
+        rounds, [&] { check = std::isfinite(benchmark::run_chains(check)) ? 1.0f : 0.0f; });
     if (check != 1.0f)
         std::abort();
-    return static_cast<double>(chains * chain_length * lanes<float>) / t.fastest;
+    return static_cast<double>(benchmark::multiply_adds_of_chains) / t.fastest;
 }
 
 template <class Network>

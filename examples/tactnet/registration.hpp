@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <stdexcept>
 #include <utility>
 
 template <class Network>
@@ -29,7 +30,9 @@ public:
         const auto deployed = tactnet::deploy(model_);
         const std::size_t count = images.size() / Network::input_shape.size(), names = classes().size();
         std::vector<float> all(count * Network::outputs), result;
-        deployed(threads, images, std::span(all));
+        if (deployed(threads, images, std::span(all)) != tactnet::frame_status::recognised)
+            throw std::runtime_error(
+                "expected finite logits, found some that are not: the weights are broken");
         for (std::size_t i = 0; i < count; ++i) {
             const auto first = all.begin() + static_cast<std::ptrdiff_t>(i * Network::outputs);
             result.insert(result.end(), first, first + static_cast<std::ptrdiff_t>(names));
@@ -126,8 +129,14 @@ private:
         std::vector<float> logits(batch * Network::outputs);
         for (std::size_t e = 0; e < frames.size(); ++e)
             frames[e] = static_cast<std::uint8_t>(e * 37 % 64);
-        return median_microseconds(
-                   [&] { deployed(alone, std::span<const std::uint8_t>(frames), std::span(logits)); }) /
-               static_cast<double>(batch);
+        bool good = true;
+        const double microseconds = median_microseconds([&] {
+            good = deployed(alone, std::span<const std::uint8_t>(frames), std::span(logits)) ==
+                       tactnet::frame_status::recognised &&
+                   good;
+        });
+        if (!good)
+            throw std::runtime_error("expected finite logits of the frames that are timed");
+        return microseconds / static_cast<double>(batch);
     }
 };

@@ -13,6 +13,7 @@
 #include <ostream>
 #include <span>
 #include <support/deployment_bound.hpp>
+#include <support/window_of.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -61,23 +62,11 @@ inline std::vector<std::uint8_t> make_frame(std::size_t size, std::uint64_t seed
 template <class Spec>
 struct description;
 
-inline reference_window described_window(tactnet::sliding_window w) {
-    return {{w.input.channels, w.input.rows, w.input.columns},
-            w.kernel.rows,
-            w.kernel.columns,
-            w.stride.rows,
-            w.stride.columns,
-            w.top,
-            w.bottom,
-            w.left,
-            w.right};
-}
-
 template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding>
 struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::convolution,
-                .window = described_window(tactnet::sliding_window::over(in, Kernel, Stride, Padding)),
+                .window = window_of(tactnet::sliding_window::over(in, Kernel, Stride, Padding)),
                 .filters = Filters};
     }
 };
@@ -85,14 +74,14 @@ template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Paddi
 struct description<tactnet::max_pool<Window, Stride, Padding>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::pool,
-                .window = described_window(tactnet::sliding_window::over(in, Window, Stride, Padding))};
+                .window = window_of(tactnet::sliding_window::over(in, Window, Stride, Padding))};
     }
 };
 template <std::size_t Outputs>
 struct description<tactnet::dense<Outputs>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::dense,
-                .window = described_window({in, {in.rows, in.columns}, 1}),
+                .window = window_of({in, {in.rows, in.columns}, 1}),
                 .filters = Outputs};
     }
 };

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <support/deployment_bound.hpp>
 #include <support/guarded_map.hpp>
+#include <support/window_of.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -74,17 +75,8 @@ void compare(std::uint64_t seed) {
     CHECK(output.untouched());
 
     const sliding_window& w = C.window;
-    support::rounded_map expected =
-        support::bounded_convolution({{channels, w.input.rows, w.input.columns},
-                                      w.kernel.rows,
-                                      w.kernel.columns,
-                                      w.stride.rows,
-                                      w.stride.columns,
-                                      w.top,
-                                      w.bottom,
-                                      w.left,
-                                      w.right},
-                                     C.filters, weights, biases, in, C.adds ? &added : nullptr, Tiled);
+    support::rounded_map expected = support::bounded_convolution(
+        support::window_of(w), C.filters, weights, biases, in, C.adds ? &added : nullptr, Tiled);
     if (C.pool != extent(1)) {
         const auto behind = [](std::size_t reach, std::size_t size) {
             return reach > size ? reach - size : 0;

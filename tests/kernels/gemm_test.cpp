@@ -3,23 +3,10 @@
 
 #include <doctest/doctest.h>
 
+#include <support/whole_numbers.hpp>
 #include <vector>
 
 using namespace tactnet;
-
-// Whole numbers, so that nothing is rounded: only the order of the elements is in question.
-
-namespace {
-
-template <class T>
-aligned_vector<T> numbers(std::size_t size, std::size_t step) {
-    aligned_vector<T> v(size);
-    for (std::size_t i = 0; i < size; ++i)
-        v[i] = static_cast<T>(static_cast<int>(i * step % 17) - 8);
-    return v;
-}
-
-} // namespace
 
 TEST_CASE_TEMPLATE("gemm: the three products against plain loops", T, float, double) {
     struct sizes {
@@ -27,7 +14,8 @@ TEST_CASE_TEMPLATE("gemm: the three products against plain loops", T, float, dou
     };
     for (const sizes s :
          {sizes{1, 1, 1}, sizes{22, 280, 16}, sizes{3, 5, 7}, sizes{280, 22, 16}, sizes{1, 64, 1}}) {
-        const aligned_vector<T> a = numbers<T>(s.m * s.k, 7919), b = numbers<T>(s.k * s.n, 104729);
+        const aligned_vector<T> a = support::whole_numbers<T>(s.m * s.k, 7919),
+                                b = support::whole_numbers<T>(s.k * s.n, 104729);
         aligned_vector<T> a_turned(s.m * s.k), b_turned(s.k * s.n), expected(s.m * s.n), c(s.m * s.n, T{99});
         for (std::size_t i = 0; i < s.m; ++i)
             for (std::size_t j = 0; j < s.k; ++j)

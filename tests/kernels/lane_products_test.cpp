@@ -4,26 +4,17 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <support/whole_numbers.hpp>
 #include <vector>
 
 using namespace tactnet;
 
-// Whole numbers, so that nothing is rounded: only the order of the elements is in question.
-
 namespace {
-
-template <class T>
-aligned_vector<T> numbers(std::size_t size, std::size_t step) {
-    aligned_vector<T> v(size);
-    for (std::size_t i = 0; i < size; ++i)
-        v[i] = static_cast<T>(static_cast<int>(i * step % 17) - 8);
-    return v;
-}
 
 template <std::size_t Rows, std::size_t Columns, matrix_layout Layout, class T>
 void check_product() {
-    const aligned_vector<T> matrix = numbers<T>(Rows * Columns, 7919),
-                            values = numbers<T>(Columns * lanes<T>, 104729);
+    const aligned_vector<T> matrix = support::whole_numbers<T>(Rows * Columns, 7919),
+                            values = support::whole_numbers<T>(Columns * lanes<T>, 104729);
     std::vector<int> puts(Rows);
     lane_product<Rows, Columns, Layout>(
         matrix.data(), values.data(), [&](std::size_t row, const vector<T>& sum) {
@@ -56,7 +47,7 @@ TEST_CASE_TEMPLATE("lane_product: against plain loops, the matrix as it is and t
 TEST_CASE_TEMPLATE("turn_lanes: features and samples change places, zeros behind the last feature", T, float,
                    double) {
     constexpr std::size_t width = lanes<T>;
-    const aligned_vector<T> from = numbers<T>(width * width, 7919);
+    const aligned_vector<T> from = support::whole_numbers<T>(width * width, 7919);
     for (std::size_t features = 1; features <= width; ++features) {
         aligned_vector<T> to(width * width, T{99});
         turn_lanes(from.data(), features, to.data());

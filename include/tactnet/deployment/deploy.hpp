@@ -34,8 +34,8 @@ public:
     static_assert(std::is_same_v<typename Network::value_type, float>,
                   "deploy: networks are deployed in single precision; this one has another number type");
 
-    /// The input is (count − mean) × scale. Throws std::invalid_argument if a parameter is NaN or infinite,
-    /// or a variance not above zero.
+    /// The input is (count − mean) × scale. Throws std::invalid_argument if the mean, the scale or a
+    /// parameter is NaN, infinite or beyond 1e30 once batch norms are folded in.
     deployed(const Network& network, std::span<const float, input_shape.size()> mean, float scale)
         : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
         std::copy(mean.begin(), mean.end(), folded_.begin());
@@ -104,7 +104,7 @@ private:
         threads.for_each(count, [&](std::size_t i) {
             const tensor_view<const Count, input_shape> frame(frames.data() + i * input_shape.size());
             if (view()(frame, to.subspan(i * outputs).template first<outputs>()) != frame_status::recognised)
-                status = frame_status::not_finite;
+                status.store(frame_status::not_finite);
         });
         return status;
     }

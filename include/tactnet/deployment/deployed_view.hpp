@@ -16,11 +16,11 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// What became of a frame.
-enum class frame_status {
+/// What became of a frame. Not to be ignored: outputs of a broken frame look like any others.
+enum class [[nodiscard]] frame_status{
     recognised,
-    not_finite ///< NaN or infinity in the frame, or a number so large that sums in the network might leave
-               ///< the range of single precision: the outputs mean nothing
+    not_finite ///< NaN or infinity in the frame or in the outputs, or a number so large that sums in the
+               ///< network might leave the range of single precision: the outputs mean nothing
 };
 
 /// The fastest form of a trained network, over packed weights that someone else keeps (in a `deployed`, or in
@@ -30,10 +30,9 @@ enum class frame_status {
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
 class deployed_view {
-    static constexpr std::size_t mean_elements = detail::whole_lines(Input.size());
-    static constexpr std::size_t steps_begin = mean_elements + detail::whole_lines(2);
-    static constexpr std::size_t output_elements =
-        detail::whole_lines(Steps::output.area() * Steps::output_stride);
+    static constexpr std::size_t mean_elements = whole_lines(Input.size());
+    static constexpr std::size_t steps_begin = mean_elements + whole_lines(2);
+    static constexpr std::size_t output_elements = whole_lines(Steps::output.area() * Steps::output_stride);
 
 public:
     using steps = Steps;
@@ -112,8 +111,8 @@ private:
                 const std::size_t at = channel * Input.area() + pixel;
                 in[pixel * Input.channels + channel] = (static_cast<float>(counts[at]) - mean[at]) * scale;
             }
-        // Pools and ReLUs would let a NaN or an infinity vanish: it must be seen here. Counts of 8 bits were
-        // checked against the limit when the network was deployed.
+        // Pools and ReLUs would let a NaN or an infinity vanish: it must be seen here. The limit is one
+        // that counts of 8 bits keep.
         std::uint32_t beyond = 0;
         if constexpr (std::is_floating_point_v<Count>) {
             const float limit = packed_[mean_elements + 1];

@@ -25,9 +25,8 @@ struct step_chain {
     /// The largest map between two steps.
     static constexpr std::size_t buffer = [] {
         std::size_t most = 0;
-        unroll<size - 1>([&](auto i) {
-            most = std::max(most, detail::whole_lines(at<i>::output.area() * at<i>::output_stride));
-        });
+        unroll<size - 1>(
+            [&](auto i) { most = std::max(most, whole_lines(at<i>::output.area() * at<i>::output_stride)); });
         return most;
     }();
     static constexpr std::size_t buffers = std::min<std::size_t>(size - 1, 2);
@@ -72,9 +71,8 @@ struct residual_step {
         if constexpr (std::is_same_v<Skip, no_step>)
             return std::size_t{0};
         else
-            return Skip::output_stride == output_stride
-                       ? 0
-                       : detail::whole_lines(output.area() * Skip::output_stride);
+            return Skip::output_stride == output_stride ? 0
+                                                        : whole_lines(output.area() * Skip::output_stride);
     }();
     static constexpr std::size_t scratch = std::max(Main::scratch, aside + Skip::scratch);
 

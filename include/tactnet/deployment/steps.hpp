@@ -4,11 +4,13 @@
 #include <tactnet/kernels/frame_dense.hpp>
 #include <tactnet/kernels/frame_pooling.hpp>
 #include <tactnet/kernels/frame_winograd.hpp>
+#include <tactnet/kernels/softmax.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 // What a deployed network does, step by step. A step stands for one or several layers, and knows sizes only.
 // Its constants:
@@ -28,12 +30,6 @@
 namespace tactnet::inline TACTNET_ARCH {
 
 namespace detail {
-
-/// Elements up to a whole cache line, so that what follows is aligned.
-[[nodiscard]] constexpr std::size_t whole_lines(std::size_t elements) {
-    constexpr std::size_t line = alignment / sizeof(float);
-    return (elements + line - 1) / line * line;
-}
 
 /// For [output][weights of one], then biases: the largest |bias| + input · Σ |weight|.
 [[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
@@ -61,8 +57,8 @@ struct convolution_step {
     /// Whether tiles take fewer operations than taps.
     static constexpr bool tiled = winograd_tiles<Kernel>::pays;
     static constexpr std::size_t packed_weights =
-        detail::whole_lines(tiled ? winograd_tiles<Kernel>::weights : Kernel.weights());
-    static constexpr std::size_t packed = packed_weights + detail::whole_lines(output_stride);
+        whole_lines(tiled ? winograd_tiles<Kernel>::weights : Kernel.weights());
+    static constexpr std::size_t packed = packed_weights + whole_lines(output_stride);
     static constexpr std::size_t scratch = tiled ? winograd_tiles<Kernel>::scratch : 0;
 
     static constexpr void pack(const float* from, float* to) {
@@ -95,18 +91,18 @@ template <shape Map, std::size_t Stride, bool Rectified>
 struct norm_step {
     static constexpr shape output = Map;
     static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t folded = 2 * Map.channels, packed = 2 * detail::whole_lines(Stride);
+    static constexpr std::size_t folded = 2 * Map.channels, packed = 2 * whole_lines(Stride);
     static constexpr std::size_t scratch = 0;
 
     static constexpr void pack(const float* from, float* to) {
         std::copy_n(from, Map.channels, to);
-        std::copy_n(from + Map.channels, Map.channels, to + detail::whole_lines(Stride));
+        std::copy_n(from + Map.channels, Map.channels, to + whole_lines(Stride));
     }
     static double reach(const float* from, double input) {
         return detail::largest_sum(from, Map.channels, 1, input);
     }
     static void run(const float* factors, const float* in, float* out, float*) noexcept {
-        const float* offsets = factors + detail::whole_lines(Stride);
+        const float* offsets = factors + whole_lines(Stride);
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
             for (std::size_t c = 0; c < Stride; ++c) {
                 const float y = in[pixel + c] * factors[c] + offsets[c];
@@ -146,12 +142,7 @@ template <shape Map, std::size_t Stride>
 struct softmax_step : step_without_parameters<Map, Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride) {
-            const float largest = *std::max_element(in + pixel, in + pixel + Map.channels);
-            double sum = 0;
-            for (std::size_t c = pixel; c < pixel + Map.channels; ++c)
-                sum += static_cast<double>(out[c] = std::exp(in[c] - largest));
-            for (std::size_t c = pixel; c < pixel + Map.channels; ++c)
-                out[c] = static_cast<float>(static_cast<double>(out[c]) / sum);
+            softmax_of<float>(std::span(in + pixel, Map.channels), std::span(out + pixel, Map.channels));
             std::fill(out + pixel + Map.channels, out + pixel + Stride, 0.0f);
         }
     }
@@ -164,8 +155,8 @@ struct dense_step {
     static constexpr std::size_t output_stride = Kernel.output_stride();
     static constexpr std::size_t weights = Kernel.outputs * Kernel.input.size();
     static constexpr std::size_t folded = weights + Kernel.outputs;
-    static constexpr std::size_t packed_weights = detail::whole_lines(Kernel.weights());
-    static constexpr std::size_t packed = packed_weights + detail::whole_lines(output_stride);
+    static constexpr std::size_t packed_weights = whole_lines(Kernel.weights());
+    static constexpr std::size_t packed = packed_weights + whole_lines(output_stride);
     static constexpr std::size_t scratch = 0;
 
     static constexpr void pack(const float* from, float* to) {

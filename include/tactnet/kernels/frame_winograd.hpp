@@ -60,9 +60,7 @@ struct winograd_tiles {
     }();
 
     /// Up to a whole cache line, so that the products behind are aligned.
-    static constexpr std::size_t transformed_input =
-        (elements * band * input_stride * sizeof(float) + alignment - 1) / alignment * alignment /
-        sizeof(float);
+    static constexpr std::size_t transformed_input = whole_lines(elements * band * input_stride);
     static constexpr std::size_t products = elements * band * block_stride;
     /// Elements of scratch memory.
     static constexpr std::size_t scratch = transformed_input + products;
@@ -213,8 +211,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Tiles>
         });
     }
     unroll<Tiles * Vectors>([&](auto i) __attribute__((always_inline)) {
-        store_as(products + (i / Vectors * Vectors + i % Vectors) * C.width(),
-                 sums[i / Vectors][i % Vectors]);
+        store_as(products + i * C.width(), sums[i / Vectors][i % Vectors]);
     });
 }
 

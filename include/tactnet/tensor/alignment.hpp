@@ -11,4 +11,10 @@ namespace tactnet::inline TACTNET_ARCH {
 /// One cache line, and the widest vector register there is.
 inline constexpr std::size_t alignment = 64;
 
+/// Floats in whole cache lines that hold `count`: what lies behind them is aligned.
+[[nodiscard]] constexpr std::size_t whole_lines(std::size_t count) {
+    constexpr std::size_t line = alignment / sizeof(float);
+    return (count + line - 1) / line * line;
+}
+
 } // namespace tactnet
