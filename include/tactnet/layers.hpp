@@ -4,8 +4,10 @@
 #include <tactnet/layers/conv2d.hpp>
 #include <tactnet/layers/dense.hpp>
 #include <tactnet/layers/dropout.hpp>
+#include <tactnet/layers/fused.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/norm_relu_pool.hpp>
 #include <tactnet/layers/relu.hpp>
 #include <tactnet/layers/residual.hpp>
 #include <tactnet/layers/sequence.hpp>

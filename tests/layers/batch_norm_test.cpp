@@ -41,8 +41,8 @@ trained train(const images& in, double epsilon = 1e-5) {
     memory.resize(in.samples());
     const std::vector<float> values{1, 1, 0, 0};
     trained t{images(in.samples())};
-    bound::forward({.threads = threads, .epsilon = epsilon}, values.data(), t.running.data(), memory,
-                   in.view(), t.out.view());
+    support::run_forward<bound>({.threads = threads, .epsilon = epsilon}, values.data(), t.running.data(),
+                                memory, in.view(), t.out.view());
     return t;
 }
 

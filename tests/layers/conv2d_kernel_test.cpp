@@ -35,3 +35,18 @@ TEST_CASE("conv2d: 5 × 1 of one line") {
 TEST_CASE("conv2d: 7 × 7 over an image no larger") {
     check_layer<conv2d<5, 7>, shape{7, 6, 3}>();
 }
+
+// Channels that fill vectors of every width, whose gradients are taken across channels.
+
+TEST_CASE("conv2d: 3 × 3 of 16 channels") {
+    check_layer<conv2d<13, 3>, shape{4, 3, 16}>();
+}
+TEST_CASE("conv2d: 2 × 3 of 32 channels, stride 2") {
+    check_layer<conv2d<2, extent{2, 3}, 2>, shape{5, 4, 32}>();
+}
+TEST_CASE("conv2d: 3 × 3 of 48 channels, no padding") {
+    check_layer<conv2d<3, 3, 1, valid>, shape{4, 5, 48}>();
+}
+TEST_CASE("conv2d: 1 × 2 of 16 channels, rows in several tiles") {
+    check_layer<conv2d<1, extent{1, 2}>, shape{3, 40, 16}>();
+}

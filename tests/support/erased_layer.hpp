@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <support/run_layer.hpp>
 #include <vector>
 
 namespace support {
@@ -35,7 +36,7 @@ public:
 template <class Spec, class T, tactnet::shape Input>
 class erased_layer_of final : public erased_layer<T> {
     using bound = typename Spec::template layer<T, Input>;
-    static_assert(tactnet::layer<bound>);
+    static_assert(tactnet::layer<bound> && (tactnet::part_layer<bound> || !bound::by_parts));
     using input_view = tactnet::input_view<T, Input>;
     using output_view = tactnet::output_view<T, bound::output>;
 
@@ -65,14 +66,14 @@ public:
     }
     void forward(const tactnet::pass& p, const T* values, T* running, std::size_t count, const T* in,
                  T* out) override {
-        bound::forward(p, values, running, memory_, input_view{in, count}, output_view{out, count});
+        run_forward<bound>(p, values, running, memory_, input_view{in, count}, output_view{out, count});
     }
     void backward(const tactnet::pass& p, const T* values, std::size_t count, const T* in, const T* out,
                   const T* out_gradient, T* in_gradient, T* gradients) override {
         using result_view = tactnet::input_view<T, bound::output>;
-        bound::backward(p, values, memory_, input_view{in, count}, result_view{out, count},
-                        result_view{out_gradient, count}, tactnet::output_view<T, Input>{in_gradient, count},
-                        gradients);
+        run_backward<bound>(p, values, memory_, input_view{in, count}, result_view{out, count},
+                            result_view{out_gradient, count},
+                            tactnet::output_view<T, Input>{in_gradient, count}, gradients);
     }
 
 private:

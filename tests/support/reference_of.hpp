@@ -45,6 +45,16 @@ struct reference_of<tactnet::max_pool<Window, Stride, Padding>> {
         return reference_max_pool(window_over(in, Window, Stride, Padding));
     }
 };
+template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
+struct reference_of<tactnet::norm_relu_pool<Window, Stride, Padding>> {
+    static reference_pointer on(extents3 in) {
+        std::vector<reference_pointer> layers;
+        layers.push_back(reference_batch_norm(in));
+        layers.push_back(reference_relu(in));
+        layers.push_back(reference_of<tactnet::max_pool<Window, Stride, Padding>>::on(in));
+        return reference_sequence(in, std::move(layers));
+    }
+};
 template <>
 struct reference_of<tactnet::softmax> {
     static reference_pointer on(extents3 in) { return reference_softmax(in); }

@@ -26,14 +26,6 @@ void relu_backward(const T* output, const T* output_gradient, T* input_gradient,
         store(input_gradient + i, choose<T>(load(output + i) > zero, load(output_gradient + i), zero));
 }
 
-/// output = (input − center) × scale + shift
-template <class T>
-void normalise(const T* input, T* output, std::size_t count, T center, T scale, T shift) {
-    const vector<T> m(center), s(scale), b(shift);
-    for (std::size_t i = 0; i < count; i += lanes<T>)
-        store(output + i, multiply_add<T>(load(input + i) - m, s, b));
-}
-
 /// sum = a + b
 template <class T>
 void add(const T* a, const T* b, T* sum, std::size_t count) {

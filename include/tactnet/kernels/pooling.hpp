@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/unroll.hpp>
 #include <tactnet/kernels/vector.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -10,11 +11,10 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Calls body(output, rows, columns) for every output pixel of one channel, with the image pixels of its
-/// window.
 struct pixel_range {
     std::size_t begin, end;
 };
+/// body(output, rows, columns) for every output pixel of one channel, with the image pixels of its window.
 template <sliding_window W, class Body>
 [[gnu::always_inline]] inline void for_each_window(Body&& body) {
     const auto range = [](std::size_t index, std::size_t kernel, std::size_t stride, std::size_t before,
@@ -29,6 +29,25 @@ template <sliding_window W, class Body>
                  range(x, W.kernel.columns, W.stride.columns, W.left, W.input.columns));
     }
 }
+/// body(pixel) for every pixel of one window, row by row.
+template <sliding_window W, class Body>
+[[gnu::always_inline]] inline void for_each_pixel(pixel_range rows, pixel_range columns, Body&& body) {
+    if (W.kernel.area() <= 9 && rows.end - rows.begin == W.kernel.rows &&
+        columns.end - columns.begin == W.kernel.columns) {
+        const std::size_t first = rows.begin * W.input.columns + columns.begin;
+        unroll<W.kernel.area()>(
+            [&](auto k) { body(first + k / W.kernel.columns * W.input.columns + k % W.kernel.columns); });
+    } else {
+        for (std::size_t y = rows.begin; y < rows.end; ++y)
+            for (std::size_t x = columns.begin; x < columns.end; ++x)
+                body(y * W.input.columns + x);
+    }
+}
+/// Whether every pixel is in exactly one window.
+[[nodiscard]] constexpr bool tiles_input(const sliding_window& w) {
+    return w.stride == w.kernel && w.output_rows() * w.stride.rows >= w.input.rows + w.top &&
+           w.output_columns() * w.stride.columns >= w.input.columns + w.left;
+}
 
 /// output = the largest value of each window.
 template <sliding_window W, class T>
@@ -39,9 +58,9 @@ void max_pool_forward(const T* input, T* output) {
         T* to = output + channel * W.output_rows() * W.output_columns() * width;
         for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
             vector<T> largest = load(from + (rows.begin * W.input.columns + columns.begin) * width);
-            for (std::size_t y = rows.begin; y < rows.end; ++y)
-                for (std::size_t x = columns.begin; x < columns.end; ++x)
-                    largest = maximum<T>(load(from + (y * W.input.columns + x) * width), largest);
+            for_each_pixel<W>(rows, columns, [&](std::size_t pixel) {
+                largest = maximum<T>(load(from + pixel * width), largest);
+            });
             store(to + o * width, largest);
         });
     }
@@ -56,17 +75,18 @@ void max_pool_backward(const T* input, const T* output, const T* output_gradient
         const T* from = input + channel * W.input.area() * width;
         T* to = input_gradient + channel * W.input.area() * width;
         const std::size_t first = channel * W.output_rows() * W.output_columns();
-        std::fill_n(to, W.input.area() * width, T{});
+        if constexpr (!tiles_input(W))
+            std::fill_n(to, W.input.area() * width, T{});
         for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
             const vector<T> largest = load(output + (first + o) * width);
             vector<T> rest = load(output_gradient + (first + o) * width);
-            for (std::size_t y = rows.begin; y < rows.end; ++y)
-                for (std::size_t x = columns.begin; x < columns.end; ++x) {
-                    const std::size_t i = (y * W.input.columns + x) * width;
-                    const auto here = load(from + i) == largest;
-                    store(to + i, load(to + i) + choose<T>(here, rest, zero));
-                    rest = choose<T>(here, zero, rest);
-                }
+            for_each_pixel<W>(rows, columns, [&](std::size_t pixel) {
+                const auto here = load(from + pixel * width) == largest;
+                const vector<T> given = choose<T>(here, rest, zero);
+                rest = choose<T>(here, zero, rest);
+                T* place = to + pixel * width;
+                store(place, tiles_input(W) ? given : load(place) + given);
+            });
         });
     }
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/elementwise.hpp>
+#include <tactnet/kernels/normalisation.hpp>
 #include <tactnet/kernels/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
@@ -19,15 +19,17 @@ struct batch_norm {
     struct layer : layer_without_parameters<T, Input, Input> {
         static constexpr std::size_t channels = Input.channels;
         static constexpr std::size_t parameters = 2 * channels, statistics = 2 * channels;
+        static constexpr bool observes = true;
 
         struct memory {
             std::vector<moments> parts;              // of every group and channel
             std::vector<std::array<double, 2>> sums; // of every group and channel
             std::array<double, channels> mean, inverse_deviation;
+            std::array<double, channels> gradient, product; // of the shift and of the scale
+            double count;                                   // of the values in a channel
             void resize(std::size_t samples) {
-                const std::size_t groups = (samples + lanes<T> - 1) / lanes<T>;
-                parts.resize(groups * channels);
-                sums.resize(groups * channels);
+                parts.resize(groups_of<T>(samples) * channels);
+                sums.resize(groups_of<T>(samples) * channels);
             }
         };
 
@@ -40,24 +42,21 @@ struct batch_norm {
 
         static void infer(const pass& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, Input> out) {
-            for (std::size_t c = 0; c < channels; ++c) {
-                m.mean[c] = static_cast<double>(running[c]);
-                m.inverse_deviation[c] =
-                    1 / std::sqrt(static_cast<double>(running[channels + c]) + p.epsilon);
-            }
-            apply(p, values, m, in, out);
+            use_running(p, running, m);
+            forward(p, values, nullptr, m, in, out);
         }
 
-        static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
-                            output_view<T, Input> out) {
+        static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c)
-                    m.parts[g * channels + c] =
+                    m.parts[(p.first_group + g) * channels + c] =
                         moments_of(in.group(g) + c * plane, Input.area(), in.samples_in(g));
             });
+        }
+        static void begin_forward(const pass& p, T* running, memory& m, std::size_t samples) {
             for (std::size_t c = 0; c < channels; ++c) {
                 moments all;
-                for (std::size_t g = 0; g < in.groups(); ++g)
+                for (std::size_t g = 0; g < groups_of<T>(samples); ++g)
                     all.add(m.parts[g * channels + c]);
                 m.mean[c] = all.mean;
                 m.inverse_deviation[c] = 1 / std::sqrt(all.variance() + p.epsilon);
@@ -66,52 +65,89 @@ struct batch_norm {
                 running[channels + c] +=
                     static_cast<T>(p.momentum * (unbiased - static_cast<double>(running[channels + c])));
             }
-            apply(p, values, m, in, out);
+        }
+        static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
+                            output_view<T, Input> out) {
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                for (std::size_t c = 0; c < channels; ++c)
+                    normalise(rule(values, m, c), in.group(g) + c * plane, out.group(g) + c * plane, plane);
+            });
         }
 
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
-                             input_view<T, Input>, input_view<T, Input> out_gradient,
-                             output_view<T, Input> in_gradient, T* gradients) {
+        static void observe_backward(const pass& p, memory& m, input_view<T, Input> in, input_view<T, Input>,
+                                     input_view<T, Input> out_gradient) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c) {
                     const T *x = in.group(g) + c * plane, *dy = out_gradient.group(g) + c * plane;
-                    const vector<T> mean(static_cast<T>(m.mean[c])),
-                        scale(static_cast<T>(m.inverse_deviation[c]));
-                    m.sums[g * channels + c] = sum_terms<2, T>(Input.area(), [&](std::size_t i) {
-                        const vector<T> d = load(dy + i * lanes<T>);
-                        return std::array<vector<T>, 2>{d, d * ((load(x + i * lanes<T>) - mean) * scale)};
+                    observe_channel(m, p.first_group + g, c, Input.area(), [&](std::size_t i) {
+                        return std::array<vector<T>, 2>{load(x + i), load(dy + i)};
                     });
                 }
             });
-            const double count = static_cast<double>(in.samples() * Input.area());
-            std::array<double, channels> mean_gradient{}, mean_product{};
+        }
+        static void begin_backward(const pass&, const T*, memory& m, std::size_t samples) {
+            m.count = static_cast<double>(samples * Input.area());
             for (std::size_t c = 0; c < channels; ++c) {
-                for (std::size_t g = 0; g < in.groups(); ++g) {
-                    mean_gradient[c] += m.sums[g * channels + c][0];
-                    mean_product[c] += m.sums[g * channels + c][1];
+                m.gradient[c] = m.product[c] = 0;
+                for (std::size_t g = 0; g < groups_of<T>(samples); ++g) {
+                    m.gradient[c] += m.sums[g * channels + c][0];
+                    m.product[c] += m.sums[g * channels + c][1];
                 }
-                mean_product[c] -= rest(m.mean[c]) * m.inverse_deviation[c] * mean_gradient[c];
-                gradients[c] = static_cast<T>(mean_product[c]);
-                gradients[channels + c] = static_cast<T>(mean_gradient[c]);
-                mean_gradient[c] /= count;
-                mean_product[c] /= count;
+                m.product[c] -= rest(m.mean[c]) * m.inverse_deviation[c] * m.gradient[c];
             }
+        }
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+                             input_view<T, Input>, input_view<T, Input> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(in.groups(), [&](std::size_t g) {
                 const vector<T> use = lanes_in_use<T>(in.samples_in(g));
-                for (std::size_t c = 0; c < channels; ++c) {
-                    const T *x = in.group(g) + c * plane, *dy = out_gradient.group(g) + c * plane;
-                    T* dx = in_gradient.group(g) + c * plane;
-                    const double inverse = m.inverse_deviation[c], fall = -inverse * mean_product[c];
-                    const vector<T> mean(static_cast<T>(m.mean[c])), slope(static_cast<T>(fall)),
-                        level(static_cast<T>(mean_gradient[c] + rest(m.mean[c]) * fall));
-                    const vector<T> scale =
-                        vector<T>(static_cast<T>(static_cast<double>(values[c]) * inverse)) * use;
-                    for (std::size_t i = 0; i < plane; i += lanes<T>)
-                        store(dx + i,
-                              multiply_add<T>(load(x + i) - mean, slope, load(dy + i) - level) * scale);
-                }
+                for (std::size_t c = 0; c < channels; ++c)
+                    normalise_backward(gradient_rule(values, m, c), use, in.group(g) + c * plane,
+                                       out_gradient.group(g) + c * plane, in_gradient.group(g) + c * plane,
+                                       plane);
+            });
+        }
+        static void end_backward(memory& m, T* gradients) {
+            for (std::size_t c = 0; c < channels; ++c) {
+                gradients[c] = static_cast<T>(m.product[c]);
+                gradients[channels + c] = static_cast<T>(m.gradient[c]);
+            }
+        }
+
+        // What layers that do more than this one share with it.
+
+        static void use_running(const pass& p, const T* running, memory& m) {
+            for (std::size_t c = 0; c < channels; ++c) {
+                m.mean[c] = static_cast<double>(running[c]);
+                m.inverse_deviation[c] =
+                    1 / std::sqrt(static_cast<double>(running[channels + c]) + p.epsilon);
+            }
+        }
+        /// The norm of channel c.
+        [[nodiscard]] static normalising<T> rule(const T* values, const memory& m, std::size_t c) {
+            const double scale = static_cast<double>(values[c]) * m.inverse_deviation[c];
+            return {static_cast<T>(m.mean[c]), static_cast<T>(scale),
+                    static_cast<T>(static_cast<double>(values[channels + c]) - rest(m.mean[c]) * scale)};
+        }
+        /// Its way back, after `begin_backward`.
+        [[nodiscard]] static normalising_gradient<T> gradient_rule(const T* values, const memory& m,
+                                                                   std::size_t c) {
+            const double inverse = m.inverse_deviation[c], fall = -inverse * (m.product[c] / m.count);
+            return {static_cast<T>(m.mean[c]), static_cast<T>(fall),
+                    static_cast<T>(m.gradient[c] / m.count + rest(m.mean[c]) * fall),
+                    static_cast<T>(static_cast<double>(values[c]) * inverse)};
+        }
+        /// Keeps the sums over the elements 0 … count − 1 of a channel of a group; of those at the offset i
+        /// `pair(i)` tells the input and the output's gradient.
+        template <class Pair>
+        static void observe_channel(memory& m, std::size_t group, std::size_t c, std::size_t count,
+                                    const Pair& pair) {
+            const vector<T> mean(static_cast<T>(m.mean[c])), scale(static_cast<T>(m.inverse_deviation[c]));
+            m.sums[group * channels + c] = sum_terms<2, T>(count, [&](std::size_t i) {
+                const auto [x, dy] = pair(i * lanes<T>);
+                return std::array<vector<T>, 2>{dy, dy * ((x - mean) * scale)};
             });
         }
 
@@ -121,18 +157,6 @@ struct batch_norm {
         /// What rounding takes from a mean. A large mean with a small deviation must not lose it: it goes
         /// where numbers are small again.
         static double rest(double mean) { return mean - static_cast<double>(static_cast<T>(mean)); }
-
-        static void apply(const pass& p, const T* values, const memory& m, input_view<T, Input> in,
-                          output_view<T, Input> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                for (std::size_t c = 0; c < channels; ++c) {
-                    const double scale = static_cast<double>(values[c]) * m.inverse_deviation[c];
-                    const double shift = static_cast<double>(values[channels + c]) - rest(m.mean[c]) * scale;
-                    normalise(in.group(g) + c * plane, out.group(g) + c * plane, plane,
-                              static_cast<T>(m.mean[c]), static_cast<T>(scale), static_cast<T>(shift));
-                }
-            });
-        }
     };
 };
 

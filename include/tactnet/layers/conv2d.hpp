@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/channel_gradient.hpp>
 #include <tactnet/kernels/convolution.hpp>
 #include <tactnet/kernels/convolution_gradient.hpp>
 #include <tactnet/kernels/reductions.hpp>
@@ -52,6 +53,7 @@ struct conv2d {
         struct memory {
             aligned_vector<T> forward_weights, backward_weights;
             aligned_vector<double> totals;
+            aligned_vector<T> turned; // of every thread
             void resize(std::size_t) {}
         };
 
@@ -81,27 +83,33 @@ struct conv2d {
             infer(p, values, none, m, in, out);
         }
 
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
-                             input_view<T, output>, input_view<T, output> out_gradient,
-                             output_view<T, Input> in_gradient, T* gradients) {
-            using plan = weight_gradient_plan<window, Filters, T>;
+        static void begin_backward(const pass&, const T* values, memory& m, std::size_t) {
             m.totals.assign(parameters, 0.0);
-            if (in_gradient.data() != nullptr) {
-                m.backward_weights.resize(weights);
-                pack_weights<back>(m.backward_weights.data(),
-                                   [&](auto channel, auto filter, auto row, auto column) {
-                                       return values[((filter * Input.channels + channel) * Kernel.rows +
-                                                      (Kernel.rows - 1 - row)) *
-                                                         Kernel.columns +
-                                                     (Kernel.columns - 1 - column)];
-                                   });
-            }
+            m.backward_weights.resize(weights);
+            pack_weights<back>(m.backward_weights.data(), [&](auto channel, auto filter, auto row,
+                                                              auto column) {
+                return values[((filter * Input.channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
+                                  Kernel.columns +
+                              (Kernel.columns - 1 - column)];
+            });
+        }
+        static void backward(const pass& p, const T*, memory& m, input_view<T, Input> in,
+                             input_view<T, output>, input_view<T, output> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
+            m.turned.resize(p.threads.threads() * (across_channels::fits ? across_channels::scratch : 0));
             // Threads share the weights and the biases, each adding all groups in order, and the groups of
             // the input's gradient; group by group, so that a group is fetched from memory once.
             p.threads.on_each_thread([&](thread_pool::share part) {
                 for (std::size_t g = 0; g < in.groups(); ++g) {
-                    add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g), m.totals.data(),
-                                                         part.begin(plan::pieces), part.end(plan::pieces));
+                    if constexpr (across_channels::fits)
+                        add_channel_gradient<window, Filters>(
+                            in.group(g), out_gradient.group(g), m.totals.data(),
+                            m.turned.data() + part.index * across_channels::scratch, part.begin(pieces),
+                            part.end(pieces));
+                    else
+                        add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g),
+                                                             m.totals.data(), part.begin(pieces),
+                                                             part.end(pieces));
                     for (std::size_t f = part.begin(Filters); f < part.end(Filters); ++f) {
                         const T* from = out_gradient.group(g) + f * output.area() * lanes<T>;
                         m.totals[weights + f] += sum_terms<1, T>(output.area(), [&](std::size_t i) {
@@ -114,11 +122,32 @@ struct conv2d {
                                         static_cast<const T*>(nullptr), in_gradient.group(g));
                 }
             });
-            for (std::size_t i = 0; i < parameters; ++i)
-                gradients[i] = static_cast<T>(m.totals[i]);
+        }
+        static void end_backward(memory& m, T* gradients) {
+            T* to = gradients;
+            for (std::size_t filter = 0; filter < Filters; ++filter)
+                for (std::size_t channel = 0; channel < Input.channels; ++channel)
+                    for (std::size_t row = 0; row < Kernel.rows; ++row)
+                        for (std::size_t column = 0; column < Kernel.columns; ++column)
+                            *to++ = static_cast<T>(m.totals[place(filter, channel, row, column)]);
+            for (std::size_t filter = 0; filter < Filters; ++filter)
+                *to++ = static_cast<T>(m.totals[weights + filter]);
         }
 
     private:
+        using across_channels = channel_gradient_plan<window, Filters, T>;
+        using across_samples = weight_gradient_plan<window, Filters, T>;
+        static constexpr std::size_t pieces =
+            across_channels::fits ? across_channels::pieces : across_samples::pieces;
+
+        /// Where the total of a weight lies.
+        static constexpr std::size_t place(std::size_t filter, std::size_t channel, std::size_t row,
+                                           std::size_t column) {
+            if constexpr (across_channels::fits)
+                return across_channels::place(filter, channel, row, column);
+            else
+                return ((filter * Input.channels + channel) * Kernel.rows + row) * Kernel.columns + column;
+        }
         static constexpr correlation ahead = correlation::forward(window, Filters);
         static constexpr correlation back = correlation::backward(window, Filters);
     };

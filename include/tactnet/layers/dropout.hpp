@@ -55,7 +55,7 @@ struct dropout {
                 for (std::size_t lane = 0; lane < lanes<T>; ++lane) {
                     const std::uint64_t layer_seed = p.seed + (std::uint64_t{p.depth} << 40);
                     random_stream random(layer_seed, draw::dropout, p.step,
-                                         static_cast<std::uint32_t>(g * lanes<T> + lane));
+                                         static_cast<std::uint32_t>((p.first_group + g) * lanes<T> + lane));
                     for (std::size_t e = lane; e < in.group_size; e += lanes<T>)
                         out.group(g)[e] = random.bits() < threshold ? T{} : in.group(g)[e] * scale;
                 }

@@ -36,14 +36,21 @@ struct output_view : batch_view<T, Shape, lanes<T>> {
     constexpr output_view(const base& view) : base(view) {}
 };
 
+/// Groups that hold so many samples.
+template <class T>
+[[nodiscard]] constexpr std::size_t groups_of(std::size_t samples) {
+    return padded_size<T>(samples) / lanes<T>;
+}
+
 /// What a network knows and a layer asks for while a batch passes.
 struct pass {
     thread_pool& threads;
-    double epsilon = 1e-5;   ///< added to the variance by batch norms
-    double momentum = 0.1;   ///< share of a batch in the running statistics of batch norms
-    std::uint64_t seed = 0;  ///< for dropout
-    std::uint32_t step = 0;  ///< batches so far, for dropout
-    std::uint32_t depth = 0; ///< tells the layers of a list apart, for dropout
+    double epsilon = 1e-5;       ///< added to the variance by batch norms
+    double momentum = 0.1;       ///< share of a batch in the running statistics of batch norms
+    std::uint64_t seed = 0;      ///< for dropout
+    std::uint32_t step = 0;      ///< batches so far, for dropout
+    std::uint32_t depth = 0;     ///< tells the layers of a list apart, for dropout
+    std::size_t first_group = 0; ///< groups of the batch before this part of it
 };
 
 /// What an array of a network is for.
@@ -78,6 +85,8 @@ concept layer = std::floating_point<T> &&
     { Layer::in_place } -> std::convertible_to<bool>;
     // Whether `backward` needs the output as it was left.
     { Layer::keeps_output } -> std::convertible_to<bool>;
+    // Whether `forward` and `backward` take a batch part by part, in order (see part_layer).
+    { Layer::by_parts } -> std::convertible_to<bool>;
     // Appends the layer's arrays, offsets counted from its first.
     Layer::describe(std::string{}, list);
     memory.resize(std::size_t{});
@@ -87,6 +96,21 @@ concept layer = std::floating_point<T> &&
     Layer::forward(p, parameters, statistics, memory, in, out);
     // Sets the parameters' gradients, and the input's unless there is no one to ask for it (a null view).
     Layer::backward(p, parameters, memory, in, out_gradient, out_gradient, in_gradient, parameter_gradients);
+};
+
+/// A layer that takes a batch by parts: what it gives for a part goes to the next layer while it is in the
+/// caches.
+template <class Layer, class T = typename Layer::value_type>
+concept part_layer = layer<Layer> && Layer::by_parts &&
+    requires(const pass& p, const T* parameters, T* statistics, typename Layer::memory& memory,
+             T* parameter_gradients) {
+    // Before the first part, and behind the last, which is when the parameters' gradients are set.
+    Layer::begin_forward(p, statistics, memory, std::size_t{});
+    Layer::begin_backward(p, parameters, memory, std::size_t{});
+    Layer::end_backward(memory, parameter_gradients);
+    // Whether it must see all parts before it begins, by `observe_forward(p, memory, in)` and
+    // `observe_backward(p, memory, in, out, out_gradient)`.
+    { Layer::observes } -> std::convertible_to<bool>;
 };
 
 /// The memory of a layer that needs none.
@@ -104,9 +128,13 @@ struct layer_without_parameters {
     static constexpr std::size_t multiply_adds = 0, multiply_adds_on_pixels = 0;
     static constexpr std::size_t inner_activations = 0;
     static constexpr bool in_place = false, keeps_output = false;
+    static constexpr bool by_parts = true, observes = false;
 
     static void describe(const std::string&, std::vector<parameter>&) {}
     static void prepare(const pass&, const T*, const T*, auto&) {}
+    static void begin_forward(const pass&, T*, auto&, std::size_t) {}
+    static void begin_backward(const pass&, const T*, auto&, std::size_t) {}
+    static void end_backward(auto&, T*) {}
 };
 
 // What does not fit is refused by a function on the way to a layer's output shape (detail::…_output), not in

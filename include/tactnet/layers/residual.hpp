@@ -54,6 +54,7 @@ struct residual {
             (main::keeps_output ? output.size() : 0) +
             std::max(main::inner_activations, projects ? output.size() + skip::inner_activations : 0);
         static constexpr bool in_place = false, keeps_output = false;
+        static constexpr bool by_parts = false, observes = false;
 
         struct memory {
             typename main::memory main_memory;
@@ -62,7 +63,7 @@ struct residual {
             void resize(std::size_t samples) {
                 main_memory.resize(samples);
                 skip_memory.resize(samples);
-                const std::size_t groups = (samples + lanes<T> - 1) / lanes<T>;
+                const std::size_t groups = groups_of<T>(samples);
                 if constexpr (main::keeps_output)
                     main_output.resize(groups * lanes<T> * output.size());
                 if constexpr (projects) {

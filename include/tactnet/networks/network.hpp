@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/layers/sequence.hpp>
+#include <tactnet/layers/fused.hpp>
 #include <tactnet/layers/softmax.hpp>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ struct split_softmax<sequence<Kept...>, sequence<Inner...>> {
 template <class T, shape Input, class... Specs>
 class basic_network {
     using split = detail::split_softmax<sequence<>, Specs...>;
-    using logit_layers = typename split::logits::template layer<T, Input>;
+    using logit_layers = typename fused<typename split::logits>::template layer<T, Input>;
 
 public:
     /// The list as written, and bound to the input: what deployment reads.
@@ -155,8 +155,7 @@ public:
     }
     /// As `infer`, in front of a last softmax.
     void logits(thread_pool& threads, workspace& space, const_input in, output_type out) const {
-        const std::size_t groups = in.groups(),
-                          most = std::max(samples_at_once / lanes<T>, threads.threads());
+        const std::size_t groups = in.groups(), most = threads.threads();
         const std::size_t parts = (groups + most - 1) / most;
         // As equal as can be, a largest one first: the workspace then has room for all.
         const auto begin = [&](std::size_t part) { return (groups * part + parts - 1) / parts; };
@@ -186,9 +185,6 @@ public:
     }
 
 private:
-    /// Enough for every thread to have work, little enough for the caches.
-    static constexpr std::size_t samples_at_once = 256;
-
     [[nodiscard]] pass make_pass(thread_pool& threads, std::uint64_t seed = 0, std::uint32_t step = 0) const {
         return {.threads = threads, .epsilon = epsilon, .momentum = momentum, .seed = seed, .step = step};
     }

@@ -38,6 +38,10 @@ public:
     [[nodiscard]] constexpr std::size_t samples_in(std::size_t group) const {
         return std::min(Lanes, samples_ - group * Lanes);
     }
+    /// Groups first … last − 1 as a batch of their own; of a null view a null view.
+    [[nodiscard]] constexpr batch_view part(std::size_t first, std::size_t last) const {
+        return {data_ ? group(first) : nullptr, std::min(samples_, last * Lanes) - first * Lanes};
+    }
     [[nodiscard]] constexpr T& operator()(std::size_t sample, std::size_t element) const {
         return group(sample / Lanes)[element * Lanes + sample % Lanes];
     }

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <tactnet/layers/norm_relu_pool.hpp>
+#include <tactnet/layers/relu.hpp>
+#include <tactnet/layers/residual.hpp>
+#include <tactnet/layers/sequence.hpp>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+namespace detail {
+
+template <class Spec>
+struct fused_spec {
+    using type = Spec;
+};
+
+/// First the layers that are done.
+template <class Done, class... Specs>
+struct fused_list;
+template <class... Done>
+struct fused_list<sequence<Done...>> {
+    using type = sequence<Done...>;
+};
+template <class... Done, class Spec, class... Rest>
+struct fused_list<sequence<Done...>, Spec, Rest...>
+    : fused_list<sequence<Done..., typename fused_spec<Spec>::type>, Rest...> {};
+template <class... Done, class... Rest>
+struct fused_list<sequence<Done...>, batch_norm, relu, Rest...>
+    : fused_list<sequence<Done..., norm_relu_pool<1>>, Rest...> {};
+template <class... Done, extent Window, extent Stride, padding Padding, class... Rest>
+struct fused_list<sequence<Done...>, batch_norm, relu, max_pool<Window, Stride, Padding>, Rest...>
+    : fused_list<sequence<Done..., norm_relu_pool<Window, Stride, Padding>>, Rest...> {};
+
+template <class... Specs>
+struct fused_spec<sequence<Specs...>> : fused_list<sequence<>, Specs...> {};
+template <class Main, class Skip>
+struct fused_spec<residual<Main, Skip>> {
+    using type = residual<typename fused_spec<Main>::type, typename fused_spec<Skip>::type>;
+};
+
+} // namespace detail
+
+/// A list with the same results and the same arrays in the same order, in which layers that wait for memory
+/// are joined: this is what is trained.
+template <class List>
+using fused = typename detail::fused_spec<List>::type;
+
+} // namespace tactnet

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <tactnet/kernels/normalised_pooling.hpp>
+#include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/max_pool.hpp>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Batch norm, ReLU and max pooling as one layer, with the same results and the arrays of the batch norm; a
+/// window of one pixel stands for no pooling. Lists are written with the three: `fused` joins them.
+template <extent Window, extent Stride = Window, padding Padding = same>
+struct norm_relu_pool {
+    static constexpr std::string_view name = batch_norm::name;
+    static constexpr bool numbered = batch_norm::numbered;
+
+    template <class T, shape Input>
+    struct layer : layer_without_parameters<T, Input, shape{}> {
+        using norm = typename batch_norm::layer<T, Input>;
+        using pool = typename max_pool<Window, Stride, Padding>::template layer<T, Input>;
+        static constexpr shape output = pool::output;
+        static constexpr std::size_t parameters = norm::parameters, statistics = norm::statistics;
+        static constexpr bool keeps_output = true, observes = true;
+        static constexpr bool pools = Window.area() > 1 || Stride.area() > 1;
+
+        struct memory : norm::memory {
+            aligned_vector<T> chosen; // by each window of the batch
+            void resize(std::size_t samples) {
+                norm::memory::resize(samples);
+                const std::size_t room = groups_of<T>(samples) * lanes<T> * output.size();
+                if (pools && chosen.size() < room)
+                    chosen.resize(room);
+            }
+        };
+
+        static void describe(const std::string& prefix, std::vector<parameter>& list) {
+            norm::describe(prefix, list);
+        }
+        static void infer(const pass& p, const T* values, const T* running, memory& m,
+                          input_view<T, Input> in, output_view<T, output> out) {
+            norm::use_running(p, running, m);
+            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+                normalised_pool_forward<window, false>(norm::rule(values, m, c), in.group(g) + c * plane,
+                                                       out.group(g) + c * pooled, static_cast<T*>(nullptr));
+            });
+        }
+
+        static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
+            norm::observe_forward(p, m, in);
+        }
+        static void begin_forward(const pass& p, T* running, memory& m, std::size_t samples) {
+            norm::begin_forward(p, running, m, samples);
+        }
+        static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
+                            output_view<T, output> out) {
+            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+                normalised_pool_forward<window, pools>(
+                    norm::rule(values, m, c), in.group(g) + c * plane, out.group(g) + c * pooled,
+                    pools ? m.chosen.data() + (p.first_group + g) * out.group_size + c * pooled : nullptr);
+            });
+        }
+
+        static void observe_backward(const pass& p, memory& m, input_view<T, Input> in,
+                                     input_view<T, output> out, input_view<T, output> out_gradient) {
+            const vector<T> zero(T{});
+            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+                const T *x = chosen(p, m, in, g, c), *y = out.group(g) + c * pooled,
+                        *dy = out_gradient.group(g) + c * pooled;
+                norm::observe_channel(m, p.first_group + g, c, output.area(), [&](std::size_t i) {
+                    const vector<T> passed = choose<T>(load(y + i) > zero, load(dy + i), zero);
+                    return std::array<vector<T>, 2>{load(x + i), passed};
+                });
+            });
+        }
+        static void begin_backward(const pass& p, const T* values, memory& m, std::size_t samples) {
+            norm::begin_backward(p, values, m, samples);
+        }
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+                             input_view<T, output> out, input_view<T, output> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
+            if (in_gradient.data() == nullptr)
+                return;
+            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+                normalised_pool_backward<window>(
+                    norm::gradient_rule(values, m, c), lanes_in_use<T>(in.samples_in(g)),
+                    in.group(g) + c * plane, out.group(g) + c * pooled, chosen(p, m, in, g, c),
+                    out_gradient.group(g) + c * pooled, in_gradient.group(g) + c * plane);
+            });
+        }
+        static void end_backward(memory& m, T* gradients) { norm::end_backward(m, gradients); }
+
+    private:
+        static constexpr sliding_window window = pool::window;
+        static constexpr std::size_t plane = Input.area() * lanes<T>, pooled = output.area() * lanes<T>;
+
+        /// body(group, channel)
+        template <class Body>
+        static void each_channel(const pass& p, std::size_t groups, const Body& body) {
+            p.threads.for_each(groups, [&](std::size_t g) {
+                for (std::size_t c = 0; c < Input.channels; ++c)
+                    body(g, c);
+            });
+        }
+        static const T* chosen(const pass& p, const memory& m, input_view<T, Input> in, std::size_t g,
+                               std::size_t c) {
+            if constexpr (pools)
+                return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
+            else
+                return in.group(g) + c * plane;
+        }
+    };
+};
+
+} // namespace tactnet
