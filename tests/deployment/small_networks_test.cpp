@@ -41,11 +41,12 @@ TEST_CASE("deployed: batch norm in front of everything, behind a pool and behind
 
 TEST_CASE("deployed: residual blocks with identity and with projection, lists inside lists") {
     using main = sequence<conv2d<12, 3>, batch_norm, relu, conv2d<12, 3>, batch_norm>;
-    using net = network<shape{6, 9}, sequence<conv2d<12, 3>, sequence<batch_norm, relu>>, //
-                        residual<main>, relu, max_pool<2>,                                //
-                        residual<sequence<conv2d<20, 3, 2>, relu, conv2d<20, 2>>,         //
-                                 sequence<conv2d<20, 1, 2>, batch_norm>>,                 //
-                        residual<conv2d<20, 3>>, relu, dense<3>>;
+    using net = network<shape{6, 9}, sequence<conv2d<12, 3>, sequence<batch_norm, relu>>,           //
+                        residual<main>, relu, max_pool<2>,                                          //
+                        residual<sequence<conv2d<20, 3, 2>, relu, conv2d<20, 2>>,                   //
+                                 sequence<conv2d<20, 1, 2>, batch_norm>>,                           //
+                        residual<conv2d<20, 3>, sequence<dropout<30>, sequence<dropout<5>>>>, relu, //
+                        dense<3>>;
     const support::error_shares errors = support::errors_of<net>(24, 5);
     MESSAGE(errors);
     CHECK(errors.good());

@@ -1,23 +1,10 @@
 #pragma once
 
-#include <tactnet/layers/layer.hpp>
+#include <tactnet/layers/stages.hpp>
 
-#include <algorithm>
 #include <cstddef>
 
 namespace support {
-
-/// body(pass, first, last) for each part of a batch, as many groups at a time as there are threads; the whole
-/// batch at once for a layer that takes no parts.
-template <class Layer, class Body>
-void for_each_part(const tactnet::pass& p, std::size_t groups, const Body& body) {
-    const std::size_t most = Layer::by_parts ? p.threads.threads() : std::max<std::size_t>(groups, 1);
-    for (std::size_t first = 0; first < groups; first += most) {
-        tactnet::pass part = p;
-        part.first_group = first;
-        body(part, first, std::min(first + most, groups));
-    }
-}
 
 template <class Layer>
 using value_of = typename Layer::value_type;
@@ -29,14 +16,16 @@ void run_forward(const tactnet::pass& p, const value_of<Layer>* values, value_of
                  tactnet::output_view<value_of<Layer>, Layer::output> out) {
     if constexpr (tactnet::part_layer<Layer>) {
         if constexpr (Layer::observes)
-            for_each_part<Layer>(p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
-                Layer::observe_forward(part, memory, in.part(first, last));
-            });
+            tactnet::for_each_part<Layer::by_parts>(
+                p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+                    Layer::observe_forward(part, memory, in.part(first, last));
+                });
         Layer::begin_forward(p, running, memory, in.samples());
     }
-    for_each_part<Layer>(p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
-        Layer::forward(part, values, running, memory, in.part(first, last), out.part(first, last));
-    });
+    tactnet::for_each_part<Layer::by_parts>(
+        p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+            Layer::forward(part, values, running, memory, in.part(first, last), out.part(first, last));
+        });
 }
 
 /// The way back of a layer on its own.
@@ -49,16 +38,18 @@ void run_backward(const tactnet::pass& p, const value_of<Layer>* values, typenam
                   value_of<Layer>* gradients) {
     if constexpr (tactnet::part_layer<Layer>) {
         if constexpr (Layer::observes)
-            for_each_part<Layer>(p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
-                Layer::observe_backward(part, memory, in.part(first, last), out.part(first, last),
-                                        out_gradient.part(first, last));
-            });
+            tactnet::for_each_part<Layer::by_parts>(
+                p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+                    Layer::observe_backward(part, memory, in.part(first, last), out.part(first, last),
+                                            out_gradient.part(first, last));
+                });
         Layer::begin_backward(p, values, memory, in.samples());
     }
-    for_each_part<Layer>(p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
-        Layer::backward(part, values, memory, in.part(first, last), out.part(first, last),
-                        out_gradient.part(first, last), in_gradient.part(first, last), gradients);
-    });
+    tactnet::for_each_part<Layer::by_parts>(
+        p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+            Layer::backward(part, values, memory, in.part(first, last), out.part(first, last),
+                            out_gradient.part(first, last), in_gradient.part(first, last), gradients);
+        });
     if constexpr (tactnet::part_layer<Layer>)
         Layer::end_backward(memory, gradients);
 }

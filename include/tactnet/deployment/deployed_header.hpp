@@ -68,6 +68,90 @@ std::string number_lines(const Numbers& numbers, Text&& text_of) {
     return lines + line + "\n";
 }
 
+/// A text with every @name@ replaced by what belongs to it.
+using replacement = std::pair<std::string_view, std::string>;
+inline std::string filled(std::string_view text, std::initializer_list<replacement> values) {
+    std::string result;
+    while (true) {
+        const std::size_t begin = text.find('@');
+        result += text.substr(0, begin);
+        if (begin == std::string_view::npos)
+            return result;
+        const std::size_t end = text.find('@', begin + 1);
+        const std::string_view name = text.substr(begin + 1, end - begin - 1);
+        for (const replacement& value : values)
+            if (value.first == name)
+                result += value.second;
+        text.remove_prefix(end + 1);
+    }
+}
+
+inline constexpr std::string_view header_form =
+    R"(// @network@ for frames of @size@ (rows × columns × channels), @outputs@ outputs,
+// @parameters@ parameters, of which @folded@ numbers remain once batch norms are folded in. Generated: do not edit.
+//
+// recogniser(counts, outputs) recognises a frame. It needs no files, no heap, no exceptions and no run-time
+// type information.
+#pragma once
+
+#include <tactnet/deployment/deployed_view.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace @namespace@::inline TACTNET_ARCH {
+
+@steps@
+using recogniser_type = tactnet::deployed_view<tactnet::shape{.rows = @rows@, .columns = @columns@, .channels = @channels@}, @chain@>;
+
+/// Names of the first outputs, in order. Outputs behind them stand for nothing.
+inline constexpr std::array<std::string_view, @class count@> classes{
+@classes@};
+
+/// The mean frame, the scale, the largest input, then weights and biases step by step.
+inline constexpr std::array<float, recogniser_type::folded_elements> folded{
+@numbers@};
+static_assert(folded.size() == @count@, "this header does not fit this version of tactnet");
+
+@packed@
+inline constexpr recogniser_type recogniser(packed);
+
+/// A frame and what it gives.
+inline constexpr std::array<std::uint8_t, recogniser_type::input_shape.size()> selftest_frame{
+@frame@};
+inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{
+@frame outputs@};
+
+/// Whether compiler and processor still make of the frame what they should.
+inline bool passes_selftest() noexcept {
+    std::array<float, recogniser_type::outputs> outputs;
+    if (recogniser(selftest_frame, outputs) != tactnet::frame_status::recognised)
+        return false;
+    float largest = 0, difference = 0;
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        const float expected = selftest_outputs[i], found = outputs[i] - expected;
+        largest = largest > expected ? largest : expected;
+        largest = largest > -expected ? largest : -expected;
+        difference = difference > found ? difference : found;
+        difference = difference > -found ? difference : -found;
+    }
+    return difference <= largest * 1e-4f;
+}
+
+} // namespace @namespace@
+)";
+
+inline constexpr std::string_view packed_when_compiling =
+    R"(/// In the order of use, for the instruction set that this is compiled for.
+inline constexpr recogniser_type::packed_weights packed = recogniser_type::pack(folded);)";
+
+inline constexpr std::string_view packed_at_start =
+    R"(/// In the order of use, for the instruction set that this is compiled for. At the latest packed before main: not for
+/// use by what else happens then.
+inline const recogniser_type::packed_weights packed = recogniser_type::pack(folded);)";
+
 } // namespace detail
 
 /// The text of a header that holds a deployed network: includes deployed_view.hpp, compiles without
@@ -97,74 +181,33 @@ template <class Network>
                                     "self-test, found one that does not");
 
     step_text steps;
-    const std::string first_stride = std::to_string(input.channels);
-    const std::string chain = steps.template define<typename view::steps>(input, first_stride);
-    const std::string folded_count = std::to_string(view::folded_elements);
-    const auto count_text = [](std::uint8_t count) { return std::to_string(count); };
-
-    std::string text = "// " + detail::one_line(says.network) + " for frames of " + step_text::size(input) +
-                       " (rows × columns × channels), " + std::to_string(deployed_type::outputs) +
-                       " outputs,\n// " + std::to_string(Network::parameters) + " parameters, of which " +
-                       std::to_string(view::folded_elements - view::steps_folded) +
-                       " numbers remain once batch norms are folded in. Generated: do not edit.\n"
-                       "//\n"
-                       "// recogniser(counts, outputs) recognises a frame. It needs no files, no heap, no "
-                       "exceptions and no run-time\n// type information.\n"
-                       "#pragma once\n\n"
-                       "#include <tactnet/deployment/deployed_view.hpp>\n\n"
-                       "#include <array>\n#include <cstddef>\n#include <cstdint>\n#include <string_view>\n\n"
-                       "namespace " +
-                       says.namespace_name + "::inline TACTNET_ARCH {\n\n" + steps.definitions() +
-                       "\nusing recogniser_type = tactnet::deployed_view<tactnet::shape{.rows = " +
-                       std::to_string(input.rows) + ", .columns = " + std::to_string(input.columns) +
-                       ", .channels = " + std::to_string(input.channels) + "}, " + chain + ">;\n\n";
-
-    text += "/// Names of the first outputs, in order. Outputs behind them stand for nothing.\n"
-            "inline constexpr std::array<std::string_view, " +
-            std::to_string(says.classes.size()) + "> classes{\n";
+    const std::string chain =
+        steps.template define<typename view::steps>(input, std::to_string(input.channels));
+    std::string classes;
     for (const std::string& name : says.classes)
-        text += "    " + detail::string_literal(name) + ",\n";
-    text += "};\n\n"
-            "/// The mean frame, the scale, the largest input, then weights and biases step by step.\n"
-            "inline constexpr std::array<float, recogniser_type::folded_elements> folded{\n" +
-            detail::number_lines(network.folded(), detail::float_literal) +
-            "};\nstatic_assert(folded.size() == " + folded_count +
-            ", \"this header does not fit this version of tactnet\");\n\n";
-
-    text += says.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling
-                ? "/// In the order of use, for the instruction set that this is compiled for.\n"
-                  "inline constexpr recogniser_type::packed_weights packed = recogniser_type::pack(folded);\n"
-                : "/// In the order of use, for the instruction set that this is compiled for. At the latest "
-                  "packed before main: not for\n/// use by what else happens then.\n"
-                  "inline const recogniser_type::packed_weights packed = recogniser_type::pack(folded);\n";
-    text += "inline constexpr recogniser_type recogniser(packed);\n\n";
-
-    text += "/// A frame and what it gives.\n"
-            "inline constexpr std::array<std::uint8_t, recogniser_type::input_shape.size()> "
-            "selftest_frame{\n" +
-            detail::number_lines(frame, count_text) +
-            "};\n"
-            "inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{\n" +
-            detail::number_lines(outputs, detail::float_literal) +
-            "};\n\n"
-            "/// Whether compiler and processor still make of the frame what they should.\n"
-            "inline bool passes_selftest() noexcept {\n"
-            "    std::array<float, recogniser_type::outputs> outputs;\n"
-            "    if (recogniser(selftest_frame, outputs) != tactnet::frame_status::recognised)\n"
-            "        return false;\n"
-            "    float largest = 0, difference = 0;\n"
-            "    for (std::size_t i = 0; i < outputs.size(); ++i) {\n"
-            "        const float expected = selftest_outputs[i], found = outputs[i] - expected;\n"
-            "        largest = largest > expected ? largest : expected;\n"
-            "        largest = largest > -expected ? largest : -expected;\n"
-            "        difference = difference > found ? difference : found;\n"
-            "        difference = difference > -found ? difference : -found;\n"
-            "    }\n"
-            "    return difference <= largest * 1e-4f;\n"
-            "}\n\n"
-            "} // namespace " +
-            says.namespace_name + "\n";
-    return text;
+        classes += "    " + detail::string_literal(name) + ",\n";
+    const bool when_compiling =
+        says.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling;
+    return detail::filled(
+        detail::header_form,
+        {{"network", detail::one_line(says.network)},
+         {"size", step_text::size(input)},
+         {"outputs", std::to_string(deployed_type::outputs)},
+         {"parameters", std::to_string(Network::parameters)},
+         {"folded", std::to_string(view::folded_elements - view::steps_folded)},
+         {"namespace", says.namespace_name},
+         {"steps", steps.definitions()},
+         {"rows", std::to_string(input.rows)},
+         {"columns", std::to_string(input.columns)},
+         {"channels", std::to_string(input.channels)},
+         {"chain", chain},
+         {"class count", std::to_string(says.classes.size())},
+         {"classes", classes},
+         {"numbers", detail::number_lines(network.folded(), detail::float_literal)},
+         {"count", std::to_string(view::folded_elements)},
+         {"packed", std::string(when_compiling ? detail::packed_when_compiling : detail::packed_at_start)},
+         {"frame", detail::number_lines(frame, [](std::uint8_t count) { return std::to_string(count); })},
+         {"frame outputs", detail::number_lines(outputs, detail::float_literal)}});
 }
 
 } // namespace tactnet

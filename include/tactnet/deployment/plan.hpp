@@ -15,10 +15,10 @@ namespace tactnet::inline TACTNET_ARCH {
 
 namespace detail {
 
-enum class layer_kind { convolution, norm, relu, pool, dense, softmax, dropout, residual, list };
+enum class layer_kind { convolution, norm, relu, pool, dense, softmax, dropout, residual, list, other };
 
 template <class Spec>
-inline constexpr layer_kind kind_of = layer_kind::list;
+inline constexpr layer_kind kind_of = layer_kind::other;
 template <std::size_t Filters, extent Kernel, extent Stride, padding Padding>
 inline constexpr layer_kind kind_of<conv2d<Filters, Kernel, Stride, Padding>> = layer_kind::convolution;
 template <>
@@ -35,6 +35,8 @@ template <unsigned Percent>
 inline constexpr layer_kind kind_of<dropout<Percent>> = layer_kind::dropout;
 template <class Main, class Skip>
 inline constexpr layer_kind kind_of<residual<Main, Skip>> = layer_kind::residual;
+template <class... Specs>
+inline constexpr layer_kind kind_of<sequence<Specs...>> = layer_kind::list;
 
 /// A max pool that a convolution can take along: windows side by side, none before the image, and no more
 /// pixels than a register block holds.
@@ -52,6 +54,21 @@ struct fusion {
 
 } // namespace detail
 
+/// A layer that can be deployed.
+template <class Spec>
+concept has_deployed_form = detail::kind_of<Spec>
+!= detail::layer_kind::other;
+
+namespace detail {
+
+/// Layers that do nothing once a network is trained.
+template <class Spec>
+inline constexpr bool passes_on = kind_of<Spec> == layer_kind::dropout;
+template <class... Specs>
+inline constexpr bool passes_on<sequence<Specs...>> = (passes_on<Specs> && ...);
+
+} // namespace detail
+
 /// Plans a list. The input has `Stride` elements from one pixel to the next; `AddsLast` and `RectifiesLast`
 /// are for the main branch of a residual block: what its last convolution does besides.
 template <class Specification, class Layers, std::size_t Stride, bool AddsLast = false,
@@ -59,8 +76,9 @@ template <class Specification, class Layers, std::size_t Stride, bool AddsLast =
 struct planned;
 
 /// The identity needs no step.
-template <class Layers, std::size_t Stride>
-struct planned<sequence<>, Layers, Stride, false, false> {
+template <class... Specs, class Layers, std::size_t Stride>
+    requires(detail::passes_on<Specs>&&...)
+struct planned<sequence<Specs...>, Layers, Stride, false, false> {
     struct type : folded_without_parameters<no_step> {};
 };
 
@@ -121,7 +139,9 @@ private:
             const auto go_on = []<class Step>(std::type_identity<Step>) {
                 return build<f.next, Step::step::output_stride, Steps..., Step>();
             };
-            if constexpr (kinds[I] == kind::dropout) {
+            static_assert(has_deployed_form<spec<I>>,
+                          "deploy: a layer of this kind has no deployed form; has_deployed_form shows it");
+            if constexpr (detail::passes_on<spec<I>> || kinds[I] == kind::other) {
                 return build<I + 1, InputStride, Steps...>();
             } else if constexpr (kinds[I] == kind::convolution) {
                 constexpr bool is_last = f.next >= size;

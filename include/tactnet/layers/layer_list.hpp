@@ -1,0 +1,144 @@
+#pragma once
+
+#include <tactnet/detail/indexed_leaves.hpp>
+#include <tactnet/kernels/unroll.hpp>
+#include <tactnet/layers/layer.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+namespace detail {
+
+/// A layer at its place in a list. Offsets count from the start of the list's arrays.
+template <class Layer, std::size_t Parameters, std::size_t Statistics>
+struct placed {
+    using type = Layer;
+    static constexpr std::size_t parameter_offset = Parameters, statistic_offset = Statistics;
+};
+
+/// Lets shapes and offsets flow through the list.
+template <class T, shape Input, class Placed, class... Specs>
+struct chain {
+    using layers = Placed;
+    static constexpr shape output = Input;
+};
+template <class T, shape Input, class... Placed, class Spec, class... Rest>
+struct chain<T, Input, indexed_leaves<Placed...>, Spec, Rest...> {
+    using here = typename Spec::template layer<T, Input>;
+    static constexpr std::size_t parameters = (std::size_t{0} + ... + Placed::type::parameters);
+    static constexpr std::size_t statistics = (std::size_t{0} + ... + Placed::type::statistics);
+    using next =
+        chain<T, here::output, indexed_leaves<Placed..., placed<here, parameters, statistics>>, Rest...>;
+    using layers = typename next::layers;
+    static constexpr shape output = next::output;
+};
+
+} // namespace detail
+
+/// What a list of layers is when it is bound to an input shape: its layers and where their arrays begin, what
+/// it costs, and which layers write over their input.
+template <class T, shape Input, class... Specs>
+class layer_list {
+    using chained = detail::chain<T, Input, detail::indexed_leaves<>, Specs...>;
+    template <std::size_t I>
+    using place = decltype(detail::type_at<I>(std::declval<typename chained::layers>()));
+
+public:
+    static constexpr std::size_t size = sizeof...(Specs);
+    template <std::size_t I>
+    using at = typename place<I>::type;
+    /// Where the arrays of layer I begin in those of the list.
+    template <std::size_t I>
+    static constexpr std::size_t parameter_offset = place<I>::parameter_offset;
+    template <std::size_t I>
+    static constexpr std::size_t statistic_offset = place<I>::statistic_offset;
+
+    using value_type = T;
+    static constexpr shape input = Input, output = chained::output;
+    static constexpr bool keeps_output = [] {
+        if constexpr (size > 0)
+            return at<size - 1>::keeps_output;
+        else
+            return false;
+    }();
+
+    /// Whether layer I may write over its input: it must be the list's own, and not needed behind it.
+    template <std::size_t I>
+    static constexpr bool overwrites() {
+        if constexpr (I == 0)
+            return false;
+        else
+            return at<I>::in_place && !at<I - 1>::keeps_output;
+    }
+    template <std::size_t I>
+    static constexpr std::size_t source() { // the layer whose buffer holds the output of layer I
+        if constexpr (overwrites<I>())
+            return source<I - 1>();
+        else
+            return I;
+    }
+    /// Outputs of the list are the caller's memory, all others its own.
+    template <std::size_t I>
+    static constexpr bool is_last() {
+        return source<I>() == source<size - 1>();
+    }
+
+private:
+    template <class Value>
+    static constexpr std::size_t sum_of(Value value) {
+        std::size_t sum = 0;
+        unroll<size>([&](auto i) { sum += value(i); });
+        return sum;
+    }
+
+public:
+    static constexpr std::size_t parameters = sum_of([](auto i) { return at<i>::parameters; });
+    static constexpr std::size_t statistics = sum_of([](auto i) { return at<i>::statistics; });
+    static constexpr std::size_t multiply_adds = sum_of([](auto i) { return at<i>::multiply_adds; });
+    static constexpr std::size_t multiply_adds_on_pixels =
+        sum_of([](auto i) { return at<i>::multiply_adds_on_pixels; });
+    /// Elements that must be held at once while one sample passes layer by layer, beside input and
+    /// output.
+    static constexpr std::size_t inner_activations = [] {
+        std::size_t most = 0;
+        unroll<size>([&](auto i) {
+            const std::size_t before = i == 0 ? 0 : at<i>::input.size();
+            const std::size_t after = is_last<i>() ? 0 : overwrites<i>() ? 0 : at<i>::output.size();
+            most = std::max(most, before + after + at<i>::inner_activations);
+        });
+        return most;
+    }();
+
+    /// Appends the arrays of all layers: each under the name of its kind, with a number where there are many.
+    static void describe(const std::string& prefix, std::vector<parameter>& list) {
+        std::array<std::string_view, size> kinds{};
+        unroll<size>([&](auto i) { kinds[i] = spec_name<i>; });
+        unroll<size>([&](auto i) {
+            const auto before = std::count(kinds.begin(), kinds.begin() + i, kinds[i]);
+            const auto all = std::count(kinds.begin(), kinds.end(), kinds[i]);
+            std::string full = prefix.empty() ? std::string(kinds[i]) : prefix + "." + std::string(kinds[i]);
+            if (spec_numbered<i> || all > 1)
+                full += std::to_string(before + 1);
+            const std::size_t first = list.size();
+            at<i>::describe(full, list);
+            for (std::size_t p = first; p < list.size(); ++p)
+                list[p].offset +=
+                    learnable(list[p].what) ? place<i>::parameter_offset : place<i>::statistic_offset;
+        });
+    }
+
+private:
+    template <std::size_t I>
+    static constexpr auto spec_name = std::array<std::string_view, size>{Specs::name...}[I];
+    template <std::size_t I>
+    static constexpr bool spec_numbered = std::array<bool, size>{Specs::numbered...}[I];
+};
+
+} // namespace tactnet
