@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <support/erased_layer.hpp>
 #include <type_traits>
+#include <vector>
 
 using namespace tactnet;
 
@@ -25,12 +26,17 @@ static_assert(std::is_same_v<fused<sequence<>>, sequence<>>);
 
 namespace {
 
+struct as_drawn {
+    void operator()(auto&, auto&) const {}
+};
+
 struct results {
     aligned_vector<double> out, in_gradient, gradients, running;
 };
 
-template <class List, shape Input>
-results train(std::size_t count) {
+/// `alter(values, in)` changes what was drawn.
+template <class List, shape Input, class Alter>
+results train(std::size_t count, const Alter& alter) {
     const auto layer = support::make_layer<List, double, Input>();
     const std::size_t places = groups_of<double>(count) * lanes<double>;
     const auto drawn = [](std::size_t size, std::uint32_t what) {
@@ -40,7 +46,8 @@ results train(std::size_t count) {
             v = random.uniform(-1, 1);
         return values;
     };
-    const auto values = drawn(layer->parameters, 1), in = drawn(places * Input.size(), 2);
+    auto values = drawn(layer->parameters, 1), in = drawn(places * Input.size(), 2);
+    alter(values, in);
     auto out_gradient = drawn(places * layer->output.size(), 3);
     for (std::size_t i = 0; i < out_gradient.size(); ++i) // lanes without a sample hold zeros
         if (i / (lanes<double> * layer->output.size()) * lanes<double> + i % lanes<double> >= count)
@@ -65,10 +72,11 @@ double largest_difference(const aligned_vector<double>& a, const aligned_vector<
     return largest;
 }
 
-template <class List, shape Input>
-void check_fused() {
+template <class List, shape Input, class Alter = as_drawn>
+void check_fused(const Alter& alter = {}) {
     for (const std::size_t count : {std::size_t{1}, 3 * lanes<double> + 1}) {
-        const results plain = train<List, Input>(count), joined = train<fused<List>, Input>(count);
+        const results plain = train<List, Input>(count, alter),
+                      joined = train<fused<List>, Input>(count, alter);
         CHECK(joined.out == plain.out);
         CHECK(joined.running == plain.running);
         // Sums over windows instead of pixels: the same terms in another order.
@@ -90,4 +98,52 @@ TEST_CASE("fused: a residual block too") {
                                   sequence<conv2d<2, 1>, batch_norm>>,
                          relu, max_pool<2, 1>>,
                 shape{5, 4, 1}>();
+}
+
+TEST_CASE("fused: of equal elements the first is chosen, and a scale of zero makes all of them equal") {
+    using list = sequence<batch_norm, relu, max_pool<2>>;
+    check_fused<list, shape{6, 4, 1}>([](auto&, auto& in) {
+        for (double& x : in)
+            x = x > 0 ? 1 : -1;
+    });
+    check_fused<list, shape{6, 4, 1}>([](auto& values, auto&) { values[0] = 0, values[1] = 0.5; });
+}
+TEST_CASE("fused: a NaN reaches the outputs that it reaches layer by layer") {
+    using list = sequence<batch_norm, relu, max_pool<2>, batch_norm, relu>;
+    constexpr shape size{4, 4, 1};
+    const std::vector<double> values{1, 0, 1, 0}, running{0, 0, 1, 1};
+    for (const std::size_t at : {0u, 5u, 6u, 9u, 15u}) {
+        std::vector<aligned_vector<double>> outs;
+        for (const auto& layer :
+             {support::make_layer<list, double, size>(), support::make_layer<fused<list>, double, size>()}) {
+            aligned_vector<double> in(lanes<double> * size.size(), 0.25), out(lanes<double> * 4);
+            in[at * lanes<double>] = std::nan("");
+            thread_pool threads;
+            layer->resize(1);
+            layer->prepare({.threads = threads}, values.data(), running.data());
+            layer->infer({.threads = threads}, values.data(), running.data(), 1, in.data(), out.data());
+            outs.push_back(out);
+        }
+        std::size_t broken = 0;
+        for (std::size_t i = 0; i < outs[0].size(); ++i) {
+            broken += std::isnan(outs[0][i]);
+            CHECK(std::isnan(outs[0][i]) == std::isnan(outs[1][i]));
+        }
+        CHECK(broken == 1);
+    }
+}
+TEST_CASE("lists: an empty batch has gradients of zero and moves no statistics") {
+    using list = sequence<conv2d<2, 3>, batch_norm, relu, max_pool<2>, residual<conv2d<2, 3>>, dense<3>>;
+    const auto layer = support::make_layer<fused<list>, double, shape{5, 4, 1}>();
+    const aligned_vector<double> values(layer->parameters, 0.5);
+    aligned_vector<double> running{0, 0, 1, 1}, gradients(layer->parameters, 9);
+    const aligned_vector<double> before = running;
+    thread_pool threads;
+    layer->resize(0);
+    layer->prepare({.threads = threads}, values.data(), running.data());
+    layer->forward({.threads = threads}, values.data(), running.data(), 0, nullptr, nullptr);
+    layer->backward({.threads = threads}, values.data(), 0, nullptr, nullptr, nullptr, nullptr,
+                    gradients.data());
+    CHECK(running == before);
+    CHECK(gradients == aligned_vector<double>(layer->parameters, 0));
 }

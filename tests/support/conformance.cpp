@@ -132,6 +132,7 @@ public:
     std::size_t inputs() const { return facts_->input.size(); }
     std::size_t outputs() const { return facts_->output.size(); }
     array<T>& values() { return values_; }
+    const array<T>& values() const { return values_; }
     const array<T>& running() const { return running_; }
 
     tactnet::pass pass(std::size_t threads) const {
@@ -415,18 +416,27 @@ void check_invariance(const subject_in<T>& subject, const conformance_options& o
                 empty_lanes = empty_lanes && element(trained.in_gradient, subject.inputs(), s, e) == 0;
         CHECK(empty_lanes);
 
-        // A memory that held another batch, even one of broken numbers, leaves no trace.
+        // A memory that held another batch, even one of broken numbers, other parameters and other numbers of
+        // threads, leaves no trace.
         const auto used = subject.fresh(most);
         plain poison = in;
         for (std::vector<double>& each : poison)
             std::fill(each.begin(), each.end(), broken);
-        subject.infer_with(*used, interleaved<T>(poison, subject.inputs()), most);
-        subject.train_with(*used, interleaved<T>(poison, subject.inputs()), dy, most);
+        const array<T> poisoned = interleaved<T>(poison, subject.inputs());
+        subject.infer_with(*used, poisoned, most);
+        array<T> other = subject.values(), running = subject.running(), out = subject.room(size, most),
+                 in_gradient = subject.room(subject.inputs(), most), gradients(other.size());
+        for (T& value : other)
+            value = 1 - value;
+        used->prepare(subject.pass(1), other.data(), running.data());
+        used->forward(subject.pass(2), other.data(), running.data(), most, poisoned.data(), out.data());
+        used->backward(subject.pass(1), other.data(), most, poisoned.data(), out.data(), dy.data(),
+                       in_gradient.data(), gradients.data());
         used->resize(count);
-        used->prepare(subject.pass(1), const_cast<subject_in<T>&>(subject).values().data(),
-                      subject.running().data());
+        used->prepare(subject.pass(1), subject.values().data(), subject.running().data());
         CHECK(same_bits(inferred, subject.infer_with(*used, some, count)));
         CHECK(same_bits<T>(trained, subject.train_with(*used, some, some_dy, count)));
+        CHECK(same_bits<T>(trained, subject.train_with(*used, some, some_dy, count, 5)));
     }
 }
 

@@ -63,3 +63,17 @@ TEST_CASE("batch: all zero after every resize, also when it shrinks and grows ag
         CHECK(zero);
     }
 }
+
+TEST_CASE("batch: parts are whole groups, the last one with the samples that are left") {
+    images b(9);
+    b(4, 7) = 3, b(8, 1) = 4;
+    const auto middle = b.view().part(1, 2), rest = b.view().part(1, 3);
+    CHECK(middle.samples() == 4);
+    CHECK(middle(0, 7) == 3);
+    CHECK(rest.samples() == 5);
+    CHECK(rest.samples_in(1) == 1);
+    CHECK(rest(4, 1) == 4);
+    const images::view_type nothing(nullptr, 9);
+    CHECK(nothing.part(1, 2).data() == nullptr);
+    CHECK(nothing.part(2, 3).samples() == 1);
+}

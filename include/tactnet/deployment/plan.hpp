@@ -56,8 +56,7 @@ struct fusion {
 
 /// A layer that can be deployed.
 template <class Spec>
-concept has_deployed_form = detail::kind_of<Spec>
-!= detail::layer_kind::other;
+concept has_deployed_form = (detail::kind_of<Spec> != detail::layer_kind::other);
 
 namespace detail {
 
@@ -75,9 +74,9 @@ template <class Specification, class Layers, std::size_t Stride, bool AddsLast =
           bool RectifiesLast = false>
 struct planned;
 
-/// The identity needs no step.
+/// Lists that do nothing once trained need no step.
 template <class... Specs, class Layers, std::size_t Stride>
-    requires(detail::passes_on<Specs>&&...)
+    requires((detail::passes_on<Specs> && ...))
 struct planned<sequence<Specs...>, Layers, Stride, false, false> {
     struct type : folded_without_parameters<no_step> {};
 };
@@ -88,6 +87,7 @@ private:
     using kind = detail::layer_kind;
     static constexpr std::size_t size = sizeof...(Specs);
     static constexpr std::array<kind, size> kinds{detail::kind_of<Specs>...};
+    static constexpr std::array<bool, size> passes{detail::passes_on<Specs>...};
     template <std::size_t I>
     using layer = typename Layers::template at<I>;
     template <std::size_t I>
@@ -103,7 +103,7 @@ private:
             unroll<size>([&](auto i) {
                 if (i != f.next)
                     return;
-                bool takes = kinds[i] == kind::dropout;
+                bool takes = passes[i];
                 if (convolves && kinds[i] == kind::norm && f.norm == no_layer && f.pool == no_layer &&
                     !f.rectified)
                     f.norm = i, takes = true;
@@ -141,7 +141,7 @@ private:
             };
             static_assert(has_deployed_form<spec<I>>,
                           "deploy: a layer of this kind has no deployed form; has_deployed_form shows it");
-            if constexpr (detail::passes_on<spec<I>> || kinds[I] == kind::other) {
+            if constexpr (passes[I] || kinds[I] == kind::other) {
                 return build<I + 1, InputStride, Steps...>();
             } else if constexpr (kinds[I] == kind::convolution) {
                 constexpr bool is_last = f.next >= size;
@@ -171,15 +171,26 @@ private:
     }
 
 public:
-    static constexpr bool ends_in_convolution =
-        kinds[size - 1] == kind::convolution ||
-        (size > 1 && kinds[size - 1] == kind::norm && kinds[size < 2 ? 0 : size - 2] == kind::convolution);
+    static constexpr bool ends_in_convolution = [] {
+        std::size_t end = size;
+        const auto take = [&](kind what) {
+            while (end > 0 && passes[end - 1])
+                --end;
+            if (end == 0 || kinds[end - 1] != what)
+                return false;
+            --end;
+            return true;
+        };
+        static_cast<void>(take(kind::norm));
+        return take(kind::convolution);
+    }();
     using type = typename decltype(build<0, Stride>())::type;
 };
 
 /// The steps of a network whose input lies pixel by pixel without gaps, and how its parameters fold into
 /// them.
 template <class Network>
+    requires(!detail::passes_on<typename Network::specification>) // or there is nothing to deploy
 using deployment_plan = typename planned<typename Network::specification, typename Network::layers,
                                          Network::input_shape.channels>::type;
 

@@ -20,20 +20,27 @@ namespace tactnet::inline TACTNET_ARCH {
 /// Whether channels fill whole vectors, and how the work is blocked then.
 template <sliding_window W, std::size_t Filters, class T>
 struct channel_gradient_plan {
-    static constexpr bool fits = lanes<T> > 1 && W.input.channels % lanes<T> == 0;
+    /// One row of the input, turned for so many vectors of channels.
+    static constexpr std::size_t row_bytes(std::size_t vectors_of_block) {
+        return W.input.columns * lanes<T> * vectors_of_block * lanes<T> * sizeof(T);
+    }
+    static constexpr std::size_t cache_bytes = 32768; // first level
+    static constexpr bool fits = lanes<T> > 1 && W.input.channels % lanes<T> == 0 &&
+                                 row_bytes(1) <= cache_bytes;
     static constexpr std::size_t vectors = W.input.channels / lanes<T>;
     /// Registers of a block: vectors of channels × filters.
-    static constexpr std::size_t block_vectors = std::clamp<std::size_t>(vectors, 1, 2);
+    static constexpr std::size_t block_vectors = vectors > 1 && row_bytes(2) <= cache_bytes ? 2 : 1;
     static constexpr std::size_t block_filters =
         std::min<std::size_t>((vector_registers == 32 ? 24 : 12) / block_vectors, Filters);
-    /// Rows of the turned input that stay in half of a first-level cache.
-    static constexpr std::size_t pixel_elements = lanes<T> * block_vectors * lanes<T>;
+    /// Rows of the turned input that stay in half of the cache, but at least one.
     static constexpr std::size_t tile_rows =
-        std::clamp<std::size_t>(16384 / (W.input.columns * pixel_elements * sizeof(T)), 1, W.input.rows);
+        std::clamp<std::size_t>(cache_bytes / 2 / row_bytes(block_vectors), 1, W.input.rows);
     /// Elements that a thread needs for a turned tile.
-    static constexpr std::size_t scratch = tile_rows * W.input.columns * pixel_elements;
-    /// Pieces of work that write different weights, and so may run on different threads.
-    static constexpr std::size_t pieces = (vectors + block_vectors - 1) / block_vectors;
+    static constexpr std::size_t scratch = tile_rows * row_bytes(block_vectors) / sizeof(T);
+    /// Pieces of work that write different weights, and so may run on different threads: for each block of
+    /// channels, blocks of filters.
+    static constexpr std::size_t filter_blocks = (Filters + block_filters - 1) / block_filters;
+    static constexpr std::size_t pieces = (vectors + block_vectors - 1) / block_vectors * filter_blocks;
     /// Where the sum of a weight is kept.
     static constexpr std::size_t place(std::size_t filter, std::size_t channel, std::size_t row,
                                        std::size_t column) {
@@ -99,8 +106,8 @@ void add_channel_gradient(const T* input, const T* gradient, double* totals, T* 
     using plan = channel_gradient_plan<W, Filters, T>;
     constexpr std::size_t width = lanes<T>, plane = W.output_rows() * W.output_columns();
     blocked<plan::vectors, plan::block_vectors>([&](auto vectors, std::size_t first_vector) {
-        const std::size_t piece = first_vector / plan::block_vectors;
-        if (piece < begin || piece >= end)
+        const std::size_t first_piece = first_vector / plan::block_vectors * plan::filter_blocks;
+        if (first_piece + plan::filter_blocks <= begin || first_piece >= end)
             return;
         for (std::size_t y = 0; y < W.input.rows; y += plan::tile_rows) {
             const std::size_t end_row = std::min(y + plan::tile_rows, W.input.rows);
@@ -110,6 +117,9 @@ void add_channel_gradient(const T* input, const T* gradient, double* totals, T* 
                                scratch + ((pixel - y * W.input.columns) * width * vectors + v) * width,
                                W.input.area() * width, vectors * width);
             blocked<Filters, plan::block_filters>([&](auto filters, std::size_t first_filter) {
+                const std::size_t piece = first_piece + first_filter / plan::block_filters;
+                if (piece < begin || piece >= end)
+                    return;
                 add_tile<W, filters, vectors>(gradient + first_filter * plane * width, scratch, y, end_row,
                                               totals + plan::place(first_filter, first_vector * width, 0, 0));
             });

@@ -19,7 +19,7 @@ struct batch_norm {
     struct layer : layer_without_parameters<T, Input, Input> {
         static constexpr std::size_t channels = Input.channels;
         static constexpr std::size_t parameters = 2 * channels, statistics = 2 * channels;
-        static constexpr bool observes = true;
+        static constexpr bool by_parts = true, observes = true;
 
         struct memory {
             std::vector<moments> parts;              // of every group and channel
@@ -60,6 +60,8 @@ struct batch_norm {
                     all.add(m.parts[g * channels + c]);
                 m.mean[c] = all.mean;
                 m.inverse_deviation[c] = 1 / std::sqrt(all.variance() + p.epsilon);
+                if (all.count == 0)
+                    continue;
                 const double unbiased = all.count > 1 ? all.squares / (all.count - 1) : all.variance();
                 running[c] += static_cast<T>(p.momentum * (all.mean - static_cast<double>(running[c])));
                 running[channels + c] +=

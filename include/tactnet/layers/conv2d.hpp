@@ -46,6 +46,7 @@ struct conv2d {
         static constexpr std::size_t fan_in = Input.channels * Kernel.area();
         static constexpr std::size_t weights = Filters * fan_in;
         static constexpr std::size_t parameters = weights + Filters;
+        static constexpr bool by_parts = true;
         static constexpr std::size_t multiply_adds = output.area() * weights;
         static constexpr std::size_t multiply_adds_on_pixels =
             window.taps_on_pixels() * Input.channels * Filters;

@@ -32,8 +32,7 @@ struct dense {
         static constexpr std::size_t inputs = Input.size(), weights = Outputs * inputs;
         static constexpr std::size_t parameters = weights + Outputs;
         static constexpr std::size_t multiply_adds = weights, multiply_adds_on_pixels = weights;
-        /// Totals of all weights would be too large to keep while other layers pass.
-        static constexpr bool by_parts = false;
+        // Not by parts: totals of all weights would be too large to keep while other layers pass.
 
         struct memory {
             aligned_vector<double> totals; // of every thread: [output][lane]

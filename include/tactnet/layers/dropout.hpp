@@ -27,7 +27,7 @@ struct dropout {
     template <class T, shape Input>
     struct layer : layer_without_parameters<T, Input, Input> {
         static constexpr shape output = detail::dropout_output<Percent>(Input);
-        static constexpr bool in_place = true;
+        static constexpr bool in_place = true, by_parts = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {

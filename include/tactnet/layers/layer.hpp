@@ -85,8 +85,10 @@ concept layer = std::floating_point<T> &&
     { Layer::in_place } -> std::convertible_to<bool>;
     // Whether `backward` needs the output as it was left.
     { Layer::keeps_output } -> std::convertible_to<bool>;
-    // Whether `forward` and `backward` take a batch part by part, in order (see part_layer).
+    // Whether it takes a batch by parts (see part_layer).
     { Layer::by_parts } -> std::convertible_to<bool>;
+    // Whether it must see all parts before the first of them can pass.
+    { Layer::observes } -> std::convertible_to<bool>;
     // Appends the layer's arrays, offsets counted from its first.
     Layer::describe(std::string{}, list);
     memory.resize(std::size_t{});
@@ -94,24 +96,41 @@ concept layer = std::floating_point<T> &&
     Layer::prepare(p, parameters, statistics, memory);
     Layer::infer(p, parameters, statistics, memory, in, out);
     Layer::forward(p, parameters, statistics, memory, in, out);
-    // Sets the parameters' gradients, and the input's unless there is no one to ask for it (a null view).
+    // Sets the input's gradient unless no one asks for it (a null view), and, if it takes no parts, those of
+    // the parameters.
     Layer::backward(p, parameters, memory, in, out_gradient, out_gradient, in_gradient, parameter_gradients);
 };
 
+/// A layer that must see the whole batch before any of it can pass.
+template <class Layer, class T = typename Layer::value_type>
+concept observing_layer = requires(const pass& p, typename Layer::memory& memory,
+                                   batch_view<const T, Layer::input, lanes<T>> in,
+                                   batch_view<const T, Layer::output, lanes<T>> out,
+                                   batch_view<const T, Layer::output, lanes<T>> out_gradient) {
+    Layer::observe_forward(p, memory, in);
+    Layer::observe_backward(p, memory, in, out, out_gradient);
+};
+
 /// A layer that takes a batch by parts: what it gives for a part goes to the next layer while it is in the
-/// caches.
+/// caches. Parts are whole groups, at most as many as there are threads, and come in order; the views are of
+/// the part, `pass::first_group` tells where it begins, the memory is that of the whole batch. For one batch
+/// are called, in this order,
+///   observe_forward(part) …  begin_forward  forward(part) …
+///   observe_backward(part) … begin_backward backward(part) … end_backward
+/// and the parameters' gradients are set by the last.
 template <class Layer, class T = typename Layer::value_type>
 concept part_layer = layer<Layer> && Layer::by_parts &&
-    requires(const pass& p, const T* parameters, T* statistics, typename Layer::memory& memory,
-             T* parameter_gradients) {
-    // Before the first part, and behind the last, which is when the parameters' gradients are set.
-    Layer::begin_forward(p, statistics, memory, std::size_t{});
-    Layer::begin_backward(p, parameters, memory, std::size_t{});
+    (!Layer::observes || observing_layer<Layer>)&&requires(const pass& p, const T* parameters, T* statistics,
+                                                           typename Layer::memory& memory,
+                                                           std::size_t samples, T* parameter_gradients) {
+    Layer::begin_forward(p, statistics, memory, samples);
+    Layer::begin_backward(p, parameters, memory, samples);
     Layer::end_backward(memory, parameter_gradients);
-    // Whether it must see all parts before it begins, by `observe_forward(p, memory, in)` and
-    // `observe_backward(p, memory, in, out, out_gradient)`.
-    { Layer::observes } -> std::convertible_to<bool>;
 };
+
+/// What a list can hold.
+template <class Layer>
+concept listed_layer = part_layer<Layer> ||(layer<Layer> && !Layer::by_parts && !Layer::observes);
 
 /// The memory of a layer that needs none.
 struct no_memory {
@@ -128,7 +147,7 @@ struct layer_without_parameters {
     static constexpr std::size_t multiply_adds = 0, multiply_adds_on_pixels = 0;
     static constexpr std::size_t inner_activations = 0;
     static constexpr bool in_place = false, keeps_output = false;
-    static constexpr bool by_parts = true, observes = false;
+    static constexpr bool by_parts = false, observes = false;
 
     static void describe(const std::string&, std::vector<parameter>&) {}
     static void prepare(const pass&, const T*, const T*, auto&) {}

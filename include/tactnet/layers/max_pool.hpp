@@ -51,7 +51,7 @@ struct max_pool {
                                     Input.columns + window.left + window.right,
                                     std::max(window.top, window.bottom), std::max(window.left, window.right)>(
                 {window.output_rows(), window.output_columns(), Input.channels});
-        static constexpr bool keeps_output = true;
+        static constexpr bool keeps_output = true, by_parts = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, output> out) {

@@ -19,7 +19,7 @@ struct norm_relu_pool {
         using pool = typename max_pool<Window, Stride, Padding>::template layer<T, Input>;
         static constexpr shape output = pool::output;
         static constexpr std::size_t parameters = norm::parameters, statistics = norm::statistics;
-        static constexpr bool keeps_output = true, observes = true;
+        static constexpr bool keeps_output = true, by_parts = true, observes = true;
         static constexpr bool pools = Window.area() > 1 || Stride.area() > 1;
 
         struct memory : norm::memory {
@@ -63,7 +63,7 @@ struct norm_relu_pool {
                                      input_view<T, output> out, input_view<T, output> out_gradient) {
             const vector<T> zero(T{});
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                const T *x = chosen(p, m, in, g, c), *y = out.group(g) + c * pooled,
+                const T *x = inputs_behind(p, m, in, g, c), *y = out.group(g) + c * pooled,
                         *dy = out_gradient.group(g) + c * pooled;
                 norm::observe_channel(m, p.first_group + g, c, output.area(), [&](std::size_t i) {
                     const vector<T> passed = choose<T>(load(y + i) > zero, load(dy + i), zero);
@@ -82,7 +82,7 @@ struct norm_relu_pool {
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
                 normalised_pool_backward<window>(
                     norm::gradient_rule(values, m, c), lanes_in_use<T>(in.samples_in(g)),
-                    in.group(g) + c * plane, out.group(g) + c * pooled, chosen(p, m, in, g, c),
+                    in.group(g) + c * plane, out.group(g) + c * pooled, inputs_behind(p, m, in, g, c),
                     out_gradient.group(g) + c * pooled, in_gradient.group(g) + c * plane);
             });
         }
@@ -100,8 +100,9 @@ struct norm_relu_pool {
                     body(g, c);
             });
         }
-        static const T* chosen(const pass& p, const memory& m, input_view<T, Input> in, std::size_t g,
-                               std::size_t c) {
+        /// Of each output of a channel the input that it was made of.
+        static const T* inputs_behind(const pass& p, const memory& m, input_view<T, Input> in, std::size_t g,
+                                      std::size_t c) {
             if constexpr (pools)
                 return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
             else

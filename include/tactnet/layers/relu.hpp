@@ -12,7 +12,7 @@ struct relu {
 
     template <class T, shape Input>
     struct layer : layer_without_parameters<T, Input, Input> {
-        static constexpr bool in_place = true, keeps_output = true;
+        static constexpr bool in_place = true, keeps_output = true, by_parts = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {

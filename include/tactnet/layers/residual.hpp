@@ -54,7 +54,7 @@ struct residual {
             (main::keeps_output ? output.size() : 0) +
             std::max(main::inner_activations, projects ? output.size() + skip::inner_activations : 0);
         static constexpr bool in_place = false, keeps_output = false;
-        static constexpr bool by_parts = false, observes = false;
+        static constexpr bool by_parts = false, observes = false; // has stages of its own
 
         struct memory {
             typename main::memory main_memory;

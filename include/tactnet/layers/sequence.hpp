@@ -47,8 +47,8 @@ struct sequence {
                     detail::get<i>(inner).resize(count);
                 });
             }
-            void make_room_for_gradients(std::size_t threads) {
-                const std::size_t groups = groups_of<T>(samples), at_once = std::min(groups, threads);
+            void make_room_for_gradients(std::size_t groups, std::size_t threads) {
+                const std::size_t at_once = std::min(groups, threads);
                 unroll<size>([&](auto i) {
                     for (aligned_vector<T>& g : gradients)
                         grow(g, at_once * lanes<T> * at<i>::input.size());
@@ -68,6 +68,7 @@ struct sequence {
 
         static void prepare(const pass& p, const T* values, const T* running, memory& m) {
             unroll<size>([&](auto i) {
+                static_assert(listed_layer<at<i>>, "sequence: expected layers, by parts or not");
                 at<i>::prepare(p, values + list::template parameter_offset<i>,
                                running + list::template statistic_offset<i>, detail::get<i>(m.inner));
             });
@@ -97,7 +98,7 @@ struct sequence {
         static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
-            m.make_room_for_gradients(p.threads.threads());
+            m.make_room_for_gradients(in.groups(), p.threads.threads());
             const output_view<T, output> result(const_cast<T*>(out.data()),
                                                 out.samples()); // only read from here on
             const T* from = out_gradient.data();

@@ -63,10 +63,12 @@ public:
     }
 };
 
-/// body(pass, first, last) for the parts of a batch.
+/// body(pass, first, last) for the parts of a batch, or once for all of it.
 template <bool ByParts, class Body>
 void for_each_part(const pass& p, std::size_t groups, const Body& body) {
-    const std::size_t most = ByParts ? p.threads.threads() : std::max<std::size_t>(groups, 1);
+    if constexpr (!ByParts)
+        return body(p, 0, groups);
+    const std::size_t most = p.threads.threads();
     for (std::size_t first = 0; first < groups; first += most) {
         pass part = p;
         part.first_group = first;
