@@ -2,7 +2,7 @@
 
 #include "decode_image.hpp"
 
-#include <tactnet/image/resize.hpp>
+#include <tactnet/image/running_resize.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/text.hpp>
 

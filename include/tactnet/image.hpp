@@ -3,3 +3,4 @@
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/normalisation.hpp>
 #include <tactnet/image/resize.hpp>
+#include <tactnet/image/running_resize.hpp>

@@ -1,95 +1,122 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/image/resize_axis.hpp>
+#include <tactnet/kernels/resample.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
-#include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <stdexcept>
-#include <vector>
+#include <type_traits>
 
-// Bicubic resize of images whose size is known only when running, as the paper lowers its resolution: Keys'
-// kernel with a = −½ ("Cubic convolution interpolation for digital image processing", 1981), pixel centres at
-// halves, symmetric border, support widened by the scale when shrinking (antialiasing), weights normalised to
-// one.
+// Resize between two sizes known when compiling: all weights are constants, both passes are written for
+// these sizes, and there is no heap. running_resize.hpp is for sizes known only when running.
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Keys' cubic with a = −½.
-[[nodiscard]] constexpr double keys_cubic(double x) {
-    const double t = x < 0 ? -x : x;
-    if (t <= 1)
-        return (1.5 * t - 2.5) * t * t + 1;
-    if (t < 2)
-        return ((-0.5 * t + 2.5) * t - 4) * t + 2;
-    return 0;
-}
-
 namespace detail {
 
-/// Inputs and weights of each output along one direction.
-struct resize_taps {
-    std::size_t taps;
-    std::vector<std::size_t> index;
-    std::vector<double> weight;
+template <class Kernel, shape From, shape To>
+struct resize_plan {
+    static_assert(From.size() > 0 && To.size() > 0,
+                  "resize: there must be at least one row, one column and one channel on both sides");
+    static_assert(From.channels == To.channels,
+                  "resize: channels are resized one by one, and must be as many on both sides");
 
-    resize_taps(std::size_t from, std::size_t to) {
-        const double scale = static_cast<double>(to) / static_cast<double>(from),
-                     narrow = std::min(scale, 1.0);
-        const double support = 4 / narrow;
-        taps = static_cast<std::size_t>(std::ceil(support)) + 2;
-        for (std::size_t o = 0; o < to; ++o) {
-            const double center = (static_cast<double>(o) + 0.5) / scale - 0.5;
-            const auto first = static_cast<std::ptrdiff_t>(std::floor(center - support / 2));
-            double sum = 0;
-            for (std::size_t t = 0; t < taps; ++t) {
-                const std::ptrdiff_t position = first + static_cast<std::ptrdiff_t>(t);
-                const double w = keys_cubic(narrow * (center - static_cast<double>(position)));
-                index.push_back(mirror(position, static_cast<std::ptrdiff_t>(from)));
-                weight.push_back(w);
-                sum += w;
-            }
-            for (std::size_t t = 0; t < taps; ++t)
-                weight[o * taps + t] /= sum;
+    using down = resize_axis<Kernel, From.rows, To.rows>;
+    using along = resize_axis<Kernel, From.columns, To.columns>;
+
+    // The pass that leaves less comes first.
+    static constexpr std::size_t down_cost(std::size_t columns) {
+        return To.rows * down::taps * row_vectors(columns, row_lanes<float>(columns)) *
+               (row_lanes<float>(columns) * sizeof(float) == 64 ? 2 : 1);
+    }
+    static constexpr std::size_t along_cost(std::size_t rows) { return rows * cheapest_bands<along>::cost; }
+    static constexpr bool down_first =
+        down_cost(From.columns) + along_cost(To.rows) <= along_cost(From.rows) + down_cost(To.columns);
+
+    static constexpr std::size_t middle_rows = down_first ? To.rows : From.rows;
+    static constexpr std::size_t middle_columns = down_first ? From.columns : To.columns;
+    static constexpr std::size_t middle_size = middle_rows * middle_columns + lanes<float>;
+    // Vectors read a whole one even where a row is shorter.
+    static constexpr bool readable = From.columns >= fewest_lanes<float>;
+
+    static void run(const float* from, float* to) {
+        if constexpr (down_first) {
+            alignas(alignment) std::array<float, middle_size> middle;
+            choose_guard<down::has_gaps, From.area()>(from, [&](auto guarded) {
+                resample_down<down, From.columns, From.columns, From.columns, guarded>(from, middle.data());
+            });
+            choose_guard<has_gaps_along, middle_rows * middle_columns>(middle.data(), [&](auto guarded) {
+                resample_along<along, To.rows, From.columns, To.columns, guarded>(middle.data(), to);
+            });
+        } else {
+            constexpr std::size_t stride = padded_size<float>(To.columns);
+            alignas(alignment) std::array<float, From.rows * stride> middle;
+            choose_guard<has_gaps_along || down::has_gaps, From.area()>(from, [&](auto guarded) {
+                resample_along<along, From.rows, From.columns, stride, guarded>(from, middle.data());
+                resample_down<down, To.columns, stride, To.columns, guarded>(middle.data(), to);
+            });
         }
     }
-    /// … 2 1 0 | 0 1 2 … n−1 | n−1 …
-    static std::size_t mirror(std::ptrdiff_t position, std::ptrdiff_t size) {
-        const std::ptrdiff_t m = ((position % (2 * size)) + 2 * size) % (2 * size);
-        return static_cast<std::size_t>(m < size ? m : 2 * size - 1 - m);
+    template <class Count>
+    static void run_channels(const Count* from, float* to) {
+        for (std::size_t channel = 0; channel < From.channels; ++channel) {
+            const Count* const source = from + channel * From.area();
+            float* const result = to + channel * To.area();
+            if constexpr (std::is_same_v<Count, float> && readable) {
+                run(source, result);
+            } else {
+                alignas(alignment) std::array<float, From.area() + lanes<float>> numbers{};
+                for (std::size_t e = 0; e < From.area(); ++e)
+                    numbers[e] = static_cast<float>(source[e]);
+                run(numbers.data(), result);
+            }
+        }
+    }
+
+private:
+    // Vectors of outputs multiply inputs that not all of them weigh.
+    static constexpr bool has_gaps_along = along::has_gaps || lanes<float> > 1;
+
+    template <bool HasGaps, std::size_t Count, class Pass>
+    static void choose_guard(const float* from, Pass&& pass) {
+        if (!HasGaps || all_addable<Count>(from))
+            pass(std::false_type{});
+        else
+            pass(std::true_type{});
     }
 };
 
 } // namespace detail
 
-/// Resizes a row-major 8-bit image; the result is rounded and kept within 0 … 255. Throws
-/// std::invalid_argument for an empty image or a size that does not match the pixels.
-[[nodiscard]] inline std::vector<std::uint8_t> resize_bicubic(std::span<const std::uint8_t> image,
-                                                              std::size_t rows, std::size_t columns,
-                                                              std::size_t new_rows, std::size_t new_columns) {
-    if (rows == 0 || columns == 0 || new_rows == 0 || new_columns == 0 || image.size() != rows * columns)
-        throw std::invalid_argument("resize_bicubic: expected non-empty images and rows × columns pixels");
-    const detail::resize_taps vertical(rows, new_rows), horizontal(columns, new_columns);
-    std::vector<double> narrowed(new_rows * columns);
-    for (std::size_t y = 0; y < new_rows; ++y)
-        for (std::size_t t = 0; t < vertical.taps; ++t) {
-            const double w = vertical.weight[y * vertical.taps + t];
-            const std::size_t from = vertical.index[y * vertical.taps + t] * columns;
-            for (std::size_t x = 0; x < columns && w != 0; ++x)
-                narrowed[y * columns + x] += w * image[from + x];
-        }
-    std::vector<std::uint8_t> result(new_rows * new_columns);
-    for (std::size_t y = 0; y < new_rows; ++y)
-        for (std::size_t x = 0; x < new_columns; ++x) {
-            double sum = 0;
-            for (std::size_t t = 0; t < horizontal.taps; ++t)
-                sum += horizontal.weight[x * horizontal.taps + t] *
-                       narrowed[y * columns + horizontal.index[x * horizontal.taps + t]];
-            result[y * new_columns + x] = static_cast<std::uint8_t>(std::lround(std::clamp(sum, 0.0, 255.0)));
-        }
-    return result;
+/// Resizes an image of counts or of numbers, channel by channel. `Kernel` is keys<…> or lagrange. The result
+/// may leave the range of the input where it overshoots; NaN and infinity reach the outputs whose taps of
+/// weight other than zero hold them, and no others. On the stack: `From` and one pass of the result.
+template <shape From, shape To, class Kernel = keys<>>
+void resize(tensor_view<const float, From> from, tensor_view<float, To> to) {
+    detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());
+}
+template <shape From, shape To, class Kernel = keys<>>
+void resize(tensor_view<const std::uint8_t, From> from, tensor_view<float, To> to) {
+    detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());
+}
+
+/// A number as a count: kept within 0 … 255 and rounded; NaN is 0.
+[[nodiscard]] constexpr std::uint8_t to_count(float value) {
+    const float kept = value > 0 ? (value < 255 ? value : 255) : 0;
+    return static_cast<std::uint8_t>(kept + 0.5f);
+}
+
+/// The result as counts.
+template <shape From, shape To, class Kernel = keys<>, class Count>
+    requires std::is_convertible_v<Count, tensor_view<const std::uint8_t, From>> ||
+        std::is_convertible_v<Count, tensor_view<const float, From>>
+void resize(const Count& from, tensor_view<std::uint8_t, To> to) {
+    tensor<float, To> exact;
+    resize<From, To, Kernel>(from, exact.view());
+    for (std::size_t e = 0; e < To.size(); ++e)
+        to.data()[e] = to_count(exact.data()[e]);
 }
 
 } // namespace tactnet

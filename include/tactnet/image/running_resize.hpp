@@ -1,0 +1,65 @@
+#pragma once
+
+#include <tactnet/image/resize.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+// Resize of images whose size is known only when running, such as a user's files: plain loops in double
+// precision.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+namespace detail {
+
+template <class Kernel, class Count>
+[[nodiscard]] std::vector<double> resize_exactly(std::span<const Count> image, std::size_t rows,
+                                                 std::size_t columns, std::size_t new_rows,
+                                                 std::size_t new_columns) {
+    if (rows == 0 || columns == 0 || new_rows == 0 || new_columns == 0 || image.size() != rows * columns)
+        throw std::invalid_argument("resize_bicubic: expected non-empty images and rows × columns pixels");
+    const running_axis<Kernel> down(rows, new_rows), along(columns, new_columns);
+    std::vector<double> middle(new_rows * columns), result(new_rows * new_columns);
+    for (std::size_t y = 0; y < new_rows; ++y)
+        down[y].for_each([&](std::size_t row, double weight) {
+            for (std::size_t x = 0; x < columns; ++x)
+                middle[y * columns + x] += weight * static_cast<double>(image[row * columns + x]);
+        });
+    for (std::size_t y = 0; y < new_rows; ++y)
+        for (std::size_t x = 0; x < new_columns; ++x)
+            along[x].for_each([&](std::size_t column, double weight) {
+                result[y * new_columns + x] += weight * middle[y * columns + column];
+            });
+    return result;
+}
+
+} // namespace detail
+
+/// Resizes a row-major 8-bit image; the result is rounded and kept within 0 … 255. `Kernel` as in resize.
+/// Throws std::invalid_argument for an empty image or a size that does not match the pixels.
+template <class Kernel = keys<>>
+[[nodiscard]] std::vector<std::uint8_t> resize_bicubic(std::span<const std::uint8_t> image, std::size_t rows,
+                                                       std::size_t columns, std::size_t new_rows,
+                                                       std::size_t new_columns) {
+    const auto exact = detail::resize_exactly<Kernel>(image, rows, columns, new_rows, new_columns);
+    std::vector<std::uint8_t> result(exact.size());
+    std::transform(exact.begin(), exact.end(), result.begin(), [](double value) {
+        return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+    });
+    return result;
+}
+/// The same for numbers, as they come out.
+template <class Kernel = keys<>>
+[[nodiscard]] std::vector<float> resize_bicubic(std::span<const float> image, std::size_t rows,
+                                                std::size_t columns, std::size_t new_rows,
+                                                std::size_t new_columns) {
+    const auto exact = detail::resize_exactly<Kernel>(image, rows, columns, new_rows, new_columns);
+    return {exact.begin(), exact.end()};
+}
+
+} // namespace tactnet

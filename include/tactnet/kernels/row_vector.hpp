@@ -1,0 +1,121 @@
+#pragma once
+
+#include <tactnet/kernels/sized_vector.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+// Vectors along the rows of images, which are neither aligned nor of whole vectors.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+#ifndef TACTNET_NO_SIMD
+
+template <class Vector, class T>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_anywhere(const T* from) {
+    return Vector::load_unaligned(from);
+}
+template <class Vector, class T>
+[[gnu::always_inline]] inline void store_anywhere(T* to, const Vector& values) {
+    values.store_unaligned(to);
+}
+/// The smaller of both; `b` where one is NaN.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector smaller(const Vector& a, const Vector& b) {
+    return xsimd::select(a < b, a, b);
+}
+/// `yes` where a is zero, else `no`.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector where_zero(const Vector& a, const Vector& yes,
+                                                              const Vector& no) {
+    return xsimd::select(a == Vector(0), yes, no);
+}
+/// Whether all are numbers: no NaN and no infinity.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline bool all_finite(const Vector& a) {
+    return xsimd::all(a - a == Vector(0));
+}
+/// Towards zero; for magnitudes below 2³¹.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector truncated(const Vector& a) {
+    return xsimd::to_float(xsimd::to_int(a));
+}
+/// Whole numbers, as such. `to` is aligned.
+template <class Vector>
+[[gnu::always_inline]] inline void store_whole(std::int32_t* to, const Vector& a) {
+    xsimd::to_int(a).store_aligned(to);
+}
+/// The elements of even and those of odd number of two vectors that stand for one sequence.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> unzipped(const Vector& a, const Vector& b) {
+    return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
+        return std::array{Vector(__builtin_shufflevector(a.data, b.data, (2 * I)...)),
+                          Vector(__builtin_shufflevector(a.data, b.data, (2 * I + 1)...))};
+    }
+    (std::make_integer_sequence<int, static_cast<int>(Vector::size)>{});
+}
+
+#else
+
+template <class Vector, class T>
+[[nodiscard]] inline Vector load_anywhere(const T* from) {
+    return *from;
+}
+template <class Vector, class T>
+inline void store_anywhere(T* to, const Vector& values) {
+    *to = values.value;
+}
+template <class Vector>
+[[nodiscard]] inline Vector smaller(const Vector& a, const Vector& b) {
+    return a < b ? a : b;
+}
+template <class Vector>
+[[nodiscard]] inline Vector where_zero(const Vector& a, const Vector& yes, const Vector& no) {
+    return a == Vector(0) ? yes : no;
+}
+template <class Vector>
+[[nodiscard]] inline bool all_finite(const Vector& a) {
+    return a - a == Vector(0);
+}
+template <class Vector>
+[[nodiscard]] inline Vector truncated(const Vector& a) {
+    return static_cast<float>(static_cast<std::int32_t>(a.value));
+}
+template <class Vector>
+inline void store_whole(std::int32_t* to, const Vector& a) {
+    *to = static_cast<std::int32_t>(a.value);
+}
+template <class Vector>
+[[nodiscard]] inline std::array<Vector, 2> unzipped(const Vector& a, const Vector& b) {
+    return {a, b};
+}
+
+#endif
+
+/// Where the vectors of `Lanes` elements along `count` of them begin. The last one reaches back over its
+/// neighbour, so that none reaches beyond the end; if there are fewer than `Lanes`, it does nevertheless.
+[[nodiscard]] constexpr std::size_t row_vectors(std::size_t count, std::size_t lanes_of_one) {
+    return (count + lanes_of_one - 1) / lanes_of_one;
+}
+[[nodiscard]] constexpr std::size_t row_vector_begin(std::size_t index, std::size_t count,
+                                                     std::size_t lanes_of_one) {
+    const std::size_t begin = index * lanes_of_one;
+    return begin + lanes_of_one <= count || count < lanes_of_one ? begin : count - lanes_of_one;
+}
+
+/// Stores a vector along a row of `Count` elements: all of it, or as many as there are.
+template <std::size_t Count, std::size_t Lanes, class Vector>
+[[gnu::always_inline]] inline void store_in_row(float* to, const Vector& values) {
+    if constexpr (Count >= Lanes) {
+        store_anywhere(to, values);
+    } else {
+        alignas(64) std::array<float, Lanes> all;
+        store_as(all.data(), values);
+        for (std::size_t i = 0; i < Count; ++i)
+            to[i] = all[i];
+    }
+}
+
+} // namespace tactnet
