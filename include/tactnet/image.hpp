@@ -4,3 +4,4 @@
 #include <tactnet/image/normalisation.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/running_resize.hpp>
+#include <tactnet/image/transform.hpp>

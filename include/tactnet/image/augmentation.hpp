@@ -1,20 +1,16 @@
 #pragma once
 
 #include <tactnet/kernels/random.hpp>
-#include <tactnet/tensor/tensor.hpp>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
-#include <span>
+
+// What may happen to a pressure image before it is shown to a network, and drawing it. transform.hpp does it.
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// What may happen to a pressure image before it is shown to a network: the same object, touched elsewhere,
-/// in another direction, or harder.
+/// The same object, touched elsewhere, in another direction, or harder.
 struct augmentation_ranges {
     double reflect_rows = 0;    ///< probability of turning upside down
     double reflect_columns = 0; ///< probability of exchanging left and right
@@ -22,6 +18,7 @@ struct augmentation_ranges {
     double rotation = 0;        ///< degrees about the centre, uniform in ±
     double scale = 0;           ///< size, log-uniform in 1 / (1 + scale) … 1 + scale
     double pressure = 0;        ///< all counts, log-uniform in 1 / (1 + pressure) … 1 + pressure
+    double shear = 0;           ///< columns that a row moves against the next, uniform in ±
 
     /// The paper's: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50, ± 2 and ± 3° at 20 × 35
     /// and 14 × 25, ± 1 and ± 2° at 10 × 18 and 7 × 13.
@@ -36,6 +33,32 @@ struct augmentation_ranges {
     friend constexpr bool operator==(const augmentation_ranges&, const augmentation_ranges&) = default;
 };
 
+/// What happens to one image, in this order, about its centre.
+struct image_motion {
+    bool reflect_rows = false;    ///< turned upside down
+    bool reflect_columns = false; ///< left and right exchanged
+    double shear = 0;             ///< columns to the right that a row moves against the one above
+    double zoom = 1;              ///< size afterwards by size before
+    double rotation = 0;          ///< degrees, from the rows' direction (down) to the columns' (right)
+    double row_shift = 0;         ///< tactels down
+    double column_shift = 0;      ///< tactels to the right
+    double pressure = 1;          ///< factor of all counts
+
+    /// All from one stream; the numbers of each range are drawn whether or not it is empty.
+    [[nodiscard]] static image_motion draw(const augmentation_ranges& ranges, random_stream& random) {
+        image_motion m;
+        m.rotation = random.uniform(-1, 1) * ranges.rotation;
+        m.zoom = std::pow(1 + ranges.scale, random.uniform(-1, 1));
+        m.row_shift = random.uniform(-1, 1) * ranges.translation;
+        m.column_shift = random.uniform(-1, 1) * ranges.translation;
+        m.reflect_rows = random.uniform() < ranges.reflect_rows;
+        m.reflect_columns = random.uniform() < ranges.reflect_columns;
+        m.pressure = std::pow(1 + ranges.pressure, random.uniform(-1, 1));
+        m.shear = random.uniform(-1, 1) * ranges.shear;
+        return m;
+    }
+};
+
 /// An affine map from output to input coordinates, both counted from the image's centre, and a factor for the
 /// counts.
 struct image_transform {
@@ -43,66 +66,37 @@ struct image_transform {
     double column_by_row = 0, column_by_column = 1, column_shift = 0;
     double gain = 1;
 
-    [[nodiscard]] static image_transform draw(const augmentation_ranges& ranges, random_stream& random) {
-        const double angle = random.uniform(-1, 1) * ranges.rotation * std::numbers::pi / 180;
-        const double zoom = std::pow(1 + ranges.scale, random.uniform(-1, 1));
-        const double row_shift = random.uniform(-1, 1) * ranges.translation;
-        const double column_shift = random.uniform(-1, 1) * ranges.translation;
-        const double row_sign = random.uniform() < ranges.reflect_rows ? -1 : 1;
-        const double column_sign = random.uniform() < ranges.reflect_columns ? -1 : 1;
-        const double gain = std::pow(1 + ranges.pressure, random.uniform(-1, 1));
-
-        // Reflect, zoom and rotate, then shift; inverted, since each output asks where it comes from.
-        const double c = std::cos(angle) / zoom, s = std::sin(angle) / zoom;
+    /// The inverse of a motion, since each output asks where it comes from. Multiples of 90° are exact.
+    [[nodiscard]] static image_transform of(const image_motion& m) {
+        const auto [cosine, sine] = turn(m.rotation);
+        const double c = cosine / m.zoom, s = sine / m.zoom;
+        const double row_sign = m.reflect_rows ? -1 : 1, column_sign = m.reflect_columns ? -1 : 1;
         image_transform t{.row_by_row = row_sign * c,
                           .row_by_column = row_sign * s,
-                          .column_by_row = -column_sign * s,
-                          .column_by_column = column_sign * c,
-                          .gain = gain};
-        t.row_shift = -(t.row_by_row * row_shift + t.row_by_column * column_shift);
-        t.column_shift = -(t.column_by_row * row_shift + t.column_by_column * column_shift);
+                          .column_by_row = column_sign * (-s - m.shear * c),
+                          .column_by_column = column_sign * (c - m.shear * s),
+                          .gain = m.pressure};
+        t.row_shift = -(t.row_by_row * m.row_shift + t.row_by_column * m.column_shift);
+        t.column_shift = -(t.column_by_row * m.row_shift + t.column_by_column * m.column_shift);
         return t;
     }
-};
-
-/// Bilinear interpolation, zeros outside. Channels are transformed alike.
-template <shape Shape>
-void transform_image(const image_transform& t, std::span<const std::uint8_t, Shape.size()> from,
-                     tensor_view<float, Shape> to) {
-    constexpr std::size_t border = 2, stride = Shape.columns + 2 * border;
-    constexpr auto rows = static_cast<float>(Shape.rows), columns = static_cast<float>(Shape.columns);
-    std::array<float, (Shape.rows + 2 * border) * stride> padded{}; // so that no tap needs to ask where it is
-    for (std::size_t channel = 0; channel < Shape.channels; ++channel) {
-        for (std::size_t y = 0; y < Shape.rows; ++y)
-            for (std::size_t x = 0; x < Shape.columns; ++x)
-                padded[(y + border) * stride + x + border] =
-                    static_cast<float>(from[channel * Shape.area() + y * Shape.columns + x] * t.gain);
-        const double center_row = (static_cast<double>(Shape.rows) - 1) / 2,
-                     center_column = (static_cast<double>(Shape.columns) - 1) / 2;
-        for (std::size_t y = 0; y < Shape.rows; ++y) {
-            const double v = static_cast<double>(y) - center_row;
-            const double row_start =
-                t.row_by_row * v + t.row_shift + center_row - t.row_by_column * center_column;
-            const double column_start =
-                t.column_by_row * v + t.column_shift + center_column - t.column_by_column * center_column;
-            for (std::size_t x = 0; x < Shape.columns; ++x) {
-                const double u = static_cast<double>(x);
-                const float row =
-                    std::clamp(static_cast<float>(row_start + t.row_by_column * u), -1.0f, rows);
-                const float column =
-                    std::clamp(static_cast<float>(column_start + t.column_by_column * u), -1.0f, columns);
-                const int top = static_cast<int>(row + 1) + 1,
-                          left = static_cast<int>(column + 1) + 1; // ≥ 0: truncation is floor
-                const float down = row + 2 - static_cast<float>(top),
-                            right = column + 2 - static_cast<float>(left);
-                const float* p =
-                    padded.data() + static_cast<std::size_t>(top) * stride + static_cast<std::size_t>(left);
-                const float above = p[0] + right * (p[1] - p[0]);
-                const float below = p[stride] + right * (p[stride + 1] - p[stride]);
-                to(y, x, channel) = above + down * (below - above);
-            }
-        }
+    [[nodiscard]] static image_transform draw(const augmentation_ranges& ranges, random_stream& random) {
+        return of(image_motion::draw(ranges, random));
     }
-}
+
+private:
+    struct direction {
+        double cosine, sine;
+    };
+    [[nodiscard]] static direction turn(double degrees) {
+        constexpr direction quarters[]{{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+        const double rest = std::remainder(degrees, 360.0);
+        for (int quarter = -2; quarter <= 2; ++quarter)
+            if (rest == 90 * quarter)
+                return quarters[(quarter + 4) % 4];
+        const double angle = degrees * std::numbers::pi / 180;
+        return {std::cos(angle), std::sin(angle)};
+    }
+};
 
 } // namespace tactnet

@@ -21,16 +21,6 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// Lanes for rows of `count` elements. Where one register of 64 bytes takes as long as two of 32 (it never
-/// takes longer), the halves leave less of the last one unused.
-template <class T>
-[[nodiscard]] constexpr std::size_t row_lanes(std::size_t count) {
-    const std::size_t width = lanes_for<T>(count);
-    const bool halves =
-        width * sizeof(T) == 64 && row_vectors(count, width / 2) < 2 * row_vectors(count, width);
-    return halves ? width / 2 : width;
-}
-
 /// Whether all of `Count` elements are numbers of which 64 can be added in any order.
 template <std::size_t Count>
 [[nodiscard]] [[gnu::flatten]] bool all_addable(const float* from) {

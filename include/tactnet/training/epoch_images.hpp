@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/image/augmentation.hpp>
+#include <tactnet/image/transform.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>
 

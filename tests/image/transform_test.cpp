@@ -1,4 +1,4 @@
-#include <tactnet/image/augmentation.hpp>
+#include <tactnet/image/transform.hpp>
 
 #include <doctest/doctest.h>
 
