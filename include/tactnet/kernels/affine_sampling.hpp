@@ -166,8 +166,8 @@ private:
                 return where_zero(rest, pixels[0],
                                   fused_multiply_add(rest, pixels[1] - pixels[0], pixels[0]));
             } else {
-                Vector sum = pixels[0] * of[0];
-                unroll<3>([&](auto i) { sum = fused_multiply_add(pixels[i + 1], of[i + 1], sum); });
+                Vector sum(0);
+                unroll<4>([&](auto i) { sum = fused_multiply_add(pixels[i], of[i], sum); });
                 return where_zero(rest, pixels[1], sum);
             }
         }

@@ -73,13 +73,12 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
         });
         each_vector([&](std::size_t begin) {
             const float* const at = from + Axis::table[o].first * FromStride + begin;
+            // From zero on: a compiler that fuses a · b + c · d may choose either product.
             std::array<wide, rows> sums;
+            sums.fill(wide(0));
             unroll<held>([&](auto t) {
                 const wide input = load_anywhere<wide>(at + t * FromStride);
-                unroll<rows>([&](auto r) {
-                    sums[r] =
-                        t == 0 ? input * weights[r][t] : fused_multiply_add(input, weights[r][t], sums[r]);
-                });
+                unroll<rows>([&](auto r) { sums[r] = fused_multiply_add(input, weights[r][t], sums[r]); });
             });
             unroll<rows>([&](auto r) { store_row(o + r, begin, sums[r]); });
         });
@@ -181,7 +180,7 @@ template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToSt
     for (const auto& band : bands::table)
         blocked<Rows, (Rows + blocks - 1) / blocks>([&](auto rows, std::size_t row) {
             std::array<wide, rows> sums;
-            unroll<rows>([&](auto r) { sums[r] = wide(0); });
+            sums.fill(wide(0));
             const float* const source = from + row * FromStride + band.first;
             const float* const weights = bands::weights.data() + band.weights;
             for (std::size_t i = 0; i < band.span; ++i) {

@@ -70,6 +70,17 @@ template <class Vector>
     }
     (std::make_integer_sequence<int, size>{});
 }
+/// Each element of a vector three times, as three vectors.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 3> thrice(const Vector& a) {
+    constexpr int size = static_cast<int>(Vector::size);
+    return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
+        return std::array{Vector(__builtin_shufflevector(a.data, a.data, (I / 3)...)),
+                          Vector(__builtin_shufflevector(a.data, a.data, ((size + I) / 3)...)),
+                          Vector(__builtin_shufflevector(a.data, a.data, ((2 * size + I) / 3)...))};
+    }
+    (std::make_integer_sequence<int, size>{});
+}
 
 #else
 
@@ -108,6 +119,10 @@ template <class Vector>
 template <class Vector>
 [[nodiscard]] inline std::array<Vector, 2> zipped(const Vector& a, const Vector& b) {
     return {a, b};
+}
+template <class Vector>
+[[nodiscard]] inline std::array<Vector, 3> thrice(const Vector& a) {
+    return {a, a, a};
 }
 
 #endif

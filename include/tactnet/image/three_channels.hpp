@@ -1,0 +1,84 @@
+#pragma once
+
+#include <tactnet/kernels/row_vector.hpp>
+#include <tactnet/tensor/batch.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+// A grey image as the three channels that networks trained on photographs take: replicated (the paper's
+// equation 4), less the mean of each channel, written once in the layout that the next layer reads.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// (value − mean) × scale, channel by channel.
+struct channel_normalisation {
+    std::array<float, 3> mean{};
+    std::array<float, 3> scale{1, 1, 1};
+};
+
+/// The shape of an image with its channel three times.
+[[nodiscard]] constexpr shape three_of(shape grey) {
+    return {grey.rows, grey.columns, 3};
+}
+
+/// One channel after the other, as tensors are.
+template <shape Grey>
+[[gnu::flatten]] void to_three_channels(tensor_view<const float, Grey> grey,
+                                        const channel_normalisation& normalise,
+                                        tensor_view<float, three_of(Grey)> to) {
+    static_assert(Grey.channels == 1, "to_three_channels: expected an image of one channel");
+    constexpr std::size_t width = lanes_for<float>(Grey.area());
+    using wide = sized_vector<float, width>;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        const float mean = normalise.mean[channel], scale = normalise.scale[channel];
+        float* const plane = to.data() + channel * Grey.area();
+        if constexpr (Grey.area() < width)
+            for (std::size_t e = 0; e < Grey.area(); ++e)
+                plane[e] = (grey.data()[e] - mean) * scale;
+        else
+            for (std::size_t v = 0; v < row_vectors(Grey.area(), width); ++v) {
+                const std::size_t begin = row_vector_begin(v, Grey.area(), width);
+                store_anywhere(plane + begin,
+                               (load_anywhere<wide>(grey.data() + begin) - wide(mean)) * wide(scale));
+            }
+    }
+}
+
+/// The three channels of a pixel side by side, as deployed networks and most image files are.
+template <shape Grey>
+[[gnu::flatten]] void to_three_channels_last(tensor_view<const float, Grey> grey,
+                                             const channel_normalisation& normalise,
+                                             std::span<float, 3 * Grey.area()> to) {
+    static_assert(Grey.channels == 1, "to_three_channels_last: expected an image of one channel");
+    constexpr std::size_t width = lanes_for<float>(Grey.area()), whole = Grey.area() / width * width;
+    using wide = sized_vector<float, width>;
+    alignas(64) std::array<float, 3 * width> means, scales;
+    for (std::size_t i = 0; i < 3 * width; ++i)
+        means[i] = normalise.mean[i % 3], scales[i] = normalise.scale[i % 3];
+    for (std::size_t begin = 0; begin < whole; begin += width) {
+        const auto values = thrice(load_anywhere<wide>(grey.data() + begin));
+        unroll<3>([&](auto i) {
+            store_anywhere(to.data() + 3 * begin + i * width,
+                           (values[i] - load_as<wide>(means.data() + i * width)) *
+                               load_as<wide>(scales.data() + i * width));
+        });
+    }
+    for (std::size_t i = 3 * whole; i < 3 * Grey.area(); ++i)
+        to[i] = (grey.data()[i / 3] - normalise.mean[i % 3]) * normalise.scale[i % 3];
+}
+
+/// One sample of a batch, as training takes it.
+template <shape Grey, std::size_t Lanes>
+void to_three_channels(tensor_view<const float, Grey> grey, const channel_normalisation& normalise,
+                       batch_view<float, three_of(Grey), Lanes> to, std::size_t sample) {
+    static_assert(Grey.channels == 1, "to_three_channels: expected an image of one channel");
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        for (std::size_t e = 0; e < Grey.area(); ++e)
+            to(sample, channel * Grey.area() + e) =
+                (grey.data()[e] - normalise.mean[channel]) * normalise.scale[channel];
+}
+
+} // namespace tactnet
