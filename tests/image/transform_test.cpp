@@ -1,13 +1,17 @@
 #include <tactnet/image/transform.hpp>
+#include <tactnet/kernels/thread_pool.hpp>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <support/tolerance.hpp>
+#include <vector>
 
 using namespace tactnet;
 
@@ -84,7 +88,7 @@ TEST_CASE("transform_image: gain") {
     const tensor<float, size> to = transformed({.gain = 0.5}, from);
     CHECK(to(3, 4, 1) == count_at(from, 3, 4, 1) / 2);
 }
-TEST_CASE("transform_image: half a turn is both reflections") {
+TEST_CASE("transform_image: almost half a turn is almost both reflections") {
     const double c = std::cos(std::numbers::pi), s = std::sin(std::numbers::pi);
     const counts from = draw_counts();
     const tensor<float, size> turned =
@@ -109,6 +113,213 @@ TEST_CASE("transform_image: a quarter turn of a square turns it to the left or t
     for (const float v : to)
         sum += v;
     CHECK(sum == doctest::Approx(200).epsilon(1e-4));
+}
+
+namespace {
+
+/// The pixel at a place within or beyond an image.
+template <fill Fill, shape Shape>
+double pixel(const tensor<float, Shape>& image, int row, int column) {
+    const int rows = static_cast<int>(Shape.rows), columns = static_cast<int>(Shape.columns);
+    if (Fill == fill::edge)
+        row = std::clamp(row, 0, rows - 1), column = std::clamp(column, 0, columns - 1);
+    if (row < 0 || row >= rows || column < 0 || column >= columns)
+        return 0;
+    return static_cast<double>(image(static_cast<std::size_t>(row), static_cast<std::size_t>(column)));
+}
+/// Weights of the pixels from floor(x) − 1 on, and how fast they change at most.
+std::array<double, 4> weights_of(interpolation kind, double t) {
+    if (kind == interpolation::bilinear)
+        return {0, 1 - t, t, 0};
+    const auto keys = [](double x) {
+        return x <= 1 ? (1.5 * x - 2.5) * x * x + 1 : ((-0.5 * x + 2.5) * x - 4) * x + 2;
+    };
+    return {keys(1 + t), keys(t), keys(1 - t), keys(2 - t)};
+}
+
+/// A transform in double precision. An output may be off by the rounding of its sums and by what positions
+/// are off by: three roundings of numbers no larger than the image and what was added to it; weights change
+/// by no more than 1.5 a pixel.
+template <shape Shape, interpolation Interpolation, fill Fill>
+void check_against_reference(const image_transform& t, const tensor<float, Shape>& image) {
+    tensor<float, Shape> to;
+    transform_image<Shape, Interpolation, Fill>(t, image.view(), to.view());
+    double largest = 0;
+    for (const float value : image)
+        largest = std::max(largest, std::abs(static_cast<double>(value * static_cast<float>(t.gain))));
+    const double u = support::unit_roundoff<float>,
+                 span = static_cast<double>(Shape.rows + Shape.columns) + 8,
+                 bound = (support::accumulated(u, 30) * 2 + support::accumulated(u, 3) * span * 1.5 * 8) *
+                         largest;
+    std::size_t wrong = 0;
+    for (std::size_t y = 0; y < Shape.rows; ++y)
+        for (std::size_t x = 0; x < Shape.columns; ++x) {
+            const double middle_row = (static_cast<double>(Shape.rows) - 1) / 2,
+                         middle_column = (static_cast<double>(Shape.columns) - 1) / 2;
+            const double v = static_cast<double>(y) - middle_row, h = static_cast<double>(x) - middle_column;
+            const double row = t.row_by_row * v + t.row_by_column * h + t.row_shift + middle_row,
+                         column =
+                             t.column_by_row * v + t.column_by_column * h + t.column_shift + middle_column;
+            const double top = std::floor(row), left = std::floor(column);
+            const auto down = weights_of(Interpolation, row - top),
+                       along = weights_of(Interpolation, column - left);
+            double sum = 0;
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j < 4; ++j)
+                    sum += down[static_cast<std::size_t>(i)] * along[static_cast<std::size_t>(j)] *
+                           pixel<Fill>(image, static_cast<int>(top) - 1 + i, static_cast<int>(left) - 1 + j) *
+                           t.gain;
+            wrong += !support::within(static_cast<double>(to(y, x)), {sum, bound});
+        }
+    CHECK_MESSAGE(wrong == 0, Shape.rows << " x " << Shape.columns);
+}
+template <shape Shape>
+void check_drawn(std::uint32_t count) {
+    random_stream random(5, draw::augmentation);
+    tensor<float, Shape> image;
+    for (float& value : image)
+        value = static_cast<float>(random.uniform(-50, 255));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const augmentation_ranges wild{0.5, 0.5, 6, 180, 0.5, 0.5, 0.3};
+        const image_transform t = image_transform::draw(wild, random);
+        check_against_reference<Shape, interpolation::bilinear, fill::zero>(t, image);
+        check_against_reference<Shape, interpolation::bilinear, fill::edge>(t, image);
+        check_against_reference<Shape, interpolation::bicubic, fill::zero>(t, image);
+        check_against_reference<Shape, interpolation::bicubic, fill::edge>(t, image);
+    }
+}
+
+/// With each interpolation and fill, to the bit, whatever the image.
+template <shape Shape, class Where>
+void check_permutation(const image_motion& motion, Where&& where) {
+    tensor<float, Shape> image, to;
+    random_stream random(6, draw::augmentation);
+    for (float& value : image)
+        value = static_cast<float>(random.uniform(-50, 255));
+    image(0, 0) = -0.0f;
+    image(Shape.rows - 1, Shape.columns / 2) = std::numeric_limits<float>::infinity();
+    image(Shape.rows / 2, 0) = std::numeric_limits<float>::quiet_NaN();
+    const auto check = [&] {
+        for (std::size_t y = 0; y < Shape.rows; ++y)
+            for (std::size_t x = 0; x < Shape.columns; ++x) {
+                const auto [row, column] = where(y, x);
+                CHECK(std::bit_cast<std::uint32_t>(to(y, x)) ==
+                      std::bit_cast<std::uint32_t>(image(row, column)));
+            }
+    };
+    const image_transform t = image_transform::of(motion);
+    transform_image<Shape>(t, image.view(), to.view());
+    check();
+    transform_image<Shape, interpolation::bicubic>(t, image.view(), to.view());
+    check();
+    transform_image<Shape, interpolation::bilinear, fill::edge>(t, image.view(), to.view());
+    check();
+    transform_image<Shape, interpolation::bicubic, fill::edge>(t, image.view(), to.view());
+    check();
+}
+template <shape Shape>
+void check_permutations() {
+    constexpr std::size_t bottom = Shape.rows - 1, right = Shape.columns - 1;
+    using at = std::array<std::size_t, 2>;
+    check_permutation<Shape>({}, [](std::size_t y, std::size_t x) { return at{y, x}; });
+    check_permutation<Shape>({.reflect_rows = true}, [](std::size_t y, std::size_t x) {
+        return at{bottom - y, x};
+    });
+    check_permutation<Shape>({.reflect_columns = true}, [](std::size_t y, std::size_t x) {
+        return at{y, right - x};
+    });
+    for (const double half : {180.0, -180.0, 540.0})
+        check_permutation<Shape>({.rotation = half}, [](std::size_t y, std::size_t x) {
+            return at{bottom - y, right - x};
+        });
+    if constexpr (Shape.rows == Shape.columns) {
+        // From down to the right: what was on the left comes to the bottom.
+        for (const double quarter : {90.0, -270.0})
+            check_permutation<Shape>({.rotation = quarter}, [](std::size_t y, std::size_t x) {
+                return at{x, bottom - y};
+            });
+        for (const double quarter : {-90.0, 270.0})
+            check_permutation<Shape>({.rotation = quarter}, [](std::size_t y, std::size_t x) {
+                return at{right - x, y};
+            });
+    }
+}
+
+} // namespace
+
+TEST_CASE("transform_image: any motion, interpolation and fill against double precision") {
+    check_drawn<shape{28, 50}>(20);
+    check_drawn<shape{7, 13}>(20);
+    check_drawn<shape{33, 32}>(5);
+    check_drawn<shape{1, 9}>(20);
+    check_drawn<shape{9, 1}>(20);
+    check_drawn<shape{2, 3}>(20);
+    check_drawn<shape{1, 1}>(20);
+}
+TEST_CASE("transform_image: what moves pixels to pixels changes none of their bits") {
+    check_permutations<shape{28, 50}>();
+    check_permutations<shape{7, 13}>();
+    check_permutations<shape{8, 8}>();
+    check_permutations<shape{5, 5}>();
+    check_permutations<shape{1, 6}>();
+    check_permutations<shape{6, 1}>();
+    check_permutations<shape{1, 1}>();
+}
+TEST_CASE("transform_image: the edge goes on where the image does not") {
+    tensor<float, shape{3, 4}> image, to;
+    for (std::size_t e = 0; e < image.size(); ++e)
+        image.data()[e] = static_cast<float>(e + 1);
+    transform_image<shape{3, 4}, interpolation::bicubic, fill::edge>({.row_shift = -40, .column_shift = 40},
+                                                                     image.view(), to.view());
+    CHECK(std::all_of(to.begin(), to.end(), [](float v) { return v == 4; }));
+}
+TEST_CASE("transform_image: NaN reaches the outputs that weigh it") {
+    tensor<float, shape{9, 11}> image, to;
+    image(4, 5) = std::numeric_limits<float>::quiet_NaN();
+    transform_image<shape{9, 11}>({.column_shift = 0.25}, image.view(), to.view());
+    for (std::size_t y = 0; y < 9; ++y)
+        for (std::size_t x = 0; x < 11; ++x)
+            CHECK(std::isnan(to(y, x)) == (y == 4 && (x == 4 || x == 5)));
+}
+TEST_CASE("transform_image: a map that is not a number is no crash") {
+    tensor<float, shape{9, 11}> image, to;
+    const double broken = std::numeric_limits<double>::quiet_NaN();
+    transform_image<shape{9, 11}>({.row_by_column = broken, .column_shift = broken}, image.view(), to.view());
+    CHECK(std::all_of(to.begin(), to.end(), [](float v) { return v == 0; }));
+}
+TEST_CASE("transform_image: the same bits on any number of threads, and in place") {
+    constexpr shape size{28, 50};
+    constexpr std::size_t count = 50;
+    const auto all = [&](std::size_t threads) {
+        std::vector<tensor<float, size>> images(count);
+        thread_pool(threads).for_each(count, [&](std::size_t i) {
+            random_stream random(1, draw::augmentation, 7, static_cast<std::uint32_t>(i));
+            for (float& value : images[i])
+                value = static_cast<float>(random.uniform(0, 255));
+            const image_transform t = image_transform::draw({0.5, 0.5, 4, 15, 0.1, 0.3, 0.1}, random);
+            if (threads == 1) {
+                const auto from = images[i];
+                transform_image<size>(t, from.view(), images[i].view());
+            } else {
+                transform_image<size>(t, images[i].view(), images[i].view());
+            }
+        });
+        return images;
+    };
+    const auto one = all(1), three = all(3);
+    for (std::size_t i = 0; i < count; ++i)
+        CHECK(std::equal(one[i].begin(), one[i].end(), three[i].begin()));
+}
+
+TEST_CASE("image_transform: a motion and then its map lead back") {
+    const image_motion m{true, false, 0.25, 1.5, 30, 2, -3, 1};
+    const image_transform t = image_transform::of(m);
+    // Reflected, sheared, resized, turned, moved: where the pixel (1, 2) from the centre goes.
+    const double row = -1, column = 2 + 0.25 * -row * -1; // a row above moves to the other side
+    const double angle = std::numbers::pi / 6, c = 1.5 * std::cos(angle), s = 1.5 * std::sin(angle);
+    const double to_row = c * row - s * column + 2, to_column = s * row + c * column - 3;
+    CHECK(t.row_by_row * to_row + t.row_by_column * to_column + t.row_shift == doctest::Approx(1));
+    CHECK(t.column_by_row * to_row + t.column_by_column * to_column + t.column_shift == doctest::Approx(2));
 }
 
 TEST_CASE("image_transform::draw: within the ranges, reaching near their ends") {

@@ -70,7 +70,7 @@ private:
         return all;
     }();
 
-    /// The place of the first pixel in `pairs` and the rest of each position in a row of outputs.
+    /// The place in `pairs` of the first pixel to weigh and the rest of each position in a row of outputs.
     static void find_positions(const affine_positions& map, std::size_t y, std::size_t at, buffers& memory) {
         constexpr std::size_t width = row_lanes<float>(Columns);
         using wide = sized_vector<float, width>;
@@ -79,9 +79,8 @@ private:
                                std::size_t begin) {
             const wide position = fused_multiply_add(wide(static_cast<float>(by_column)),
                                                      load_anywhere<wide>(&from_centre[begin]),
-                                                     wide(static_cast<float>(start + by_row * v + before)));
-            return kept_within(position, wide(static_cast<float>(before - reach)),
-                               wide(static_cast<float>(before + size - 1 + reach)));
+                                                     wide(static_cast<float>(start + by_row * v + reach)));
+            return kept_within(position, wide(0), wide(static_cast<float>(size - 1 + 2 * reach)));
         };
         for (std::size_t i = 0; i < row_vectors(Columns, width); ++i) {
             const std::size_t begin = row_vector_begin(i, Columns, width);
@@ -111,10 +110,9 @@ private:
 
     template <std::size_t Count>
     static void copy_pixels(buffers& memory) {
-        const float* const corner = memory.pairs.data() - 2 * (reach - 1) * (stride + 1);
         blocked<Count, 8>([&](auto count, std::size_t begin) {
             unroll<count>([&](auto i) {
-                const float* const first = corner + memory.first[begin + i];
+                const float* const first = memory.pairs.data() + memory.first[begin + i];
                 unroll<reach>([&](auto pair) {
                     std::memcpy(&memory.pixels[pair][2 * Taps * (begin + i)], first + 4 * pair * stride,
                                 2 * Taps * sizeof(float));
