@@ -54,16 +54,19 @@ template <shape Shape, interpolation Interpolation, fill Fill, class Count>
 void transform_image(const image_transform& t, const Count* from, float* to) {
     static_assert(Shape.size() > 0,
                   "transform_image: there must be at least one row, one column and one channel");
-    using sampling =
-        affine_sampling<Shape.rows, Shape.columns, Interpolation == interpolation::bilinear ? 2 : 4>;
-    const affine_positions positions{
-        t.row_shift + (static_cast<double>(Shape.rows) - 1) / 2,       t.row_by_row,    t.row_by_column,
-        t.column_shift + (static_cast<double>(Shape.columns) - 1) / 2, t.column_by_row, t.column_by_column};
-    alignas(alignment) std::array<float, sampling::padded_rows * sampling::stride> padded;
-    for (std::size_t channel = 0; channel < Shape.channels; ++channel) {
-        pad_image<Shape, sampling, Fill>(from + channel * Shape.area(), static_cast<float>(t.gain),
-                                         padded.data());
-        sampling::run(positions, padded.data(), to + channel * Shape.area());
+    if constexpr (Shape.size() > 0) { // or the compiler goes on to say what else does not fit
+        using sampling =
+            affine_sampling<Shape.rows, Shape.columns, Interpolation == interpolation::bilinear ? 2 : 4>;
+        constexpr double middle_row = static_cast<double>(Shape.rows - 1) / 2,
+                         middle_column = static_cast<double>(Shape.columns - 1) / 2;
+        const affine_positions positions{t.row_shift + middle_row,       t.row_by_row,    t.row_by_column,
+                                         t.column_shift + middle_column, t.column_by_row, t.column_by_column};
+        alignas(alignment) std::array<float, sampling::padded_rows * sampling::stride> padded;
+        for (std::size_t channel = 0; channel < Shape.channels; ++channel) {
+            pad_image<Shape, sampling, Fill>(from + channel * Shape.area(), static_cast<float>(t.gain),
+                                             padded.data());
+            sampling::run(positions, padded.data(), to + channel * Shape.area());
+        }
     }
 }
 
