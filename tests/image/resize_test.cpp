@@ -187,7 +187,7 @@ TEST_CASE_TEMPLATE("resize: weights sum to one", Kernel, keys<>, opencv_cubic, p
             for (const float w : output.weights)
                 sum += static_cast<double>(w), size += std::abs(static_cast<double>(w));
             CHECK(std::abs(sum - 1) <= support::unit_roundoff<float> * size + 1e-15);
-            CHECK(output.first + output.count <= From);
+            CHECK(output.first + output.weights.size() <= From);
         }
     };
     check(resize_axis<Kernel, 28, 227>{});
@@ -243,7 +243,7 @@ TEST_CASE_TEMPLATE("resize: NaN and infinity reach the outputs that weigh them, 
         for (std::size_t y = 0; y < to.rows; ++y)
             for (std::size_t x = 0; x < to.columns; ++x) {
                 const auto holds = [](const auto& taps, std::size_t input) {
-                    return input >= taps.first && input < taps.first + taps.count &&
+                    return input >= taps.first && input < taps.first + taps.weights.size() &&
                            taps.weights[input - taps.first] != 0;
                 };
                 const bool reached = holds(resize_axis<Kernel, from.rows, to.rows>::table[y], row) &&

@@ -35,28 +35,29 @@ struct resize_plan {
     static constexpr bool down_first =
         down_cost(From.columns) + along_cost(To.rows) <= along_cost(From.rows) + down_cost(To.columns);
 
-    static constexpr std::size_t middle_rows = down_first ? To.rows : From.rows;
-    static constexpr std::size_t middle_columns = down_first ? From.columns : To.columns;
-    static constexpr std::size_t middle_size = middle_rows * middle_columns + lanes<float>;
     // Vectors read a whole one even where a row is shorter.
     static constexpr bool readable = From.columns >= fewest_lanes<float>;
 
     static void run(const float* from, float* to) {
+        // Vectors of outputs multiply inputs that not all of them weigh. That is harmless where all products
+        // are numbers.
+        constexpr bool has_gaps = down::has_gaps || along::has_gaps || lanes<float> != 1;
+        if (!has_gaps || all_addable<From.area()>(from))
+            run<false>(from, to);
+        else
+            run<true>(from, to);
+    }
+    template <bool Guarded>
+    static void run(const float* from, float* to) {
         if constexpr (down_first) {
-            alignas(alignment) std::array<float, middle_size> middle;
-            choose_guard<down::has_gaps, From.area()>(from, [&](auto guarded) {
-                resample_down<down, From.columns, From.columns, From.columns, guarded>(from, middle.data());
-            });
-            choose_guard<has_gaps_along, middle_rows * middle_columns>(middle.data(), [&](auto guarded) {
-                resample_along<along, To.rows, From.columns, To.columns, guarded>(middle.data(), to);
-            });
+            alignas(alignment) std::array<float, To.rows * From.columns + lanes<float>> middle;
+            resample_down<down, From.columns, From.columns, From.columns, Guarded>(from, middle.data());
+            resample_along<along, To.rows, From.columns, To.columns, Guarded>(middle.data(), to);
         } else {
             constexpr std::size_t stride = padded_size<float>(To.columns);
             alignas(alignment) std::array<float, From.rows * stride> middle;
-            choose_guard<has_gaps_along || down::has_gaps, From.area()>(from, [&](auto guarded) {
-                resample_along<along, From.rows, From.columns, stride, guarded>(from, middle.data());
-                resample_down<down, To.columns, stride, To.columns, guarded>(middle.data(), to);
-            });
+            resample_along<along, From.rows, From.columns, stride, Guarded>(from, middle.data());
+            resample_down<down, To.columns, stride, To.columns, Guarded>(middle.data(), to);
         }
     }
     template <class Count>
@@ -73,18 +74,6 @@ struct resize_plan {
                 run(numbers.data(), result);
             }
         }
-    }
-
-private:
-    // Vectors of outputs multiply inputs that not all of them weigh.
-    static constexpr bool has_gaps_along = along::has_gaps || lanes<float> > 1;
-
-    template <bool HasGaps, std::size_t Count, class Pass>
-    static void choose_guard(const float* from, Pass&& pass) {
-        if (!HasGaps || all_addable<Count>(from))
-            pass(std::false_type{});
-        else
-            pass(std::true_type{});
     }
 };
 

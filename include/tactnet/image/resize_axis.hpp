@@ -72,7 +72,7 @@ private:
     }();
 
 public:
-    /// The largest count.
+    /// Taps of every output: the largest count. Outputs with fewer have weights of zero among theirs.
     static constexpr std::size_t taps = [] {
         std::size_t most = 0;
         for (const auto& each : exact)
@@ -81,24 +81,23 @@ public:
     }();
 
     struct output {
-        std::size_t first, count;
+        std::size_t first;
         std::array<float, taps> weights;
     };
     static constexpr std::array<output, To> table = [] {
         std::array<output, To> all{};
         for (std::size_t o = 0; o < To; ++o) {
-            all[o].first = exact[o].first;
-            all[o].count = exact[o].count;
+            all[o].first = std::min(exact[o].first, From - taps);
             for (std::size_t t = 0; t < exact[o].count; ++t)
-                all[o].weights[t] = static_cast<float>(exact[o].weights[t]);
+                all[o].weights[exact[o].first + t - all[o].first] = static_cast<float>(exact[o].weights[t]);
         }
         return all;
     }();
-    /// Whether some output has a weight of zero between others.
+    /// Whether some weight is zero.
     static constexpr bool has_gaps = [] {
         for (const output& each : table)
-            for (std::size_t t = 0; t < each.count; ++t)
-                if (each.weights[t] == 0)
+            for (const float weight : each.weights)
+                if (weight == 0)
                     return true;
         return false;
     }();

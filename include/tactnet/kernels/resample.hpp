@@ -9,8 +9,8 @@
 #include <cstdint>
 
 // The two passes of a separable resize whose weights are tables known when compiling. An `Axis` (see
-// image/resize_axis.hpp) tells `inputs`, `outputs`, `taps` and, in `table`, the first input, the number and
-// the weights of each output's taps.
+// image/resize_axis.hpp) tells `inputs`, `outputs`, `taps` and, in `table`, the first input and the weights
+// of each output's taps.
 //
 // Down the rows, whole rows are multiplied by a weight and added. Along the rows, a vector of outputs is the
 // sum over all inputs that any of them needs, each spread over the lanes and multiplied by a vector of
@@ -39,11 +39,11 @@ template <std::size_t Count>
 }
 
 namespace detail {
-/// Outputs from `first` on, at most `most`, whose taps are the same inputs, `taps` of them.
+/// How many outputs from `first` on have the same inputs as taps, `most` at most.
 template <class Axis>
-[[nodiscard]] std::size_t outputs_alike(std::size_t first, std::size_t most, std::size_t taps) {
-    std::size_t count = 0;
-    while (count < most && first + count < Axis::outputs && Axis::table[first + count].count == taps &&
+[[nodiscard]] std::size_t outputs_alike(std::size_t first, std::size_t most) {
+    std::size_t count = 1;
+    while (count < most && first + count < Axis::outputs &&
            Axis::table[first + count].first == Axis::table[first].first)
         ++count;
     return count;
@@ -63,49 +63,45 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
     const auto store_row = [&](std::size_t o, std::size_t begin, const wide& values) {
         store_in_row<Columns, width>(to + o * ToStride + begin, values);
     };
-    // Neighbours with the same taps are computed together, so that these are loaded once.
-    constexpr std::size_t held = Axis::taps <= vector_registers / 2 ? Axis::taps : 0;
-    constexpr std::size_t most = held > 0 ? std::max<std::size_t>(vector_registers / 2 / held, 1) : 0;
-    const auto together = [&](auto rows, std::size_t o) {
-        std::array<std::array<wide, held>, rows> weights;
-        unroll<rows>([&](auto r) {
-            unroll<held>([&](auto t) { weights[r][t] = wide(Axis::table[o + r].weights[t]); });
-        });
-        each_vector([&](std::size_t begin) {
-            const float* const at = from + Axis::table[o].first * FromStride + begin;
-            // From zero on: a compiler that fuses a · b + c · d may choose either product.
-            std::array<wide, rows> sums;
-            sums.fill(wide(0));
-            unroll<held>([&](auto t) {
-                const wide input = load_anywhere<wide>(at + t * FromStride);
-                unroll<rows>([&](auto r) { sums[r] = fused_multiply_add(input, weights[r][t], sums[r]); });
+    if constexpr (Guarded || 2 * Axis::taps > vector_registers) {
+        for (std::size_t o = 0; o < Axis::outputs; ++o) {
+            const auto& taps = Axis::table[o];
+            each_vector([&](std::size_t begin) {
+                const float* const at = from + taps.first * FromStride + begin;
+                wide sum(0);
+                for (std::size_t t = 0; t < Axis::taps; ++t)
+                    if (!Guarded || taps.weights[t] != 0)
+                        sum = fused_multiply_add(load_anywhere<wide>(at + t * FromStride),
+                                                 wide(taps.weights[t]), sum);
+                store_row(o, begin, sum);
             });
-            unroll<rows>([&](auto r) { store_row(o + r, begin, sums[r]); });
-        });
-        return rows();
-    };
-    const auto alone = [&](std::size_t o) {
-        const auto& taps = Axis::table[o];
-        each_vector([&](std::size_t begin) {
-            const float* const at = from + taps.first * FromStride + begin;
-            wide sum(0);
-            for (std::size_t t = 0; t < taps.count; ++t)
-                if (!Guarded || taps.weights[t] != 0)
-                    sum = fused_multiply_add(load_anywhere<wide>(at + t * FromStride), wide(taps.weights[t]),
-                                             sum);
-            store_row(o, begin, sum);
-        });
-        return std::size_t{1};
-    };
-    for (std::size_t o = 0; o < Axis::outputs;) {
-        const std::size_t alike = Guarded ? 0 : detail::outputs_alike<Axis>(o, most, held);
-        if constexpr (!Guarded && held > 0) {
-            if (alike > 0) {
-                o += most > 1 && alike == most ? together(constant<most>{}, o) : together(constant<1>{}, o);
-                continue;
-            }
         }
-        o += alone(o);
+    } else {
+        const auto together = [&](auto rows, std::size_t o) {
+            std::array<std::array<wide, Axis::taps>, rows> weights;
+            unroll<rows>([&](auto r) {
+                unroll<Axis::taps>([&](auto t) { weights[r][t] = wide(Axis::table[o + r].weights[t]); });
+            });
+            each_vector([&](std::size_t begin) {
+                const float* const at = from + Axis::table[o].first * FromStride + begin;
+                // From zero on: a compiler that fuses a · b + c · d may choose either product.
+                std::array<wide, rows> sums;
+                unroll<rows>([&](auto r) { sums[r] = wide(0); });
+                unroll<Axis::taps>([&](auto t) {
+                    const wide input = load_anywhere<wide>(at + t * FromStride);
+                    unroll<rows>(
+                        [&](auto r) { sums[r] = fused_multiply_add(input, weights[r][t], sums[r]); });
+                });
+                unroll<rows>([&](auto r) { store_row(o + r, begin, sums[r]); });
+            });
+        };
+        // Neighbours with the same taps are computed together, so that these are loaded once.
+        constexpr std::size_t most = vector_registers / 2 / Axis::taps;
+        for (std::size_t o = 0; o < Axis::outputs;)
+            if (detail::outputs_alike<Axis>(o, most) == most)
+                together(constant<most>{}, o), o += most;
+            else
+                together(constant<1>{}, o), ++o;
     }
 }
 
@@ -126,8 +122,12 @@ struct weight_bands {
             each.outputs = std::min(Lanes, Axis::outputs);
             std::size_t end = 0;
             for (std::size_t o = each.begin; o < each.begin + each.outputs; ++o) {
-                each.first = std::min(each.first, Axis::table[o].first);
-                end = std::max(end, Axis::table[o].first + Axis::table[o].count);
+                const auto& taps = Axis::table[o];
+                for (std::size_t t = 0; t < Axis::taps; ++t)
+                    if (taps.weights[t] != 0) {
+                        each.first = std::min(each.first, taps.first + t);
+                        end = std::max(end, taps.first + t + 1);
+                    }
             }
             each.span = end - each.first;
             each.weights = total * Lanes;
@@ -145,8 +145,9 @@ struct weight_bands {
         for (const band& each : table)
             for (std::size_t lane = 0; lane < each.outputs; ++lane) {
                 const auto& taps = Axis::table[each.begin + lane];
-                for (std::size_t t = 0; t < taps.count; ++t)
-                    all[each.weights + (taps.first + t - each.first) * Lanes + lane] = taps.weights[t];
+                for (std::size_t t = 0; t < Axis::taps; ++t)
+                    if (taps.weights[t] != 0)
+                        all[each.weights + (taps.first + t - each.first) * Lanes + lane] = taps.weights[t];
             }
         return all;
     }();
@@ -180,7 +181,7 @@ template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToSt
     for (const auto& band : bands::table)
         blocked<Rows, (Rows + blocks - 1) / blocks>([&](auto rows, std::size_t row) {
             std::array<wide, rows> sums;
-            sums.fill(wide(0));
+            unroll<rows>([&](auto r) { sums[r] = wide(0); });
             const float* const source = from + row * FromStride + band.first;
             const float* const weights = bands::weights.data() + band.weights;
             for (std::size_t i = 0; i < band.span; ++i) {

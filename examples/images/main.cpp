@@ -1,0 +1,143 @@
+// Shows one tactile image at the paper's resolutions and after each augmentation, in one PNG file. Takes an
+// image, or a folder with one subfolder of images a class, of which it shows the one with the most to see.
+
+#include <tactnet/image.hpp>
+#include <tactnet/io/image_folder.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <decode_image.hpp>
+#include <exception>
+#include <filesystem>
+#include <vector>
+
+namespace {
+
+using tactnet::shape;
+
+constexpr shape full{28, 50};
+using frame = tactnet::tensor<float, full>;
+
+/// Pictures in a grid on white.
+class sheet {
+public:
+    sheet(std::size_t rows, std::size_t columns) : rows_(rows), columns_(columns) {
+        pixels_.assign(height() * width(), 255);
+    }
+    [[nodiscard]] std::size_t height() const { return rows_ * (cell_height + gap) + gap; }
+    [[nodiscard]] std::size_t width() const { return columns_ * (cell_width + gap) + gap; }
+    [[nodiscard]] const std::vector<std::uint8_t>& pixels() const { return pixels_; }
+
+    /// Any size is drawn as large as the others, tactel by tactel; contact in dark, light touches lifted.
+    template <shape Shape>
+    void show(std::size_t row, std::size_t column, const tactnet::tensor<float, Shape>& counts) {
+        for (std::size_t y = 0; y < cell_height; ++y)
+            for (std::size_t x = 0; x < cell_width; ++x) {
+                const float count = counts(y * Shape.rows / cell_height, x * Shape.columns / cell_width);
+                pixels_[(gap + row * (cell_height + gap) + y) * width() + gap + column * (cell_width + gap) +
+                        x] = static_cast<std::uint8_t>(240 - tactnet::to_count(count) * 240 / 255);
+            }
+    }
+
+private:
+    static constexpr std::size_t zoom = 4, gap = 8, cell_height = full.rows * zoom,
+                                 cell_width = full.columns * zoom;
+    std::size_t rows_, columns_;
+    std::vector<std::uint8_t> pixels_;
+};
+
+/// The image as it is, or brought to the size of the paper's sensor.
+frame load(const std::filesystem::path& file) {
+    const tactnet::grey_image image = decode_image(file);
+    const auto pixels =
+        tactnet::resize_bicubic(image.pixels, image.rows, image.columns, full.rows, full.columns);
+    frame counts;
+    std::copy(pixels.begin(), pixels.end(), counts.begin());
+    return counts;
+}
+
+/// How much the counts of an image differ.
+double variance(const frame& counts) {
+    double sum = 0, squares = 0;
+    for (const float count : counts) {
+        sum += static_cast<double>(count);
+        squares += static_cast<double>(count * count);
+    }
+    constexpr auto size = static_cast<double>(full.size());
+    return squares / size - sum / size * sum / size;
+}
+
+/// The image of a folder with the most to see.
+frame find(const std::filesystem::path& folder) {
+    frame most;
+    for (const auto& file : tactnet::list_image_folder(folder).files) {
+        const frame counts = load(file.path);
+        if (variance(counts) > variance(most))
+            most = counts;
+    }
+    return most;
+}
+
+template <shape Shape>
+void show_resized(sheet& page, std::size_t column, const frame& counts) {
+    tactnet::tensor<float, Shape> small;
+    tactnet::resize<full, Shape>(counts.view(), small.view());
+    page.show(0, column, small);
+}
+
+void show_moved(sheet& page, std::size_t place, const frame& counts, const tactnet::image_motion& motion) {
+    frame moved;
+    tactnet::transform_image<full>(tactnet::image_transform::of(motion), counts.view(), moved.view());
+    page.show(1 + place / 5, place % 5, moved);
+}
+
+sheet draw(const frame& counts) {
+    sheet page(3, 5);
+    show_resized<shape{28, 50}>(page, 0, counts);
+    show_resized<shape{20, 35}>(page, 1, counts);
+    show_resized<shape{14, 25}>(page, 2, counts);
+    show_resized<shape{10, 18}>(page, 3, counts);
+    show_resized<shape{7, 13}>(page, 4, counts);
+
+    show_moved(page, 0, counts, {.reflect_rows = true});
+    show_moved(page, 1, counts, {.reflect_columns = true});
+    show_moved(page, 2, counts, {.rotation = 10});
+    show_moved(page, 3, counts, {.row_shift = 3, .column_shift = -3});
+    show_moved(page, 4, counts, {.zoom = 1.2});
+    show_moved(page, 5, counts, {.shear = 0.3});
+    show_moved(page, 6, counts, {.pressure = 0.6});
+
+    frame noisy = counts;
+    tactnet::add_noise<full>({.additive = 4, .relative = 0.1},
+                             tactnet::random_stream(1, tactnet::draw::noise), noisy.view());
+    page.show(2, 2, noisy);
+
+    // All at once, drawn from ranges: what a training sees.
+    for (std::uint32_t sample = 0; sample < 2; ++sample) {
+        tactnet::random_stream random(1, tactnet::draw::augmentation, 0, sample);
+        show_moved(page, 8 + sample, counts,
+                   tactnet::image_motion::draw({0.5, 0.5, 4, 15, 0.1, 0.3, 0.2}, random));
+    }
+    return page;
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    if (count != 3) {
+        std::fprintf(stderr, "images: expected an image or a folder of images, then the PNG file to write\n");
+        return 2;
+    }
+    try {
+        const std::filesystem::path source = arguments[1];
+        const sheet page = draw(std::filesystem::is_directory(source) ? find(source) : load(source));
+        write_png(arguments[2], page.height(), page.width(), page.pixels());
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "images: %s\n", error.what());
+        return 2;
+    }
+    return 0;
+}
