@@ -288,10 +288,10 @@ TEST_CASE("transform_image: a map that is not a number is no crash") {
     CHECK(std::all_of(to.begin(), to.end(), [](float v) { return v == 0; }));
 }
 TEST_CASE("transform_image: the same bits on any number of threads, and in place") {
-    constexpr shape size{28, 50};
+    constexpr shape sensor{28, 50};
     constexpr std::size_t count = 50;
     const auto all = [&](std::size_t threads) {
-        std::vector<tensor<float, size>> images(count);
+        std::vector<tensor<float, sensor>> images(count);
         thread_pool(threads).for_each(count, [&](std::size_t i) {
             random_stream random(1, draw::augmentation, 7, static_cast<std::uint32_t>(i));
             for (float& value : images[i])
@@ -299,9 +299,9 @@ TEST_CASE("transform_image: the same bits on any number of threads, and in place
             const image_transform t = image_transform::draw({0.5, 0.5, 4, 15, 0.1, 0.3, 0.1}, random);
             if (threads == 1) {
                 const auto from = images[i];
-                transform_image<size>(t, from.view(), images[i].view());
+                transform_image<sensor>(t, from.view(), images[i].view());
             } else {
-                transform_image<size>(t, images[i].view(), images[i].view());
+                transform_image<sensor>(t, images[i].view(), images[i].view());
             }
         });
         return images;

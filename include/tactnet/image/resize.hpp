@@ -40,12 +40,20 @@ struct resize_plan {
 
     static void run(const float* from, float* to) {
         // Vectors of outputs multiply inputs that not all of them weigh. That is harmless where all products
-        // are numbers.
+        // are numbers: if all inputs are and are not too large, or else if all outputs are.
         constexpr bool has_gaps = down::has_gaps || along::has_gaps || lanes<float> != 1;
-        if (!has_gaps || all_addable<From.area()>(from))
+        if constexpr (!has_gaps) {
             run<false>(from, to);
-        else
-            run<true>(from, to);
+        } else if constexpr (From.area() <= To.area()) {
+            if (all_addable<From.area()>(from))
+                run<false>(from, to);
+            else
+                run<true>(from, to);
+        } else {
+            run<false>(from, to);
+            if (!all_addable<To.area()>(to))
+                run<true>(from, to);
+        }
     }
     template <bool Guarded>
     static void run(const float* from, float* to) {
