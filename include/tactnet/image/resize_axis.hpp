@@ -8,8 +8,7 @@
 #include <vector>
 
 // The taps of every output along one direction: a table when sizes are known when compiling, else made once a
-// call. Taps of weight zero at the ends are not there; those in between are never multiplied (an input that
-// is not a number reaches only the outputs that weigh it).
+// call. An input that an output weighs by zero is no tap of it: if it is not a number, the output still is.
 
 namespace tactnet::inline TACTNET_ARCH {
 

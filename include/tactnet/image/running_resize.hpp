@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/image/resize.hpp>
+#include <tactnet/image/resize_axis.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -147,8 +147,8 @@ unzipped(const std::array<Vector, Ways>& sequence) {
     }
 }
 
-/// Where the vectors of `Lanes` elements along `count` of them begin. The last one reaches back over its
-/// neighbour, so that none reaches beyond the end; if there are fewer than `Lanes`, it does nevertheless.
+/// How many vectors cover `count` elements, and where each begins. The last one reaches back over its
+/// neighbour, so that none reaches beyond the end, unless there are fewer elements than lanes.
 [[nodiscard]] constexpr std::size_t row_vectors(std::size_t count, std::size_t lanes_of_one) {
     return (count + lanes_of_one - 1) / lanes_of_one;
 }
