@@ -58,12 +58,14 @@ struct resize_plan {
     template <bool Guarded>
     static void run(const float* from, float* to) {
         if constexpr (down_first) {
-            alignas(alignment) std::array<float, To.rows * From.columns + lanes<float>> middle;
+            alignas(alignment) std::array<float, To.rows * From.columns> middle;
             resample_down<down, From.columns, From.columns, From.columns, Guarded>(from, middle.data());
             resample_along<along, To.rows, From.columns, To.columns, Guarded>(middle.data(), to);
         } else {
             constexpr std::size_t stride = padded_size<float>(To.columns);
             alignas(alignment) std::array<float, From.rows * stride> middle;
+            if constexpr (To.columns < fewest_lanes<float>) // vectors read the whole stride
+                middle.fill(0);
             resample_along<along, From.rows, From.columns, stride, Guarded>(from, middle.data());
             resample_down<down, To.columns, stride, To.columns, Guarded>(middle.data(), to);
         }

@@ -41,6 +41,8 @@ public:
         static_assert(2 * padded_rows * stride < (1u << 24),
                       "positions are whole numbers in single precision");
         buffers memory;
+        if constexpr (Rows * Columns < fewest_lanes<float>) // vectors read on behind the last position
+            memory = {};
         pair_rows(padded, memory.pairs.data());
         blocked<Rows, rows_at_once>([&](auto rows, std::size_t first) {
             for (std::size_t y = 0; y < rows; ++y)

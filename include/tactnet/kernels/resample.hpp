@@ -176,8 +176,9 @@ template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToSt
     using bands = cheapest_bands<Axis>;
     constexpr std::size_t width = bands::weights.size() / bands::products;
     using wide = sized_vector<float, width>;
-    // As many rows at a time as registers hold, in blocks of about the same size.
-    constexpr std::size_t most = vector_registers - 4, blocks = (Rows + most - 1) / most;
+    // As many rows at a time as registers hold and as hide the latency, in blocks of about the same size.
+    constexpr std::size_t most = std::min<std::size_t>(vector_registers - 4, 14),
+                          blocks = (Rows + most - 1) / most;
     for (const auto& band : bands::table)
         blocked<Rows, (Rows + blocks - 1) / blocks>([&](auto rows, std::size_t row) {
             std::array<wide, rows> sums;
