@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
+#include <type_traits>
 
 // The two passes of a separable resize whose weights are tables known when compiling. An `Axis` (see
 // image/resize_axis.hpp) tells `inputs`, `outputs`, `taps` and, in `table`, the first input and the weights

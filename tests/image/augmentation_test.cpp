@@ -1,0 +1,98 @@
+#include <tactnet/image/augmentation.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+
+using namespace tactnet;
+
+TEST_CASE("image_transform: a motion and then its map lead back") {
+    const image_motion m{true, false, 0.25, 1.5, 30, 2, -3, 1};
+    const image_transform t = image_transform::of(m);
+    // Reflected, sheared, resized, turned, moved: where the pixel (1, 2) from the centre goes.
+    const double row = -1, column = 2 + 0.25 * -row * -1; // a row above moves to the other side
+    const double angle = std::numbers::pi / 6, c = 1.5 * std::cos(angle), s = 1.5 * std::sin(angle);
+    const double to_row = c * row - s * column + 2, to_column = s * row + c * column - 3;
+    CHECK(t.row_by_row * to_row + t.row_by_column * to_column + t.row_shift == doctest::Approx(1));
+    CHECK(t.column_by_row * to_row + t.column_by_column * to_column + t.column_shift == doctest::Approx(2));
+}
+
+TEST_CASE("image_transform::draw: within the ranges, reaching near their ends") {
+    augmentation_ranges ranges{.reflect_rows = 0.5,
+                               .reflect_columns = 0.25,
+                               .translation = 3,
+                               .rotation = 10,
+                               .scale = 0.2,
+                               .pressure = 0.5};
+    double angle = 0, zoom_low = 9, zoom_high = 0, shift = 0, gain_low = 9, gain_high = 0;
+    int upside_down = 0, exchanged = 0;
+    constexpr int n = 4000;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        random_stream random(1, draw::augmentation, 0, i);
+        const image_transform t = image_transform::draw(ranges, random);
+        // The map back has the determinant ± 1 / zoom².
+        const double determinant = t.row_by_row * t.column_by_column - t.row_by_column * t.column_by_row;
+        const double zoom = 1 / std::sqrt(std::abs(determinant));
+        zoom_low = std::min(zoom_low, zoom), zoom_high = std::max(zoom_high, zoom);
+        angle = std::max(angle, std::abs(std::atan2(t.row_by_column, t.row_by_row)) < 1.6
+                                    ? std::abs(std::atan2(t.row_by_column, t.row_by_row))
+                                    : std::numbers::pi - std::abs(std::atan2(t.row_by_column, t.row_by_row)));
+        upside_down += t.row_by_row < 0, exchanged += t.column_by_column < 0;
+        gain_low = std::min(gain_low, t.gain), gain_high = std::max(gain_high, t.gain);
+        // Where the centre goes: the shift that is undone by the map.
+        const double row =
+            -(t.column_by_column * t.row_shift - t.row_by_column * t.column_shift) / determinant;
+        const double column = -(t.row_by_row * t.column_shift - t.column_by_row * t.row_shift) / determinant;
+        CHECK(std::abs(row) <= 3 + 1e-12);
+        CHECK(std::abs(column) <= 3 + 1e-12);
+        shift = std::max({shift, std::abs(row), std::abs(column)});
+    }
+    CHECK(angle <= 10 * std::numbers::pi / 180 + 1e-12);
+    CHECK(angle > 9.9 * std::numbers::pi / 180);
+    CHECK(shift > 2.97);
+    CHECK((zoom_low >= 1 / 1.2 - 1e-12 && zoom_low < 0.84 && zoom_high <= 1.2 + 1e-12 && zoom_high > 1.19));
+    CHECK((gain_low >= 1 / 1.5 - 1e-12 && gain_low < 0.67 && gain_high <= 1.5 + 1e-12 && gain_high > 1.49));
+    CHECK(std::abs(upside_down - n / 2) < 5 * std::sqrt(n * 0.25));
+    CHECK(std::abs(exchanged - n / 4) < 5 * std::sqrt(n * 0.1875));
+}
+
+TEST_CASE(
+    "image_transform::draw: the same for the same seed, epoch and sample; nothing to draw changes nothing") {
+    const augmentation_ranges ranges = augmentation_ranges::published(28, 50);
+    const auto drawn = [&](std::uint64_t seed, std::uint32_t epoch, std::uint32_t sample) {
+        random_stream random(seed, draw::augmentation, epoch, sample);
+        const image_transform t = image_transform::draw(ranges, random);
+        return std::array{t.row_by_row,       t.row_by_column, t.row_shift, t.column_by_row,
+                          t.column_by_column, t.column_shift,  t.gain};
+    };
+    CHECK(drawn(1, 2, 3) == drawn(1, 2, 3));
+    CHECK(drawn(1, 2, 3) != drawn(2, 2, 3));
+    CHECK(drawn(1, 2, 3) != drawn(1, 3, 3));
+    CHECK(drawn(1, 2, 3) != drawn(1, 2, 4));
+    random_stream random(1, draw::augmentation);
+    const image_transform t = image_transform::draw({}, random);
+    CHECK(std::array{t.row_by_row, t.column_by_column, t.gain} == std::array{1.0, 1.0, 1.0});
+    CHECK(std::array{t.row_by_column, t.column_by_row, t.row_shift, t.column_shift} ==
+          std::array<double, 4>{});
+}
+
+TEST_CASE("augmentation_ranges: as published at the published sizes") {
+    const auto published = [](std::size_t rows, std::size_t columns) {
+        const augmentation_ranges r = augmentation_ranges::published(rows, columns);
+        CHECK(r.reflect_rows == 0.5);
+        CHECK(r.reflect_columns == 0.5);
+        CHECK(r.scale == 0);
+        CHECK(r.pressure == 0);
+        return std::array{r.translation, r.rotation};
+    };
+    CHECK(published(28, 50) == std::array{3.0, 10.0});
+    CHECK(published(20, 35) == std::array{2.0, 3.0});
+    CHECK(published(14, 25) == std::array{2.0, 3.0});
+    CHECK(published(10, 18) == std::array{1.0, 2.0});
+    CHECK(published(7, 13) == std::array{1.0, 2.0});
+}
