@@ -1,0 +1,21 @@
+#pragma once
+
+#include <tactnet/sensors/any_recording.hpp>
+#include <tactnet/sensors/byte_order.hpp>
+#include <tactnet/sensors/calibration.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/dsacon32m.hpp>
+#include <tactnet/sensors/frame.hpp>
+#include <tactnet/sensors/matrix_stream.hpp>
+#include <tactnet/sensors/measures.hpp>
+#include <tactnet/sensors/number_text.hpp>
+#include <tactnet/sensors/recording.hpp>
+#include <tactnet/sensors/tekscan_ascii.hpp>
+#include <tactnet/sensors/tekscan_binary.hpp>
+#include <tactnet/sensors/tekscan_header.hpp>
+#include <tactnet/sensors/tekscan_map.hpp>
+#include <tactnet/sensors/tekscan_row.hpp>
+#include <tactnet/sensors/tekscan_text.hpp>
+#include <tactnet/sensors/text_lines.hpp>
+#include <tactnet/sensors/weiss_packet.hpp>
+#include <tactnet/sensors/weiss_wts.hpp>

@@ -1,0 +1,137 @@
+#pragma once
+
+// A recording or map of which only the bytes are known: what it is shows in them, never in a file's name.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan_ascii.hpp>
+#include <tactnet/sensors/tekscan_binary.hpp>
+#include <tactnet/sensors/tekscan_map.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+namespace detail {
+
+/// What is none of the formats.
+class unknown_recording : public decoder_base {
+public:
+    template <class Sink>
+    decode_status push(std::span<const std::byte> bytes, Sink&&) {
+        return fail(
+            {0,
+             0,
+             0,
+             "a Tekscan recording or map (a line 'ASCII_DATA @@' or 'SENSOR_MAP @@', or bytes 0A BB BA)",
+             "none of it in the first " + std::to_string(bytes.size()) + " bytes",
+             {}});
+    }
+    template <class Sink>
+    decode_status finish(Sink&&) {
+        return status();
+    }
+};
+
+} // namespace detail
+
+/// Decodes whichever of Tekscan's formats it is given. What the bytes are is known by the end of their
+/// header.
+///
+/// Memory: that of the format, and one header more.
+class any_recording {
+public:
+    /// The mask is for binary recordings: see tekscan_binary.
+    explicit any_recording(std::vector<std::uint8_t> mask = {}) : mask_(std::move(mask)) {}
+
+    template <class Sink>
+    decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
+        if (known_)
+            return decode(bytes, sink);
+        const std::size_t room = largest_header_bytes - std::min(begun_.size(), largest_header_bytes);
+        const std::size_t taken = std::min(room, bytes.size());
+        begun_.insert(begun_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
+        if (!recognise() && begun_.size() < largest_header_bytes)
+            return decode_status::reading;
+        const decode_status status = start(sink);
+        return status == decode_status::damaged ? status : decode(bytes.subspan(taken), sink);
+    }
+
+    template <class Sink>
+    decode_status finish(Sink&& sink) {
+        if (!known_ && start(sink) == decode_status::damaged)
+            return decode_status::damaged;
+        return std::visit([&](auto& decoder) { return decoder.finish(sink); }, decoder_);
+    }
+
+    [[nodiscard]] const recording_description& description() const {
+        return std::visit(
+            [](const auto& decoder) -> const recording_description& { return decoder.description(); },
+            decoder_);
+    }
+    [[nodiscard]] const decoding_error& error() const {
+        return std::visit([](const auto& decoder) -> const decoding_error& { return decoder.error(); },
+                          decoder_);
+    }
+    [[nodiscard]] std::uint64_t frames() const {
+        return std::visit([](const auto& decoder) { return decoder.frames(); }, decoder_);
+    }
+
+private:
+    /// The first sign of a format decides. Signs stand at the start of a line, perhaps in quotes.
+    bool recognise() {
+        const std::string_view text(reinterpret_cast<const char*>(begun_.data()), begun_.size());
+        for (; searched_ < text.size(); ++searched_) {
+            if (searched_ > 0 && text[searched_ - 1] != '\n' && text[searched_ - 1] != '"')
+                continue;
+            const std::string_view rest = text.substr(searched_);
+            if (rest.starts_with("ASCII_DATA"))
+                return found<tekscan_ascii>();
+            if (rest.starts_with("SENSOR_MAP"))
+                return found<tekscan_map>();
+            if (rest.starts_with("\xBB\xBA"))
+                return found<tekscan_binary>(std::move(mask_));
+            if (rest.size() < longest_sign)
+                return false; // may go on
+        }
+        return false;
+    }
+
+    template <class Decoder, class... Arguments>
+    bool found(Arguments&&... arguments) {
+        decoder_.emplace<Decoder>(std::forward<Arguments>(arguments)...);
+        return true;
+    }
+
+    /// Hands what was kept to the decoder that was found.
+    template <class Sink>
+    decode_status start(Sink& sink) {
+        known_ = true;
+        const decode_status status = decode(begun_, sink);
+        begun_ = {};
+        return status;
+    }
+
+    template <class Sink>
+    decode_status decode(std::span<const std::byte> bytes, Sink& sink) {
+        return std::visit([&](auto& decoder) { return decoder.push(bytes, sink); }, decoder_);
+    }
+
+    static constexpr std::size_t longest_sign = 10;
+
+    std::variant<detail::unknown_recording, tekscan_ascii, tekscan_binary, tekscan_map> decoder_;
+    std::vector<std::uint8_t> mask_;
+    std::vector<std::byte> begun_;
+    std::size_t searched_ = 0;
+    bool known_ = false;
+};
+
+} // namespace tactnet

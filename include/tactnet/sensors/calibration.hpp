@@ -1,0 +1,119 @@
+#pragma once
+
+// From counts to pressure. A tactel's count is proportional to the pressure on it, up to the pressure at
+// which the converter saturates; equilibration, a recording under even pressure, tells by how much each
+// tactel differs from the mean; and what is no more than the noise counts as no contact.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/frame.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Tekscan's 6077 sensor with the electronics of Gandarias et al. 2019: what calibration and simulation need.
+struct tekscan_6077 {
+    static constexpr shape extents{28, 50, 1};
+    static constexpr double saturation_pressure = 34e3; ///< pascal
+    static constexpr double tactels_per_area = 27.6e4;  ///< a square metre; 27.6 a square centimetre
+};
+
+/// What counts mean. All that is not given changes nothing.
+struct calibration_values {
+    double saturation_pressure = 0; ///< pascal; what full_scale stands for
+    /// The largest count. The published reader of the 6077 divides 8-bit counts by 256 instead.
+    double full_scale = 255;
+    double noise_threshold = 0; ///< counts up to this one become zero
+    std::vector<float> gains{}; ///< one a cell, row by row; empty: all 1
+};
+
+/// Turns raw frames into pascal. Const, without heap use, and safe to share between threads.
+class calibration {
+public:
+    /// Throws std::invalid_argument unless pressure, full scale and gains are above zero and finite, and the
+    /// threshold not below zero.
+    explicit calibration(calibration_values values) : values_(std::move(values)) {
+        require("a saturation pressure", values_.saturation_pressure);
+        require("a full scale", values_.full_scale);
+        for (const float gain : values_.gains)
+            require("gains", static_cast<double>(gain));
+        if (!(values_.noise_threshold >= 0))
+            throw std::invalid_argument("calibration: expected a noise threshold of zero or more, found " +
+                                        std::to_string(values_.noise_threshold));
+    }
+
+    /// Of what a recording says about itself; nothing if it does not tell its saturation pressure or is in
+    /// pascal already. Its noise threshold was applied when it was made.
+    [[nodiscard]] static std::optional<calibration> of(const recording_description& description) {
+        if (description.unit != pressure_unit::raw || !(description.saturation_pressure.value_or(0) > 0))
+            return std::nullopt;
+        return calibration({.saturation_pressure = *description.saturation_pressure});
+    }
+
+    /// Of a 6077; `full_scale` 256 is the published reader's.
+    [[nodiscard]] static calibration of_6077(double full_scale = 255) {
+        return calibration(
+            {.saturation_pressure = tekscan_6077::saturation_pressure, .full_scale = full_scale});
+    }
+
+    /// The pressure on each cell. False, and nothing written, if the frame, `to` and the gains differ in
+    /// size.
+    [[nodiscard]] bool operator()(std::span<const float> counts, std::span<float> to) const noexcept {
+        if (counts.size() != to.size() || (!values_.gains.empty() && values_.gains.size() != to.size()))
+            return false;
+        const double scale = values_.saturation_pressure / values_.full_scale;
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            const double gain = values_.gains.empty() ? 1 : static_cast<double>(values_.gains[i]);
+            const auto count = static_cast<double>(counts[i]);
+            to[i] = count > values_.noise_threshold ? static_cast<float>(count * gain * scale) : 0.0f;
+        }
+        return true;
+    }
+
+    [[nodiscard]] const calibration_values& values() const noexcept { return values_; }
+
+private:
+    static void require(const char* what, double value) {
+        if (!(value > 0 && std::isfinite(value)))
+            throw std::invalid_argument(std::string("calibration: expected ") + what + " above zero, found " +
+                                        std::to_string(value));
+    }
+
+    calibration_values values_;
+};
+
+/// The gains that make the mean frame of a recording under even pressure even: mean over all tactels ÷
+/// tactel. Cells without a tactel get 1. Throws std::invalid_argument if a tactel is zero: it has no gain.
+[[nodiscard]] inline std::vector<float> equilibration_gains(std::span<const float> mean_frame,
+                                                            const recording_description& description) {
+    if (mean_frame.size() != description.cells())
+        throw std::invalid_argument("equilibration_gains: expected " + std::to_string(description.cells()) +
+                                    " cells, found " + std::to_string(mean_frame.size()));
+    double sum = 0;
+    std::size_t tactels = 0;
+    for (std::size_t i = 0; i < mean_frame.size(); ++i) {
+        if (!description.exists(i))
+            continue;
+        if (!(mean_frame[i] > 0))
+            throw std::invalid_argument(
+                "equilibration_gains: expected a count above zero in every tactel, found " +
+                std::to_string(mean_frame[i]) + " in cell " + std::to_string(i));
+        sum += static_cast<double>(mean_frame[i]);
+        ++tactels;
+    }
+    std::vector<float> gains(mean_frame.size(), 1.0f);
+    for (std::size_t i = 0; i < gains.size(); ++i)
+        if (description.exists(i))
+            gains[i] =
+                static_cast<float>(sum / static_cast<double>(tactels) / static_cast<double>(mean_frame[i]));
+    return gains;
+}
+
+} // namespace tactnet

@@ -1,0 +1,121 @@
+#pragma once
+
+// What a decoder is: bytes are pushed as they arrive, split anywhere, and frames come out. A decoder keeps at
+// most one frame and one piece of its input; what both may need at most is a constant of the format. It
+// throws nothing but std::bad_alloc: a push returns a status, and what was wrong can be asked for.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/frame.hpp>
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// The most rows × columns that a source may announce, so that a few damaged bytes cannot ask for all memory.
+inline constexpr std::size_t largest_frame_cells = std::size_t{1} << 20;
+/// The most bytes of a text header, and of a single line.
+inline constexpr std::size_t largest_header_bytes = std::size_t{1} << 18;
+
+enum class decode_status : std::uint8_t {
+    reading,  ///< all bytes are taken, more are welcome
+    finished, ///< the source is complete
+    damaged ///< `error()` tells; frames that came out before are whole. Recordings end here, live streams go
+            ///< on
+};
+
+/// What is wrong with a source, and where.
+struct decoding_error {
+    std::size_t byte = 0;    ///< offset from the first byte pushed
+    std::size_t line = 0;    ///< from 1; 0 in binary data
+    std::uint64_t frame = 0; ///< position of the frame, from 1; 0 in a header
+    std::string expected, found;
+    std::optional<std::uint64_t> missing_frames; ///< of those announced
+
+    /// For example "byte 812, line 31, frame 1".
+    [[nodiscard]] std::string place() const {
+        return "byte " + std::to_string(byte) + (line > 0 ? ", line " + std::to_string(line) : "") +
+               (frame > 0 ? ", frame " + std::to_string(frame) : "");
+    }
+    /// What was found, with the number of frames that are missing where it is known.
+    [[nodiscard]] std::string outcome() const {
+        return found + (missing_frames.value_or(0) > 0
+                            ? " (" + std::to_string(*missing_frames) + " announced frames are missing)"
+                            : "");
+    }
+};
+
+/// Takes frames and does nothing with them.
+struct ignore_frames {
+    void operator()(const frame_view&) const noexcept {}
+};
+
+/// A source of frames. `push` and `finish` call the sink once for every frame that has become whole; `finish`
+/// tells that no more bytes will come.
+template <class Decoder>
+concept frame_decoder = std::movable<Decoder> &&
+    requires(Decoder decoder, const Decoder& constant, std::span<const std::byte> bytes, ignore_frames sink) {
+    { decoder.push(bytes, sink) } -> std::same_as<decode_status>;
+    { decoder.finish(sink) } -> std::same_as<decode_status>;
+    { constant.description() } -> std::same_as<const recording_description&>;
+    { constant.error() } -> std::same_as<const decoding_error&>;
+};
+
+/// What decoders have in common; they derive from it, as a user's own may.
+class decoder_base {
+public:
+    /// Complete when the first frame comes out.
+    [[nodiscard]] const recording_description& description() const noexcept { return description_; }
+    /// Of the last call that returned `damaged`.
+    [[nodiscard]] const decoding_error& error() const noexcept { return error_; }
+    /// Frames that came out so far.
+    [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
+
+protected:
+    decoder_base() = default;
+    explicit decoder_base(recording_description description) : description_(std::move(description)) {
+        make_room();
+    }
+
+    [[nodiscard]] recording_description& described() noexcept { return description_; }
+    [[nodiscard]] std::span<float> cells() noexcept { return cells_; }
+    [[nodiscard]] decode_status status() const noexcept { return status_; }
+    void set_status(decode_status status) noexcept { status_ = status; }
+
+    /// Once rows and columns are known.
+    void make_room() { cells_.assign(description_.cells(), 0.0f); }
+
+    /// Hands the cells to the sink.
+    template <class Sink>
+    void give(Sink&& sink, std::uint64_t number, std::optional<double> seconds) {
+        ++frames_;
+        sink(frame_view{number, seconds, description_.rows, description_.columns, cells_});
+    }
+
+    /// Frames that were announced and have not come out; nothing where none were announced.
+    [[nodiscard]] std::optional<std::uint64_t> missing_frames() const noexcept {
+        if (!description_.frames)
+            return std::nullopt;
+        return *description_.frames > frames_ ? *description_.frames - frames_ : 0;
+    }
+
+    decode_status fail(decoding_error error) {
+        error_ = std::move(error);
+        return status_ = decode_status::damaged;
+    }
+
+private:
+    recording_description description_;
+    decoding_error error_;
+    std::vector<float> cells_;
+    std::uint64_t frames_ = 0;
+    decode_status status_ = decode_status::reading;
+};
+
+} // namespace tactnet

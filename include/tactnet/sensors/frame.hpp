@@ -1,0 +1,87 @@
+#pragma once
+
+// What every sensor and every file format comes down to: frames of rows × columns cells, each with a number
+// and, where the source tells, a time; and one description of where they come from.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/tensor/shape.hpp>
+#include <tactnet/tensor/tensor.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// What the cells of a frame count: the steps of the device's converter, or pressure.
+enum class pressure_unit : std::uint8_t { raw, pascal };
+
+/// Where frames come from. What the source does not tell is empty.
+struct recording_description {
+    std::string format;  ///< for example "Tekscan ASCII"
+    std::string version; ///< of the program or the device that wrote it
+    std::size_t rows = 0, columns = 0;
+    std::optional<double> row_spacing, column_spacing; ///< between the centres of neighbouring cells, metres
+    std::optional<double> cell_area;                   ///< square metres
+    pressure_unit unit = pressure_unit::raw;
+    std::optional<double> saturation_pressure; ///< what the largest count stands for, pascal
+    std::optional<double> noise_threshold;     ///< counts
+    std::optional<double> seconds_per_frame;
+    std::optional<std::uint64_t> frames; ///< as many as the source announces
+    /// One entry a cell, row by row: 1 where there is a tactel, 0 where there is none. Empty: all are there.
+    std::vector<std::uint8_t> mask;
+    /// Every line of a text header as it stands: key and value.
+    std::vector<std::pair<std::string, std::string>> header;
+
+    [[nodiscard]] std::size_t cells() const noexcept { return rows * columns; }
+    [[nodiscard]] bool exists(std::size_t cell) const noexcept { return mask.empty() || mask[cell] != 0; }
+    [[nodiscard]] std::size_t missing_cells() const noexcept {
+        return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), std::uint8_t{0}));
+    }
+};
+
+/// One frame that someone else owns, such as a decoder until its next call. Cells without a tactel are zero.
+struct frame_view {
+    std::uint64_t number = 0;      ///< as the source counts; from 1 where it does not
+    std::optional<double> seconds; ///< since the source's own start
+    std::size_t rows = 0, columns = 0;
+    std::span<const float> cells; ///< rows × columns, row by row
+
+    [[nodiscard]] float operator()(std::size_t row, std::size_t column) const {
+        return cells[row * columns + column];
+    }
+
+    /// The same cells in a size known when compiling, without a copy; nothing if the frame has another size.
+    template <shape Shape>
+    [[nodiscard]] std::optional<tensor_view<const float, Shape>> as() const noexcept {
+        static_assert(Shape.channels == 1, "frame_view: a frame has one channel");
+        if (rows != Shape.rows || columns != Shape.columns || cells.size() != Shape.size())
+            return std::nullopt;
+        return tensor_view<const float, Shape>(cells.data());
+    }
+
+    /// 8-bit counts, as networks are trained on; nothing if the frame has another size or a cell is not a
+    /// whole number from 0 to 255.
+    template <shape Shape>
+    [[nodiscard]] std::optional<tensor<std::uint8_t, Shape>> counts() const noexcept {
+        const auto whole = as<Shape>();
+        if (!whole)
+            return std::nullopt;
+        std::optional<tensor<std::uint8_t, Shape>> result(std::in_place);
+        for (std::size_t i = 0; i < Shape.size(); ++i) {
+            if (!(cells[i] >= 0 && cells[i] <= 255) || cells[i] != std::floor(cells[i]))
+                return std::nullopt;
+            result->data()[i] = static_cast<std::uint8_t>(cells[i]);
+        }
+        return result;
+    }
+};
+
+} // namespace tactnet

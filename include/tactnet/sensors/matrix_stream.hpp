@@ -1,0 +1,178 @@
+#pragma once
+
+// A plain stream of matrices, as a microcontroller sends it: a marker, if any, bytes to pass over, the cells,
+// more bytes to pass over. The user describes it. A device that does more is a class of its own with `push`
+// and `finish`.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/byte_order.hpp>
+#include <tactnet/sensors/decoder.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// How a cell is sent.
+enum class cell_format : std::uint8_t { uint8, uint16_little, uint16_big, float32_little };
+/// Which cells follow each other.
+enum class cell_order : std::uint8_t { rows, columns };
+
+/// What the stream looks like.
+struct matrix_stream_format {
+    std::size_t rows = 0, columns = 0;
+    cell_format cell = cell_format::uint8;
+    cell_order order = cell_order::rows;
+    std::vector<std::byte> marker{}; ///< in front of every frame
+    std::size_t skip_before = 0;     ///< bytes between the marker and the cells
+    std::size_t skip_after = 0;      ///< bytes behind the cells
+    std::optional<double> seconds_per_frame{};
+    pressure_unit unit = pressure_unit::raw;
+    std::optional<double> row_spacing{}, column_spacing{}; ///< metres
+};
+
+/// Decodes such a stream. With a marker one may join it at any byte: bytes up to the first marker are passed
+/// over. Later on, a frame that does not begin with the marker is reported as damaged, and the next marker is
+/// looked for; so is a float cell that is not a number, infinite or below zero. Without a marker every byte
+/// counts.
+///
+/// Memory: one frame of four bytes a cell, and one packet as it is sent.
+class matrix_stream : public decoder_base {
+public:
+    /// Throws std::invalid_argument if the cells, or the bytes of a packet, are none or too many.
+    explicit matrix_stream(const matrix_stream_format& format)
+        : decoder_base(describe(format)), format_(format) {
+        packet_.reserve(packet_size());
+    }
+
+    template <class Sink>
+    decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
+        set_status(decode_status::reading);
+        while (!bytes.empty()) {
+            const std::size_t wanted =
+                packet_.size() < format_.marker.size() ? 1 : packet_size() - packet_.size();
+            const std::size_t taken = std::min(wanted, bytes.size());
+            packet_.insert(packet_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
+            bytes = bytes.subspan(taken);
+            byte_ += taken;
+            if (packet_.size() <= format_.marker.size())
+                find_marker();
+            if (packet_.size() == packet_size())
+                read_packet(sink);
+        }
+        return status();
+    }
+
+    template <class Sink>
+    decode_status finish(Sink&&) {
+        set_status(decode_status::finished);
+        if (!packet_.empty())
+            report("a whole frame of " + std::to_string(packet_size()) + " bytes",
+                   std::to_string(packet_.size()) + " bytes of it");
+        packet_.clear();
+        return status();
+    }
+
+    /// Bytes that belong to no frame.
+    [[nodiscard]] std::uint64_t skipped_bytes() const noexcept { return skipped_; }
+
+private:
+    static constexpr std::size_t largest_packet = std::size_t{1} << 24;
+
+    static recording_description describe(const matrix_stream_format& format) {
+        if (format.rows == 0 || format.columns == 0 || format.rows > largest_frame_cells / format.columns ||
+            std::max({format.marker.size(), format.skip_before, format.skip_after}) > largest_packet / 4)
+            throw std::invalid_argument("matrix_stream: expected 1 to " +
+                                        std::to_string(largest_frame_cells) + " cells and at most " +
+                                        std::to_string(largest_packet / 4) + " bytes around them, found " +
+                                        std::to_string(format.rows) + " x " + std::to_string(format.columns));
+        recording_description description;
+        description.format = "matrix stream";
+        description.rows = format.rows;
+        description.columns = format.columns;
+        description.row_spacing = format.row_spacing;
+        description.column_spacing = format.column_spacing;
+        description.unit = format.unit;
+        description.seconds_per_frame = format.seconds_per_frame;
+        return description;
+    }
+
+    [[nodiscard]] std::size_t cell_size() const noexcept {
+        return format_.cell == cell_format::uint8 ? 1 : format_.cell == cell_format::float32_little ? 4 : 2;
+    }
+    [[nodiscard]] std::size_t packet_size() const noexcept {
+        return format_.marker.size() + format_.skip_before + description().cells() * cell_size() +
+               format_.skip_after;
+    }
+
+    /// Drops bytes until what is left may be the beginning of a marker.
+    void find_marker() {
+        while (!std::equal(packet_.begin(), packet_.end(), format_.marker.begin())) {
+            if (in_step_ && frames() > 0)
+                report("the marker of a frame", "other bytes");
+            in_step_ = false;
+            packet_.erase(packet_.begin());
+            ++skipped_;
+        }
+    }
+
+    template <class Sink>
+    void read_packet(Sink& sink) {
+        const std::size_t rows = description().rows, columns = description().columns;
+        std::span<const std::byte> from(packet_);
+        from = from.subspan(format_.marker.size() + format_.skip_before);
+        for (std::size_t i = 0; i < rows * columns; ++i, from = from.subspan(cell_size())) {
+            const std::size_t to = format_.order == cell_order::rows ? i : i % rows * columns + i / rows;
+            const float value = read_cell(from);
+            // Written so that a NaN is refused too.
+            if (!(value >= 0 && std::isfinite(value))) {
+                report("cells of zero or more", std::to_string(value) + " in row " +
+                                                    std::to_string(to / columns + 1) + ", column " +
+                                                    std::to_string(to % columns + 1));
+                return packet_.clear();
+            }
+            cells()[to] = value;
+        }
+        std::optional<double> seconds;
+        if (format_.seconds_per_frame)
+            seconds = static_cast<double>(frames()) * *format_.seconds_per_frame;
+        give(sink, frames() + 1, seconds);
+        in_step_ = true;
+        packet_.clear();
+    }
+
+    [[nodiscard]] float read_cell(std::span<const std::byte> from) const {
+        switch (format_.cell) {
+        case cell_format::uint8:
+            return static_cast<float>(from[0]);
+        case cell_format::uint16_little:
+            return static_cast<float>(little_endian<std::uint16_t>(from));
+        case cell_format::uint16_big:
+            return static_cast<float>(big_endian<std::uint16_t>(from));
+        case cell_format::float32_little:
+            break;
+        }
+        return std::bit_cast<float>(little_endian<std::uint32_t>(from));
+    }
+
+    void report(std::string expected, std::string found) {
+        fail({byte_ - packet_.size(), 0, frames() + 1, std::move(expected), std::move(found), {}});
+    }
+
+    matrix_stream_format format_;
+    std::vector<std::byte> packet_;
+    std::size_t byte_ = 0;
+    std::uint64_t skipped_ = 0;
+    bool in_step_ = false;
+};
+
+} // namespace tactnet

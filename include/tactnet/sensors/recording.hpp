@@ -1,0 +1,117 @@
+#pragma once
+
+// A whole recording in memory, from bytes or from a file. Control loops push bytes into a decoder instead.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/sensors/any_recording.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/frame.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Frames and where they come from.
+class recording {
+public:
+    recording_description description;
+    /// What ended the recording before its end; the frames before it are whole.
+    std::optional<decoding_error> damage;
+
+    [[nodiscard]] std::size_t size() const noexcept { return stamps_.size(); }
+    /// Frame `index`, from 0. Throws std::out_of_range.
+    [[nodiscard]] frame_view operator[](std::size_t index) const {
+        const auto& [number, seconds] = stamps_.at(index);
+        const std::size_t cells = description.cells();
+        return {number, seconds, description.rows, description.columns,
+                std::span(cells_).subspan(index * cells, cells)};
+    }
+
+    /// Frame `index` in a size known when compiling. Throws std::invalid_argument if the frames have another.
+    template <shape Shape>
+    [[nodiscard]] tensor_view<const float, Shape> as(std::size_t index) const {
+        const auto view = (*this)[index].template as<Shape>();
+        if (!view)
+            throw std::invalid_argument("recording: expected frames of " + std::to_string(Shape.rows) +
+                                        " x " + std::to_string(Shape.columns) + ", found " +
+                                        std::to_string(description.rows) + " x " +
+                                        std::to_string(description.columns));
+        return *view;
+    }
+
+    void add(const frame_view& frame) {
+        cells_.insert(cells_.end(), frame.cells.begin(), frame.cells.end());
+        stamps_.emplace_back(frame.number, frame.seconds);
+    }
+
+private:
+    std::vector<float> cells_;
+    std::vector<std::pair<std::uint64_t, std::optional<double>>> stamps_;
+};
+
+/// The most cells of all frames together that are kept in memory unless told otherwise: a few bytes of a
+/// binary recording may stand for thousands of cells.
+inline constexpr std::size_t default_recording_cells = std::size_t{1} << 28;
+
+/// Decodes all of `bytes`. Damage ends the recording and is kept in it, as is a recording of more than
+/// `limit` cells.
+template <frame_decoder Decoder>
+[[nodiscard]] recording decode_all(Decoder decoder, std::span<const std::byte> bytes,
+                                   std::size_t limit = default_recording_cells) {
+    recording result;
+    std::size_t kept = 0;
+    bool full = false;
+    const auto keep = [&](const frame_view& frame) {
+        full = full || frame.cells.size() > limit - kept;
+        if (full)
+            return;
+        kept += frame.cells.size();
+        result.add(frame);
+    };
+    // In pieces, so that what does not fit any more is not decoded either.
+    constexpr std::size_t piece = std::size_t{1} << 16;
+    decode_status status = decode_status::reading;
+    while (!bytes.empty() && status != decode_status::damaged && !full) {
+        status = decoder.push(bytes.first(std::min(piece, bytes.size())), keep);
+        bytes = bytes.subspan(std::min(piece, bytes.size()));
+    }
+    if (status != decode_status::damaged && !full)
+        status = decoder.finish(keep);
+    result.description = decoder.description();
+    if (full)
+        result.damage = decoding_error{
+            0, 0, result.size() + 1, "at most " + std::to_string(limit) + " cells", "more", {}};
+    else if (status == decode_status::damaged)
+        result.damage = decoder.error();
+    return result;
+}
+
+/// What `read_recording` does with a file that is damaged or cut short.
+enum class damaged_file : std::uint8_t {
+    refuse,           ///< throw
+    keep_whole_frames ///< return the frames before the damage; `recording::damage` tells
+};
+
+/// Reads a recording, or a map, of any of Tekscan's formats; its content tells which. Throws file_error when
+/// the file cannot be read or is none of these, and, unless told otherwise, when it is damaged.
+[[nodiscard]] inline recording read_recording(const std::filesystem::path& path,
+                                              damaged_file damaged = damaged_file::refuse) {
+    recording result = decode_all(any_recording(), read_file(path));
+    if (result.damage && (damaged == damaged_file::refuse || result.description.format.empty()))
+        throw file_error(path.string(), result.damage->place(), result.damage->expected,
+                         result.damage->outcome());
+    return result;
+}
+
+} // namespace tactnet

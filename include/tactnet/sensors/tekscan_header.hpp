@@ -1,0 +1,216 @@
+#pragma once
+
+// The text in front of Tekscan's recordings and maps: lines of a key and a value, up to the one that begins
+// the data. Versions differ in which keys they write, in units and in what a spreadsheet has added since.
+// Keys that matter for the cells must make sense; all others are kept as they stand.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/text.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/measures.hpp>
+#include <tactnet/sensors/number_text.hpp>
+#include <tactnet/sensors/tekscan_text.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// What was expected of a text and what was found instead.
+struct text_problem {
+    std::string expected, found;
+};
+
+/// Fills a description, line by line.
+class tekscan_header {
+public:
+    enum class part : std::uint8_t { header, cells, map };
+
+    /// One line. Returns what is wrong with it, if anything.
+    [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
+        bytes_ += line.size() + 1;
+        if (bytes_ > largest_header_bytes)
+            return text_problem{"a header of at most " + std::to_string(largest_header_bytes) + " bytes",
+                                "a longer one"};
+        std::string storage;
+        const std::string_view text = without_decoration(line, storage);
+        const std::size_t key_end = std::min(text.find_first_of(" \t,;"), text.size());
+        const std::string_view key = text.substr(0, key_end);
+        std::string_view value = text.substr(key_end);
+        while (!value.empty() && (is_separator(value.front()) || detail::is_blank(value.front())))
+            value.remove_prefix(1);
+
+        if (key == "ASCII_DATA" || key == "SENSOR_MAP") {
+            part_ = key == "ASCII_DATA" ? part::cells : part::map;
+            return complete(to);
+        }
+        if (mode_ == mode::block) {
+            if (text == end_mark)
+                mode_ = mode::lines;
+            else
+                to.header.back().second.append(to.header.back().second.empty() ? "" : "\n").append(text);
+            return std::nullopt;
+        }
+        // Behind an empty COMMENTS: stands free text, unless there is none and the header just goes on.
+        if (mode_ == mode::comment) {
+            mode_ = mode::lines;
+            if (known(to, key) || understand(key, value, to) != understanding::done)
+                to.header.back().second = text;
+            else
+                to.header.emplace_back(key, value);
+            return std::nullopt;
+        }
+        if (text.empty())
+            return std::nullopt;
+        return key_and_value(key, value, to);
+    }
+
+    /// What comes next: more header, or the data.
+    [[nodiscard]] part next() const noexcept { return part_; }
+    /// What a written cell is multiplied by to be in the description's unit.
+    [[nodiscard]] double cell_scale() const noexcept { return cell_scale_; }
+
+    /// To be called at the end of a header that no line ends.
+    [[nodiscard]] std::optional<text_problem> complete(recording_description& to) const {
+        for (const auto& [key, value] : {std::pair("ROWS", to.rows), std::pair("COLS", to.columns)})
+            if (value == 0)
+                return text_problem{std::string("a line '") + key + "' in the header", "none"};
+        if (to.rows > largest_frame_cells / to.columns)
+            return text_problem{"at most " + std::to_string(largest_frame_cells) + " cells",
+                                std::to_string(to.rows) + " x " + std::to_string(to.columns)};
+        if (first_frame_ && last_frame_) {
+            if (*last_frame_ < *first_frame_ || *last_frame_ - *first_frame_ == UINT64_MAX)
+                return text_problem{"an END_FRAME not before START_FRAME " + std::to_string(*first_frame_),
+                                    std::to_string(*last_frame_)};
+            to.frames = *last_frame_ - *first_frame_ + 1;
+        }
+        return std::nullopt;
+    }
+
+private:
+    enum class mode : std::uint8_t { lines, comment, block };
+    enum class understanding : std::uint8_t {
+        done,
+        not_needed,
+        size,
+        count,
+        seconds,
+        length,
+        area,
+        pressure,
+        units
+    };
+
+    static constexpr std::string_view end_mark = "@@";
+
+    static bool known(const recording_description& description, std::string_view key) {
+        return std::any_of(description.header.begin(), description.header.end(),
+                           [&](const auto& line) { return line.first == key; });
+    }
+
+    std::optional<text_problem> key_and_value(std::string_view key, std::string_view value,
+                                              recording_description& to) {
+        if (value == end_mark || ((key == "COMMENTS:" || key == "COMMENTS") && value.empty())) {
+            mode_ = value.empty() ? mode::comment : mode::block;
+            to.header.emplace_back(key, "");
+            return std::nullopt;
+        }
+        const auto before = std::find_if(to.header.begin(), to.header.end(),
+                                         [&](const auto& line) { return line.first == key; });
+        const understanding how = understand(key, value, to);
+        if (how != understanding::done && how != understanding::not_needed)
+            return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
+        if (how == understanding::done && before != to.header.end() && before->second != value)
+            return text_problem{"one line " + in_quotes(key),
+                                in_quotes(before->second) + " and " + in_quotes(value)};
+        to.header.emplace_back(key, value);
+        return std::nullopt;
+    }
+
+    /// Takes the value of a key that matters; tells what it should have been.
+    understanding understand(std::string_view key, std::string_view value, recording_description& to) {
+        if (key == "ROWS" || key == "COLS") {
+            const auto size = whole_number(value).value_or(0);
+            if (size == 0 || size > largest_frame_cells)
+                return understanding::size;
+            (key == "ROWS" ? to.rows : to.columns) = static_cast<std::size_t>(size);
+        } else if (key == "START_FRAME" || key == "END_FRAME") {
+            const auto number = whole_number(value);
+            if (!number)
+                return understanding::count;
+            (key == "START_FRAME" ? first_frame_ : last_frame_) = number;
+        } else if (key == "ROW_SPACING") {
+            return to_base(value, length_units, to.row_spacing, understanding::length);
+        } else if (key == "COL_SPACING") {
+            return to_base(value, length_units, to.column_spacing, understanding::length);
+        } else if (key == "SENSEL_AREA") {
+            return to_base(value, area_units, to.cell_area, understanding::area);
+        } else if (key == "SATURATION_PRESSURE") {
+            return to_base(value, pressure_units, to.saturation_pressure, understanding::pressure);
+        } else if (key == "SECONDS_PER_FRAME" || key == "NOISE_THRESHOLD") {
+            const auto found = scan_measure(value);
+            if (!found ||
+                (key == "SECONDS_PER_FRAME" && !found->unit.empty() && !unit_size(time_units, found->unit)))
+                return understanding::seconds;
+            if (key == "SECONDS_PER_FRAME")
+                to.seconds_per_frame = found->number * unit_size(time_units, found->unit).value_or(1);
+            else
+                to.noise_threshold = found->number;
+        } else if (key == "UNITS") {
+            const auto size = unit_size(pressure_units, value);
+            if (!size && !same_letters(value, "raw"))
+                return understanding::units;
+            to.unit = size ? pressure_unit::pascal : pressure_unit::raw;
+            cell_scale_ = size.value_or(1);
+        } else {
+            if (key == "VERSION")
+                to.version = value;
+            return understanding::not_needed;
+        }
+        return understanding::done;
+    }
+
+    /// A number without a unit could be anything, and is left empty.
+    static understanding to_base(std::string_view value, std::span<const measure_unit> units,
+                                 std::optional<double>& to, understanding otherwise) {
+        const auto found = scan_measure(value);
+        if (!found)
+            return otherwise;
+        to = measured(value, units);
+        return to || found->unit.empty() ? understanding::done : otherwise;
+    }
+
+    static std::string wanted(understanding how) {
+        switch (how) {
+        case understanding::size:
+            return "a number of rows or columns from 1 to " + std::to_string(largest_frame_cells);
+        case understanding::count:
+            return "the number of a frame";
+        case understanding::seconds:
+            return "a number with a decimal point, if any";
+        case understanding::length:
+            return "a length in mm, cm, m or inches, with a decimal point, if any";
+        case understanding::area:
+            return "an area in mm2, cm2, m2 or in2, with a decimal point, if any";
+        case understanding::pressure:
+            return "a pressure in Pa, kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2, with a decimal point, if "
+                   "any";
+        default:
+            return "raw or a unit of pressure such as kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2";
+        }
+    }
+
+    std::optional<std::uint64_t> first_frame_, last_frame_;
+    double cell_scale_ = 1;
+    std::size_t bytes_ = 0;
+    mode mode_ = mode::lines;
+    part part_ = part::header;
+};
+
+} // namespace tactnet
