@@ -27,6 +27,8 @@ class unknown_recording : public decoder_base {
 public:
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&&) {
+        if (status() == decode_status::damaged)
+            return status();
         return fail(
             {0,
              0,
@@ -86,11 +88,13 @@ public:
     }
 
 private:
-    /// The first sign of a format decides. Signs stand at the start of a line, perhaps in quotes.
+    /// The first sign of a format decides. Signs stand at the start of a line, perhaps behind a quote or
+    /// blanks.
     bool recognise() {
         const std::string_view text(reinterpret_cast<const char*>(begun_.data()), begun_.size());
+        constexpr std::string_view before = "\n\" \t";
         for (; searched_ < text.size(); ++searched_) {
-            if (searched_ > 0 && text[searched_ - 1] != '\n' && text[searched_ - 1] != '"')
+            if (searched_ > 0 && before.find(text[searched_ - 1]) == std::string_view::npos)
                 continue;
             const std::string_view rest = text.substr(searched_);
             if (rest.starts_with("ASCII_DATA"))

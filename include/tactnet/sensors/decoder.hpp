@@ -89,7 +89,9 @@ protected:
     void set_status(decode_status status) noexcept { status_ = status; }
 
     /// Once rows and columns are known.
-    void make_room() { cells_.assign(description_.cells(), 0.0f); }
+    void make_room() { make_room(description_.cells()); }
+    /// The same for the first cells only: memory then follows what has come, not what was announced.
+    void make_room(std::size_t cells) { cells_.resize(cells); }
 
     /// Hands the cells to the sink.
     template <class Sink>

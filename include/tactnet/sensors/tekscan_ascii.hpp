@@ -90,10 +90,6 @@ private:
             return fail_at(line, 0, std::move(problem->expected), std::move(problem->found));
         if (header_.next() == tekscan_header::part::map)
             return fail_at(line, 0, "a line 'ASCII_DATA @@'", "a map of a sensor");
-        if (header_.next() == tekscan_header::part::cells) {
-            make_room();
-            exists_.assign(description().cells(), 1);
-        }
         return true;
     }
 
@@ -122,6 +118,10 @@ private:
         if (row_ == rows)
             return fail_at(line, 0, std::to_string(rows) + " rows in a frame", "one more");
         open_ = true;
+        if (exists_.size() < (row_ + 1) * columns) {
+            make_room((row_ + 1) * columns);
+            exists_.resize((row_ + 1) * columns);
+        }
         const row_outcome outcome =
             scan_tekscan_row(line.text, header_.cell_scale(), cells().subspan(row_ * columns, columns),
                              std::span(exists_).subspan(row_ * columns, columns), sum_);

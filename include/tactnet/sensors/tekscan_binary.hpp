@@ -43,7 +43,7 @@ public:
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
         if (status() == decode_status::finished && !bytes.empty())
-            fail_here("nothing behind the closing FF FE", "more bytes");
+            fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
         while (!bytes.empty() && status() == decode_status::reading) {
             const std::size_t taken = part_ == part::header        ? take_header(bytes)
                                       : part_ == part::run_cells   ? take_run(bytes)
@@ -52,7 +52,7 @@ public:
             byte_ += taken;
             bytes = bytes.subspan(taken);
             if (status() == decode_status::finished && !bytes.empty())
-                fail_here("nothing behind the closing FF FE", "more bytes");
+                fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
         }
         return status();
     }
@@ -60,9 +60,10 @@ public:
     template <class Sink>
     decode_status finish(Sink&&) {
         if (status() == decode_status::reading)
-            fail_here(part_ == part::header ? "a header that ends with the bytes 0A BB BA"
-                                            : "frames and a closing FF FE",
-                      "the end of the data");
+            fail_at(byte_,
+                    part_ == part::header ? "a header that ends with the bytes 0A BB BA"
+                                          : "frames and a closing FF FE",
+                    "the end of the data");
         return status();
     }
 
@@ -96,8 +97,8 @@ private:
             return end + end_of_header.size() - before;
         }
         if (taken < bytes.size())
-            fail_here("a header of at most " + std::to_string(largest_header_bytes) + " bytes",
-                      "a longer one");
+            fail_at(byte_ + taken, "a header of at most " + std::to_string(largest_header_bytes) + " bytes",
+                    "a longer one");
         return taken;
     }
 
@@ -139,6 +140,8 @@ private:
     template <class Sink>
     std::size_t take_number(std::span<const std::byte> bytes, Sink& sink) {
         const std::size_t size = part_ == part::run_count ? 1 : 2;
+        if (gathered_ == 0)
+            number_byte_ = byte_;
         if (gathered_ == 0 && bytes.size() >= size) {
             number(bytes, sink);
             return size;
@@ -156,9 +159,10 @@ private:
         if (part_ == part::run_count) {
             count_ = static_cast<std::size_t>(bytes[0]);
             if (count_ == 0 || cell_ + count_ > description().cells())
-                return fail_here("a run of 1 to " + std::to_string(description().cells() - cell_) +
-                                     " cells from cell " + std::to_string(cell_),
-                                 std::to_string(count_));
+                return fail_at(number_byte_,
+                               "a run of 1 to " + std::to_string(description().cells() - cell_) +
+                                   " cells from cell " + std::to_string(cell_),
+                               std::to_string(count_));
             part_ = part::run_cells;
             return;
         }
@@ -178,9 +182,10 @@ private:
         } else if (value == end_of_recording && !in_frame_) {
             end();
         } else if (value >= description().cells() || value < cell_) {
-            fail_here("a run from cell " + std::to_string(cell_) + " of " +
-                          std::to_string(description().cells()) + " on, FFFF or, behind a frame, FF FE",
-                      "cell " + std::to_string(value));
+            fail_at(number_byte_,
+                    "a run from cell " + std::to_string(cell_) + " of " +
+                        std::to_string(description().cells()) + " on, FFFF or, behind a frame, FF FE",
+                    "cell " + std::to_string(value));
         } else {
             cell_ = value;
             part_ = part::run_count;
@@ -206,7 +211,8 @@ private:
     bool on_tactels(std::size_t count) {
         for (std::size_t i = cell_; i < cell_ + count; ++i)
             if (!description().exists(i)) {
-                fail_here("counts on tactels of the map only", "one in cell " + std::to_string(i));
+                fail_at(byte_ + i - cell_, "counts on tactels of the map only",
+                        "one in cell " + std::to_string(i));
                 return false;
             }
         return true;
@@ -223,8 +229,9 @@ private:
     void record_length(std::uint16_t value) {
         const std::size_t wanted = tag_ == frame_number ? 4 : tag_ == microseconds ? 8 : value;
         if (value != wanted)
-            return fail_here("a record " + std::to_string(tag_) + " of " + std::to_string(wanted) + " bytes",
-                             std::to_string(value));
+            return fail_at(number_byte_,
+                           "a record " + std::to_string(tag_) + " of " + std::to_string(wanted) + " bytes",
+                           std::to_string(value));
         count_ = value;
         gathered_ = 0;
         part_ = count_ > 0 ? part::record_data : part::record_tag;
@@ -253,10 +260,11 @@ private:
     void end_frame(Sink& sink) {
         const std::uint64_t number = number_.value_or(frames() > 0 ? last_number_ + 1 : 1);
         if (frames() > 0 && number <= last_number_)
-            return fail_here("a frame after number " + std::to_string(last_number_),
-                             "number " + std::to_string(number));
+            return fail_at(number_byte_, "a frame after number " + std::to_string(last_number_),
+                           "number " + std::to_string(number));
         if (description().frames && frames() == *description().frames)
-            return fail_here(std::to_string(frames()) + " frames as the header announces", "one more");
+            return fail_at(number_byte_, std::to_string(frames()) + " frames as the header announces",
+                           "one more");
         if (frames() == 0)
             first_number_ = number;
         last_number_ = number;
@@ -276,13 +284,14 @@ private:
 
     void end() {
         if (missing_frames().value_or(0) > 0)
-            return fail_here(std::to_string(*description().frames) + " frames as the header announces",
-                             std::to_string(frames()) + " before FF FE");
+            return fail_at(number_byte_,
+                           std::to_string(*description().frames) + " frames as the header announces",
+                           std::to_string(frames()) + " before FF FE");
         set_status(decode_status::finished);
     }
 
-    void fail_here(std::string expected, std::string found) {
-        fail({byte_, 0, part_ == part::header ? 0 : frames() + 1, std::move(expected), std::move(found),
+    void fail_at(std::size_t byte, std::string expected, std::string found) {
+        fail({byte, 0, part_ == part::header ? 0 : frames() + 1, std::move(expected), std::move(found),
               missing_frames()});
     }
 
@@ -291,8 +300,8 @@ private:
     tekscan_header header_;
     std::string text_; ///< the header, until it is read
     part part_ = part::header;
-    std::size_t byte_ = 0;
-    std::array<std::byte, 8> small_{}; ///< a number that arrives in pieces
+    std::size_t byte_ = 0, number_byte_ = 0; ///< of what comes next, and of the number that is read
+    std::array<std::byte, 8> small_{};       ///< a number that arrives in pieces
     std::size_t gathered_ = 0, cell_ = 0, count_ = 0;
     std::uint16_t tag_ = 0;
     bool in_frame_ = false;

@@ -52,8 +52,8 @@ private:
 /// What a live stream needs to know beforehand: it does not tell.
 struct weiss_array {
     std::size_t rows = 0, columns = 0;
-    std::optional<double> row_spacing, column_spacing; ///< metres
-    double seconds_per_tick = 1e-3;                    ///< of the time stamp
+    std::optional<double> row_spacing{}, column_spacing{}; ///< metres
+    double seconds_per_tick = 1e-3;                        ///< of the time stamp
 };
 
 /// Which bytes the checksum covers.

@@ -1,0 +1,92 @@
+#pragma once
+
+// What holds for every decoder and any bytes: frames and status do not depend on how the bytes are split,
+// frames are of the size that the description says and hold counts or pressures, and damage is told with its
+// place.
+
+#include <tactnet/sensors/decoder.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace fuzz {
+
+inline void require(bool holds) {
+    if (!holds)
+        std::abort();
+}
+
+/// What came out, in a form that can be compared.
+struct outcome {
+    tactnet::decode_status status = tactnet::decode_status::reading;
+    std::uint64_t frames = 0, numbers = 0, hash = 14695981039346656037U;
+    double seconds = 0;
+    std::string error;
+
+    friend bool operator==(const outcome&, const outcome&) = default;
+};
+
+/// Pushes pieces of `piece` bytes; with 0 all at once.
+template <tactnet::frame_decoder Decoder>
+outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t piece) {
+    outcome result;
+    const std::size_t total = bytes.size();
+    const auto sink = [&](const tactnet::frame_view& frame) {
+        const tactnet::recording_description& description = decoder.description();
+        require(frame.rows == description.rows && frame.columns == description.columns);
+        require(frame.rows > 0 && frame.columns > 0 && frame.cells.size() == description.cells());
+        require(description.mask.empty() || description.mask.size() == description.cells());
+        require(!frame.seconds || !std::isnan(*frame.seconds));
+        for (std::size_t i = 0; i < frame.cells.size(); ++i) {
+            require(std::isfinite(frame.cells[i]) && frame.cells[i] >= 0);
+            require(description.exists(i) || frame.cells[i] == 0);
+            result.hash = (result.hash ^ static_cast<std::uint64_t>(frame.cells[i])) * 1099511628211U;
+        }
+        ++result.frames;
+        result.numbers += frame.number;
+        result.seconds += frame.seconds.value_or(0);
+    };
+    const auto note = [&](tactnet::decode_status status) {
+        result.status = status;
+        if (status != tactnet::decode_status::damaged)
+            return;
+        const tactnet::decoding_error& error = decoder.error();
+        require(!error.expected.empty() && !error.found.empty() && error.byte <= total);
+        result.error = error.place() + error.expected + error.outcome();
+    };
+    while (!bytes.empty()) {
+        const std::size_t size = piece == 0 ? bytes.size() : std::min(piece, bytes.size());
+        note(decoder.push(bytes.first(size), sink));
+        bytes = bytes.subspan(size);
+    }
+    note(decoder.finish(sink));
+    require(result.status != tactnet::decode_status::reading);
+    return result;
+}
+
+/// The same bytes, whole and split in several ways, into copies of `decoder`.
+template <tactnet::frame_decoder Decoder>
+void check(const Decoder& decoder, std::span<const std::byte> bytes) {
+    const outcome whole = decode(decoder, bytes, 0);
+    for (const std::size_t piece : {std::size_t{1}, std::size_t{7}})
+        require(decode(decoder, bytes, piece) == whole);
+}
+
+inline std::span<const std::byte> bytes_of(const std::uint8_t* data, std::size_t size) {
+    return std::as_bytes(std::span(data, size));
+}
+
+inline std::vector<std::uint8_t> input(std::string_view text) {
+    return {text.begin(), text.end()};
+}
+
+} // namespace fuzz
