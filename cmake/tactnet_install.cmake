@@ -3,11 +3,18 @@ include(CMakePackageConfigHelpers)
 
 set(tactnet_package_folder "${CMAKE_INSTALL_DATADIR}/cmake/tactnet")
 
-target_include_directories(tactnet INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
-install(TARGETS tactnet EXPORT tactnetTargets)
+# tactnet_export(target set): each component has a file of its own, so that one can be found without what another needs.
+function(tactnet_export target set)
+    target_include_directories(${target} INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+    install(TARGETS ${target} EXPORT ${set})
+    install(EXPORT ${set} NAMESPACE tactnet:: DESTINATION "${tactnet_package_folder}")
+endfunction()
+if(TARGET tactnet)
+    tactnet_export(tactnet tactnetTargets)
+endif()
+tactnet_export(tactnet_sensors tactnetSensorsTargets)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.hpp")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-install(EXPORT tactnetTargets NAMESPACE tactnet:: DESTINATION "${tactnet_package_folder}")
 
 configure_package_config_file(
     "${PROJECT_SOURCE_DIR}/cmake/tactnetConfig.cmake.in"

@@ -17,7 +17,9 @@ set(room_svm kernels tensor)
 set(room_features kernels tensor)
 set(room_io kernels tensor) # io/parameters.hpp and others take a network as a template argument and include none
 set(header_io/model_file.hpp image) # what this one may include beside: how inputs are meant is part of a model
-set(room_sensors image io kernels tensor)
+set(room_sensors io tensor)
+# Of io only what needs nothing but the standard library, as sensors must work without any other.
+set(only_sensors_io file file_error text)
 set(room_simulation image io kernels tensor)
 set(room_forward tensor)
 # The core umbrella: a user of inference never pays for training.
@@ -74,6 +76,11 @@ foreach(header IN LISTS headers)
                     AND NOT target MATCHES "^(${room}|detail|version)$"
                 )
                     problem("${place}: room '${room}' may not include <${included}>")
+                elseif(DEFINED only_${room}_${target})
+                    string(REGEX REPLACE "^tactnet/[a-z_]+/|\\.hpp$" "" part "${included}")
+                    if(NOT part IN_LIST only_${room}_${target})
+                        problem("${place}: room '${room}' may not include <${included}>")
+                    endif()
                 endif()
             elseif(included MATCHES "${kernel_headers}")
                 if(NOT room STREQUAL "kernels")

@@ -1,0 +1,4 @@
+#pragma once
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/parameters.hpp>
