@@ -7,6 +7,7 @@
 #include <tactnet/sensors/decoder.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -49,7 +50,7 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
         for (std::size_t i = 0; i < frame.cells.size(); ++i) {
             require(std::isfinite(frame.cells[i]) && frame.cells[i] >= 0);
             require(description.exists(i) || frame.cells[i] == 0);
-            result.hash = (result.hash ^ static_cast<std::uint64_t>(frame.cells[i])) * 1099511628211U;
+            result.hash = (result.hash ^ std::bit_cast<std::uint32_t>(frame.cells[i])) * 1099511628211U;
         }
         ++result.frames;
         result.numbers += frame.number;

@@ -51,7 +51,7 @@ public:
         if (status() != decode_status::damaged)
             lines_.finish([&](const text_line& line) { return take(line, sink); });
         if (status() == decode_status::reading)
-            end("the end of the data", sink);
+            end(last_, "the end of the data", sink);
         return status();
     }
 
@@ -75,7 +75,7 @@ private:
         if (status() == decode_status::finished)
             return fail_at(line, 0, "nothing behind the closing @@", in_quotes(text, 20));
         if (text == "@@")
-            return end("'@@'", sink);
+            return end(line, "'@@'", sink);
         if (begins_frame(text))
             return take_frame_line(line, text, sink);
         // Data that end inside a line which is not of the frame: that frame is whole.
@@ -180,17 +180,17 @@ private:
 
     /// The closing line, or the end of the data.
     template <class Sink>
-    bool end(const std::string& what, Sink& sink) {
+    bool end(const text_line& line, const std::string& what, Sink& sink) {
         if (header_.next() == tekscan_header::part::header)
-            return fail_at(last_, 0, "a header that ends with 'ASCII_DATA @@'", what);
-        if (open_ && !close_frame(last_, what, sink))
+            return fail_at(line, 0, "a header that ends with 'ASCII_DATA @@'", what);
+        if (open_ && !close_frame(line, what, sink))
             return false;
         // A single frame without a line of its own may come from a longer recording that the header tells of.
         if (!announced_ && frames() == 1)
             described().frames.reset();
         const std::uint64_t expected = description().frames.value_or(std::max<std::uint64_t>(frames(), 1));
         if (frames() != expected)
-            return fail_at(last_, 0, std::to_string(expected) + " frames",
+            return fail_at(line, 0, std::to_string(expected) + " frames",
                            std::to_string(frames()) + " before " + what);
         set_status(decode_status::finished);
         return true;

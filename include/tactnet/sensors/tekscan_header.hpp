@@ -47,8 +47,10 @@ public:
             value.remove_prefix(1);
 
         if (key == "ASCII_DATA" || key == "SENSOR_MAP") {
-            part_ = key == "ASCII_DATA" ? part::cells : part::map;
-            return complete(to);
+            auto problem = complete(to);
+            if (!problem)
+                part_ = key == "ASCII_DATA" ? part::cells : part::map;
+            return problem;
         }
         if (mode_ == mode::block) {
             if (text == end_mark)

@@ -1,0 +1,55 @@
+#include "decoded.hpp"
+
+#include <tactnet/sensors/any_recording.hpp>
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+using sensors_test::bytes_of;
+using tactnet::any_recording;
+using tactnet::decode_status;
+using namespace std::string_literals;
+
+namespace {
+
+const std::string text = "ROWS 1\r\nCOLS 2\r\nASCII_DATA @@\r\nFrame 1\r\n1,2\r\nFrame 2\r\n3,4\r\n@@\r\n";
+const std::string binary = "ROWS 1\nCOLS 2\n\xBB\xBA\x01\x00\x01\x07\xFF\xFF\xFF\xFF\xFF\xFE"s;
+const std::string map = "ROWS 1\nCOLS 2\nSENSOR_MAP @@\n0,B\n@@\n";
+
+} // namespace
+
+TEST_SUITE("any_recording") {
+    static_assert(tactnet::frame_decoder<any_recording>);
+
+    TEST_CASE("the content tells the format, however it is split") {
+        const auto check = [](const std::string& bytes, const std::string& format, std::size_t frames) {
+            const auto found = sensors_test::decode(any_recording(), bytes_of(bytes));
+            CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+            CHECK(found.description.format == format);
+            CHECK(found.frames.size() == frames);
+            CHECK(sensors_test::same_however_split(any_recording(), bytes_of(bytes)));
+        };
+        check(text, "Tekscan ASCII", 2);
+        check(binary, "Tekscan binary", 1);
+        check(map, "Tekscan map", 0);
+        check("\"ROWS 1\",\n\"COLS 2\",\n\"ASCII_DATA @@\",\n1,2\n", "Tekscan ASCII", 1);
+        check("ROWS 1\nCOLS 2\n ASCII_DATA @@\n1,2\n", "Tekscan ASCII", 1);
+        // Only the start of a line counts.
+        check("FILENAME x.ASCII_DATA\n" + binary, "Tekscan binary", 1);
+    }
+
+    TEST_CASE("a map's mask goes to binary recordings") {
+        const auto found = sensors_test::decode(any_recording({1, 0}), bytes_of(binary));
+        CHECK(found.error.find("expected counts on tactels of the map only") != std::string::npos);
+        CHECK(sensors_test::decode(any_recording({0, 1}), bytes_of(binary)).frames.size() == 1);
+    }
+
+    TEST_CASE("anything else is refused, with no more of it kept than a header") {
+        for (const std::string& bytes : {""s, "x"s, "ROWS 1\nCOLS 2\nASCII"s, std::string(1'000'000, 'x')}) {
+            const auto found = sensors_test::decode(any_recording(), bytes_of(bytes));
+            CHECK(found.status == decode_status::damaged);
+            CHECK(found.error.find("expected a Tekscan recording or map") != std::string::npos);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+#include <tactnet/sensors/measures.hpp>
+
+#include <doctest/doctest.h>
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+
+using tactnet::scan_number;
+
+namespace {
+
+double number(const std::string& text) {
+    const auto found = scan_number(text.data(), text.data() + text.size());
+    REQUIRE(found.end == text.data() + text.size());
+    return found.value;
+}
+
+} // namespace
+
+TEST_SUITE("measures") {
+    TEST_CASE("numbers are those of the standard library, to the last bit") {
+        for (const std::string text :
+             {"0", "7", "255", "0.1", ".5", "5.", "123456.789", "999999999999999", "9999999999999999", "1e22",
+              "1E-7", "0.30000000000000004", "18446744073709551616", "2.2250738585072014e-308", "000012.5"}) {
+            CAPTURE(text);
+            double expected = 0;
+            std::from_chars(text.data(), text.data() + text.size(), expected);
+            CHECK(number(text) == expected);
+        }
+        std::uint64_t state = 1;
+        for (int i = 0; i < 10'000; ++i) {
+            state = state * 6364136223846793005U + 1442695040888963407U;
+            std::string text = std::to_string(state >> (20 + state % 40));
+            text.insert(state % (text.size() + 1), 1, '.');
+            double expected = 0;
+            std::from_chars(text.data(), text.data() + text.size(), expected);
+            REQUIRE(number(text) == expected);
+        }
+        for (const std::string text : {"", ".", "-1", "x", "nan", "inf", "1e999"})
+            CHECK(scan_number(text.data(), text.data() + text.size()).end == nullptr);
+    }
+
+    TEST_CASE("measures") {
+        using tactnet::measured;
+        CHECK(measured(" 1.5 mm ", tactnet::length_units) == 1.5e-3);
+        CHECK(measured("1.5mm", tactnet::length_units) == 1.5e-3);
+        CHECK(measured("2,inches", tactnet::length_units) == 2 * 0.0254);
+        for (const char* text : {"1.5", "1,5 mm", "1.5.2 mm", "mm", "1 mm2", "-1 mm", ""})
+            CHECK(!measured(text, tactnet::length_units));
+        CHECK(tactnet::unit_size(tactnet::pressure_units, "KPA") == 1000.0);
+        CHECK(!tactnet::unit_size(tactnet::pressure_units, ""));
+    }
+
+    TEST_CASE("the fewest digits") {
+        CHECK(tactnet::shortest_text(0.1F) == "0.1");
+        CHECK(tactnet::shortest_text(310.0F) == "310");
+        CHECK(tactnet::shortest_text(1514730.0) == "1514730");
+        CHECK(tactnet::shortest_text(0.00127) == "0.00127");
+        CHECK(tactnet::shortest_text(1e300) == "1e+300");
+    }
+}
