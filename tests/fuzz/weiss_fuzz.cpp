@@ -14,7 +14,8 @@ std::vector<std::uint8_t> packet(std::uint8_t identifier, const std::vector<std:
                                  std::size_t from) {
     std::vector<std::uint8_t> bytes{0xAA, 0xAA, 0xAA, identifier, static_cast<std::uint8_t>(payload.size()),
                                     0};
-    bytes.insert(bytes.end(), payload.begin(), payload.end());
+    for (const std::uint8_t byte : payload)
+        bytes.push_back(byte);
     tactnet::weiss_checksum checksum;
     checksum.add(std::as_bytes(std::span(bytes)).subspan(from));
     bytes.push_back(static_cast<std::uint8_t>(checksum.value() & 0xFFU));

@@ -37,7 +37,8 @@ bytes packet(std::uint8_t identifier, const bytes& payload, std::size_t from) {
               identifier,
               static_cast<std::uint8_t>(payload.size() & 0xFF),
               static_cast<std::uint8_t>(payload.size() >> 8)};
-    all.insert(all.end(), payload.begin(), payload.end());
+    for (const std::uint8_t byte : payload)
+        all.push_back(byte);
     const std::uint16_t crc = checksum(all, from);
     all.push_back(static_cast<std::uint8_t>(crc & 0xFF));
     all.push_back(static_cast<std::uint8_t>(crc >> 8));

@@ -25,20 +25,21 @@ enum class pressure_unit : std::uint8_t { raw, pascal };
 
 /// Where frames come from. What the source does not tell is empty.
 struct recording_description {
-    std::string format;  ///< for example "Tekscan ASCII"
-    std::string version; ///< of the program or the device that wrote it
+    std::string format{};  ///< for example "Tekscan ASCII"
+    std::string version{}; ///< of the program or the device that wrote it
     std::size_t rows = 0, columns = 0;
-    std::optional<double> row_spacing, column_spacing; ///< between the centres of neighbouring cells, metres
-    std::optional<double> cell_area;                   ///< square metres
+    std::optional<double> row_spacing{};    ///< between the centres of neighbouring rows, metres
+    std::optional<double> column_spacing{}; ///< of neighbouring columns
+    std::optional<double> cell_area{};      ///< square metres
     pressure_unit unit = pressure_unit::raw;
-    std::optional<double> saturation_pressure; ///< what the largest count stands for, pascal
-    std::optional<double> noise_threshold;     ///< counts
-    std::optional<double> seconds_per_frame;
-    std::optional<std::uint64_t> frames; ///< as many as the source announces
+    std::optional<double> saturation_pressure{}; ///< what the largest count stands for, pascal
+    std::optional<double> noise_threshold{};     ///< counts
+    std::optional<double> seconds_per_frame{};
+    std::optional<std::uint64_t> frames{}; ///< as many as the source announces
     /// One entry a cell, row by row: 1 where there is a tactel, 0 where there is none. Empty: all are there.
-    std::vector<std::uint8_t> mask;
+    std::vector<std::uint8_t> mask{};
     /// Every line of a text header as it stands: key and value.
-    std::vector<std::pair<std::string, std::string>> header;
+    std::vector<std::pair<std::string, std::string>> header{};
 
     [[nodiscard]] std::size_t cells() const noexcept { return rows * columns; }
     [[nodiscard]] bool exists(std::size_t cell) const noexcept { return mask.empty() || mask[cell] != 0; }

@@ -1,0 +1,183 @@
+// How fast recordings are decoded on one core, beside a reader on std::istream in the same run, in turns. The
+// recordings are made here: frames of 28 × 28 cells with the margins and the hand that real ones have, as
+// text, and of 44 × 52 cells as a binary recording, once with a few touched cells and once with all. Every
+// round checks the sum of all cells. With a file as argument, that is decoded as well. Run it pinned to an
+// idle core.
+
+#include "../support/measure.hpp"
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/sensors/recording.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+namespace {
+
+constexpr std::size_t rounds = 9;
+
+/// A recording and what must come out of it.
+struct sample {
+    std::string bytes;
+    double cells = 0, sum = 0;
+};
+
+/// Counts that look like a finger here and noise there.
+std::uint32_t count_at(std::size_t frame, std::size_t row, std::size_t column) {
+    const std::uint32_t hash =
+        static_cast<std::uint32_t>(frame * 31 + row * 7919 + column * 104729) * 2654435761U;
+    const bool touched = row > 17 && row < 22 && column > 16 && column < 24;
+    return touched ? (hash >> 24U) : hash % 97 == 0 ? 5 : 0;
+}
+
+sample make_text(std::size_t frames) {
+    sample s;
+    s.bytes = "ROWS 28\r\nCOLS 28\r\nSECONDS_PER_FRAME 0.1\r\nUNITS raw\r\nASCII_DATA @@\r\n";
+    for (std::size_t f = 1; f <= frames; ++f) {
+        std::string rows;
+        std::uint64_t sum = 0;
+        for (std::size_t r = 0; r < 28; ++r)
+            for (std::size_t c = 0; c < 28; ++c) {
+                const bool margin = r < 2 || r > 25 || c < 2 || c > 25 || c == 13 || c == 14;
+                sum += margin ? 0 : count_at(f, r, c);
+                rows += margin ? "B" : std::to_string(count_at(f, r, c));
+                rows += c < 27 ? "," : "\r\n";
+            }
+        s.bytes += "\r\nFrame " + std::to_string(f) + ", 0.1,, 12/2/2019 6:21:52.34PM,,,Raw Sum=,," +
+                   std::to_string(sum) + "\r\n" + rows;
+        s.sum += static_cast<double>(sum);
+        s.cells += 28 * 28;
+    }
+    s.bytes += "@@\r\n";
+    return s;
+}
+
+sample make_binary(std::size_t frames, bool dense) {
+    sample s;
+    s.bytes = "ROWS 44\nCOLS 52\n\xBB\xBA";
+    const auto number = [&](std::size_t value) {
+        s.bytes += static_cast<char>(value & 0xFFU);
+        s.bytes += static_cast<char>(value >> 8U);
+    };
+    for (std::size_t f = 1; f <= frames; ++f) {
+        for (std::size_t r = 0; r < 44; ++r) {
+            const std::size_t from = dense ? 0 : 20, cells = dense ? 52 : r > 15 && r < 26 ? 6 : 0;
+            if (cells == 0)
+                continue;
+            number(r * 52 + from);
+            s.bytes += static_cast<char>(cells);
+            for (std::size_t c = 0; c < cells; ++c) {
+                const std::size_t value = (f + r * 3 + c * 7) % 256;
+                s.bytes += static_cast<char>(value);
+                s.sum += static_cast<double>(value);
+            }
+        }
+        number(0xFFFF);
+        number(2), number(8);
+        for (int byte = 0; byte < 4; ++byte)
+            number(0);
+        number(0xFFFF);
+        s.cells += 44 * 52;
+    }
+    s.bytes += "\xFF\xFE";
+    return s;
+}
+
+/// Of whole numbers, so exact in any order: side by side, or the check would cost more than what it checks.
+double sum_of(std::span<const float> cells) {
+    std::array<float, 32> sums{};
+    std::size_t i = 0;
+    for (; i + sums.size() <= cells.size(); i += sums.size())
+        for (std::size_t lane = 0; lane < sums.size(); ++lane)
+            sums[lane] += cells[i + lane];
+    double sum = 0;
+    for (const float part : sums)
+        sum += static_cast<double>(part);
+    for (; i < cells.size(); ++i)
+        sum += static_cast<double>(cells[i]);
+    return sum;
+}
+
+template <class Decoder>
+double sum_with(std::string_view bytes) {
+    Decoder decoder;
+    double sum = 0;
+    const auto add = [&](const tactnet::frame_view& frame) { sum += sum_of(frame.cells); };
+    decoder.push(std::as_bytes(std::span(bytes)), add);
+    return decoder.finish(add) == tactnet::decode_status::finished ? sum : -1;
+}
+
+/// What one writes without thinking of speed: lines by getline, cells by >>.
+double sum_with_stream(std::string_view bytes) {
+    std::istringstream text{std::string(bytes)};
+    double sum = 0;
+    std::string line, cell;
+    while (std::getline(text, line) && !line.starts_with("ASCII_DATA")) {
+    }
+    while (std::getline(text, line) && !line.starts_with("@@")) {
+        if (line.starts_with("Frame") || line.size() < 2)
+            continue;
+        std::istringstream row(line);
+        for (float value = 0; !row.eof();) {
+            if (row >> std::ws; row.peek() == 'B')
+                row.get();
+            else if (row >> value)
+                sum += static_cast<double>(value);
+            row.clear(row.rdstate() & std::ios::eofbit);
+            row >> std::ws;
+            if (row.peek() != ',')
+                break;
+            row.get();
+        }
+    }
+    return sum;
+}
+
+bool all_right = true;
+
+template <class Body>
+double fastest(const sample& s, Body&& body) {
+    const auto time =
+        benchmark::time_rounds(rounds, [&] { all_right = all_right && body(s.bytes) == s.sum; });
+    return time.fastest;
+}
+
+void print(const char* name, const sample& s, double seconds) {
+    std::printf("%-34s %10.1f MB %9.0f MB/s %9.2f G cells/s\n", name,
+                static_cast<double>(s.bytes.size()) / 1e6,
+                static_cast<double>(s.bytes.size()) / seconds / 1e6, s.cells / seconds / 1e9);
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    const sample text = make_text(8000), sparse = make_binary(20'000, false), dense = make_binary(4000, true);
+    const double ours = fastest(text, sum_with<tactnet::tekscan_ascii>);
+    const sample less = make_text(800);
+    const double stream = fastest(less, sum_with_stream);
+    print("text recording", text, ours);
+    print("the same with std::istream", less, stream);
+    std::printf("%-34s %10.1f times\n", "faster",
+                stream / static_cast<double>(less.bytes.size()) /
+                    (ours / static_cast<double>(text.bytes.size())));
+    print("binary recording, few touched cells", sparse, fastest(sparse, sum_with<tactnet::tekscan_binary>));
+    print("binary recording, all cells", dense, fastest(dense, sum_with<tactnet::tekscan_binary>));
+    for (int i = 1; i < count; ++i) {
+        const auto bytes = tactnet::read_file(arguments[i]);
+        sample file{{reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 0, 0};
+        const auto whole = tactnet::decode_all(tactnet::any_recording(), bytes);
+        file.cells = static_cast<double>(whole.size() * whole.description.cells());
+        file.sum = sum_with<tactnet::any_recording>(file.bytes);
+        print(arguments[i], file, fastest(file, sum_with<tactnet::any_recording>));
+    }
+    if (!all_right)
+        std::printf("WRONG sums\n");
+    return all_right ? EXIT_SUCCESS : EXIT_FAILURE;
+}

@@ -1,0 +1,140 @@
+// tactnet_decode: what is in a sensor's recording, as a summary, as text or as a picture.
+//
+// Exit status: 0, or 2 (bad input or arguments, or output that cannot be written). Of a damaged recording the
+// whole frames are printed before the error.
+
+#include "arguments.hpp"
+#include "output.hpp"
+#if defined(TACTNET_DECODE_DRAWS)
+#include "picture.hpp"
+#endif
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/io/text.hpp>
+#include <tactnet/sensors/any_recording.hpp>
+#include <tactnet/sensors/number_text.hpp>
+#include <tactnet/sensors/recording.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+constexpr int success = 0, bad_input = 2;
+
+/// To the nanosecond: no sensor tells more, and sums of tenths do not show.
+std::string seconds_text(std::optional<double> seconds) {
+    return seconds ? tactnet::shortest_text(std::round(*seconds * 1e9) / 1e9) : "";
+}
+
+/// The first and last frame's time, and how many there are.
+struct span_of_time {
+    std::optional<double> first, last;
+    std::uint64_t frames = 0;
+
+    void add(const tactnet::frame_view& frame) {
+        if (frames++ == 0)
+            first = frame.seconds;
+        last = frame.seconds;
+    }
+};
+
+void print_summary(const tactnet::recording_description& description, const span_of_time& time) {
+    std::optional<double> seconds;
+    if (time.first && time.last)
+        seconds = *time.last - *time.first;
+    const auto line = [](const std::string& name, const std::string& value) {
+        print(name + ": " + (value.empty() ? "unknown" : value) + "\n");
+    };
+    line("format", description.format);
+    // It comes out of a file that may hold anything.
+    const std::string version = tactnet::in_quotes(description.version, 200);
+    line("version", version.substr(1, version.size() - 2));
+    line("rows", std::to_string(description.rows));
+    line("columns", std::to_string(description.columns));
+    line("frames", std::to_string(time.frames));
+    line("missing cells", std::to_string(description.missing_cells()));
+    line("unit", description.unit == tactnet::pressure_unit::raw ? "raw" : "pascal");
+    line("seconds", time.frames > 0 ? seconds_text(seconds) : "");
+}
+
+void print_frame(const tactnet::frame_view& frame, const tactnet::recording_description& description) {
+    std::string text = "frame," + std::to_string(frame.number) + "," + seconds_text(frame.seconds) + "\n";
+    for (std::size_t i = 0; i < frame.cells.size(); ++i) {
+        text += description.exists(i) ? tactnet::shortest_text(frame.cells[i]) : "B";
+        text += (i + 1) % frame.columns == 0 ? '\n' : ',';
+    }
+    print(text);
+}
+
+void draw_frame(const arguments& asked, const tactnet::frame_view& frame, tactnet::pressure_unit unit) {
+#if defined(TACTNET_DECODE_DRAWS)
+    draw(asked.picture_file, frame, unit);
+#else
+    static_cast<void>(asked), static_cast<void>(frame), static_cast<void>(unit);
+    throw usage_error("this program was built without PNG, which --picture needs");
+#endif
+}
+
+void decode(const arguments& asked) {
+    std::vector<std::uint8_t> mask;
+    if (!asked.map.empty())
+        mask = tactnet::read_recording(asked.map).description.mask;
+    const std::vector<std::byte> bytes = tactnet::read_file(asked.file);
+    tactnet::any_recording decoder(std::move(mask));
+    span_of_time time;
+    bool drawn = false;
+    const auto take = [&](const tactnet::frame_view& frame) {
+        time.add(frame);
+        if (asked.csv)
+            print_frame(frame, decoder.description());
+        if (asked.picture == frame.number) {
+            draw_frame(asked, frame, decoder.description().unit);
+            drawn = true;
+        }
+    };
+    tactnet::decode_status status = decoder.push(bytes, take);
+    if (status != tactnet::decode_status::damaged)
+        status = decoder.finish(take);
+    const bool damaged = status == tactnet::decode_status::damaged;
+    if (!asked.csv && !asked.picture && (!damaged || time.frames > 0))
+        print_summary(decoder.description(), time);
+    flush_output();
+    if (damaged)
+        throw tactnet::file_error(asked.file.string(), decoder.error().place(), decoder.error().expected,
+                                  decoder.error().outcome());
+    if (asked.picture && !drawn)
+        throw tactnet::file_error(asked.file.string(), "",
+                                  "a frame with number " + std::to_string(*asked.picture),
+                                  std::to_string(time.frames) + " frames with others");
+}
+
+} // namespace
+
+int main(int count, char** words) {
+    survive_closed_output();
+    try {
+        const arguments asked = read_arguments(std::span(words + 1, words + std::max(count, 1)));
+        if (asked.help) {
+            print(usage);
+            flush_output();
+        } else {
+            decode(asked);
+        }
+        return success;
+    } catch (const usage_error& error) {
+        std::fprintf(stderr, "tactnet_decode: %s\n%s", error.what(), usage);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "tactnet_decode: %s\n", error.what());
+    }
+    return bad_input;
+}

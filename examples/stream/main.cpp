@@ -1,0 +1,130 @@
+// tactnet_stream: recognises the frames of a sensor one by one, as they arrive.
+//
+//     tactnet_stream WEIGHTS [own] <STREAM
+//
+// WEIGHTS is of a TactNet-6 for 28 x 50 counts, such as `tactnet train` writes. The stream comes from
+// standard input: frames of 1400 bytes one after the other, or packets of the device in own_device.hpp. Each
+// frame makes a line of number, label, probability and the microseconds that recognising it took, with tabs
+// between them. Exit status: 0, or 2 (bad input, damage in the stream, or output that cannot be written).
+
+#include "own_device.hpp"
+
+#include <tactnet/io.hpp>
+#include <tactnet/sensors.hpp>
+#include <tactnet/tactnet.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <span>
+#include <string>
+#include <unistd.h>
+
+namespace {
+
+using network = tactnet::tactnet6<tactnet::shape{own_device::rows, own_device::columns, 1}, 22>;
+using deployed = decltype(tactnet::deploy(std::declval<tactnet::model<network>>()));
+
+/// What the deployed network says of a frame, and how long that took. No heap, no exceptions.
+class recogniser {
+public:
+    explicit recogniser(const tactnet::model<network>& model)
+        : deployed_(tactnet::deploy(model)), classes_(model.classes.size()) {}
+
+    struct answer {
+        std::size_t index = 0;
+        double probability = 0, microseconds = 0;
+    };
+
+    [[nodiscard]] bool operator()(const tactnet::frame_view& frame, answer& to) noexcept {
+        const auto cells = frame.as<network::input_shape>();
+        const auto start = std::chrono::steady_clock::now();
+        if (!cells || deployed_(*cells, logits_, memory_) != tactnet::frame_status::recognised)
+            return false;
+        to.microseconds =
+            std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+        const auto known = std::span(logits_).first(classes_);
+        const auto best = std::max_element(known.begin(), known.end());
+        double sum = 0;
+        for (const float logit : known)
+            sum += std::exp(static_cast<double>(logit) - static_cast<double>(*best));
+        to.index = static_cast<std::size_t>(best - known.begin());
+        to.probability = 1 / sum;
+        return true;
+    }
+
+private:
+    deployed deployed_;
+    std::size_t classes_;
+    std::array<float, network::outputs> logits_{};
+    deployed::scratch memory_;
+};
+
+/// True if the stream was whole, its frames were recognised and their lines written.
+template <tactnet::frame_decoder Decoder>
+bool run(Decoder decoder, const tactnet::model<network>& model) {
+    recogniser recognise(model);
+    bool all_well = true;
+    const auto take = [&](const tactnet::frame_view& frame) {
+        recogniser::answer answer;
+        if (!recognise(frame, answer)) {
+            std::fprintf(stderr, "tactnet_stream: frame %llu cannot be recognised\n",
+                         static_cast<unsigned long long>(frame.number));
+            all_well = false;
+            return;
+        }
+        std::printf("%llu\t%s\t%.4f\t%.1f\n", static_cast<unsigned long long>(frame.number),
+                    model.classes[answer.index].c_str(), answer.probability, answer.microseconds);
+    };
+    const auto note = [&](tactnet::decode_status status) {
+        if (status != tactnet::decode_status::damaged)
+            return;
+        const tactnet::decoding_error& error = decoder.error();
+        std::fprintf(stderr, "tactnet_stream: %s: expected %s, found %s\n", error.place().c_str(),
+                     error.expected.c_str(), error.found.c_str());
+        all_well = false;
+    };
+    std::array<std::byte, 4096> bytes;
+    ssize_t got = 0;
+    // Returns with what there is, so that a frame is not kept waiting for the next.
+    while ((got = ::read(STDIN_FILENO, bytes.data(), bytes.size())) > 0) {
+        note(decoder.push(std::span(bytes).first(static_cast<std::size_t>(got)), take));
+        if (std::fflush(stdout) != 0) {
+            std::fprintf(stderr, "tactnet_stream: cannot write the output: %s\n", std::strerror(errno));
+            return false;
+        }
+    }
+    if (got < 0) {
+        std::fprintf(stderr, "tactnet_stream: cannot read the stream: %s\n", std::strerror(errno));
+        return false;
+    }
+    note(decoder.finish(take));
+    return all_well;
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    std::signal(SIGPIPE, SIG_IGN);
+    const bool own = count == 3 && std::strcmp(arguments[2], "own") == 0;
+    if (count != 2 && !own) {
+        std::fputs("usage: tactnet_stream WEIGHTS [own] <STREAM\n", stderr);
+        return 2;
+    }
+    try {
+        const auto model = tactnet::load_model<network>(arguments[1]);
+        const bool well =
+            own ? run(own_device(), model)
+                : run(tactnet::matrix_stream({.rows = own_device::rows, .columns = own_device::columns}),
+                      model);
+        return well ? 0 : 2;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "tactnet_stream: %s\n", error.what());
+        return 2;
+    }
+}

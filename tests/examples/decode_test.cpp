@@ -1,0 +1,125 @@
+// The program `tactnet_decode` from outside.
+
+#include <tactnet/io/file.hpp>
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <support/data_folder.hpp>
+#include <support/run_program.hpp>
+#include <support/temporary_folder.hpp>
+
+using support::run_program;
+
+namespace {
+
+const std::string program = TACTNET_DECODE_PROGRAM;
+const std::string recording =
+    "VERSION 6.10I\r\nROWS 2\r\nCOLS 3\r\nSECONDS_PER_FRAME 0.1\r\nSTART_FRAME 1\r\n"
+    "END_FRAME 3\r\nUNITS KPa\r\nASCII_DATA @@\r\nFrame 1\r\nB,0.5,0\r\n1,2,3\r\n"
+    "Frame 2\r\nB,5,0\r\n1,2,3\r\nFrame 4\r\nB,5,0\r\n1,2,255\r\n@@\r\n";
+
+class recording_file {
+public:
+    explicit recording_file(const std::string& text) { tactnet::write_file(path(), text); }
+    std::filesystem::path path() const { return folder_ / "a recording"; }
+    std::string quoted() const { return " '" + path().string() + "'"; }
+    std::filesystem::path operator/(const char* name) const { return folder_ / name; }
+
+private:
+    support::temporary_folder folder_;
+};
+
+/// Exit status 2, nothing but the sentence.
+void refuses(const std::string& command, const std::string& sentence) {
+    CAPTURE(command);
+    const auto result = run_program(command);
+    CHECK(result.status == 2);
+    CHECK_MESSAGE(result.error.find(sentence) != std::string::npos, result.error);
+}
+
+} // namespace
+
+TEST_SUITE("decode") {
+    TEST_CASE("the summary") {
+        const recording_file file(recording);
+        const auto result = run_program(program + file.quoted());
+        CHECK(result.status == 0);
+        CHECK(result.error.empty());
+        CHECK(result.out == "format: Tekscan ASCII\nversion: 6.10I\nrows: 2\ncolumns: 3\nframes: 3\n"
+                            "missing cells: 1\nunit: pascal\nseconds: 0.3\n");
+    }
+
+    TEST_CASE("every frame as text") {
+        const recording_file file(recording);
+        const auto result = run_program(program + " --csv" + file.quoted());
+        CHECK(result.status == 0);
+        CHECK(result.out == "frame,1,0\nB,500,0\n1000,2000,3000\nframe,2,0.1\nB,5000,0\n1000,2000,3000\n"
+                            "frame,4,0.3\nB,5000,0\n1000,2000,255000\n");
+    }
+
+    TEST_CASE("of a damaged recording the whole frames, and what is wrong") {
+        const recording_file file(recording.substr(0, recording.find("Frame 4") + 19));
+        for (const std::string option : {"", " --csv"}) {
+            const auto result = run_program(program + option + file.quoted());
+            CHECK(result.status == 2);
+            CHECK(result.out.find(option.empty() ? "frames: 2\n" : "frame,2,0.1\n") != std::string::npos);
+            CHECK(result.error.find(
+                      "frame 3: expected more cells in this row in column 3 of 3, found the end of the "
+                      "data (1 announced frames are missing)") != std::string::npos);
+        }
+    }
+
+    TEST_CASE("pictures") {
+        const recording_file file(recording);
+        const auto picture = (file / "out.png").string();
+        const auto result = run_program(program + " --picture 4 " + picture + file.quoted());
+        if (result.error.find("built without PNG") != std::string::npos)
+            return;
+        CHECK(result.status == 0);
+        CHECK(support::text_of(picture).substr(1, 3) == "PNG");
+        refuses(program + " --picture 3 " + picture + ".none" + file.quoted(),
+                "expected a frame with number 3, found 3 frames with others");
+        CHECK(!std::filesystem::exists(picture + ".none"));
+        refuses(program + " --picture 1 /no/such/folder/x.png" + file.quoted(),
+                "expected a folder to write in");
+    }
+
+    TEST_CASE("what cannot be read, written or understood") {
+        const recording_file file(recording), empty(""), other("not a recording\n");
+        refuses(program + " /no/such/file", "/no/such/file: expected a file, found nothing of that name");
+        refuses(program + " /", "/: expected a file, found a folder");
+        refuses(program + empty.quoted(), "expected a Tekscan recording or map");
+        refuses(program + other.quoted(), "expected a Tekscan recording or map");
+        refuses(program, "expected a file");
+        refuses(program + " --colour" + file.quoted(), "unknown option '--colour'");
+        refuses(program + file.quoted() + file.quoted(), "expected one file");
+        refuses(program + " --picture x y" + file.quoted(),
+                "expected the number of a frame behind --picture, found 'x'");
+        refuses(program + " --picture 1", "expected a file to draw to");
+        refuses(program + " --csv --picture 1 x" + file.quoted(), "expected --csv or --picture, found both");
+        if (std::filesystem::exists("/dev/full"))
+            refuses(program + file.quoted() + " >/dev/full", "cannot write the output");
+        // A reader that has gone: no signal ends the program.
+        std::string many = recording.substr(0, recording.find("START"));
+        many += "UNITS raw\nASCII_DATA @@\n";
+        for (int i = 1; i < 20'000; ++i)
+            many += "Frame " + std::to_string(i) + "\nB,1,2\n3,4,5\n";
+        const recording_file large(many);
+        CHECK(run_program("( " + program + " --csv" + large.quoted() + "; echo $? >&2 ) | true")
+                  .error.find("\n2\n") != std::string::npos);
+        CHECK(run_program(program + " --help").status == 0);
+    }
+
+    TEST_CASE("a binary recording with the map of its sensor") {
+        const auto recorded = support::find_data("tekscan/MySampleRecording.fsx");
+        const auto map = support::find_data("tekscan/null.mp");
+        if (!recorded || !map)
+            return;
+        const auto result = run_program(program + " --map " + map->string() + " " + recorded->string());
+        CHECK(result.status == 0);
+        CHECK(result.out.find("frames: 500\n") != std::string::npos);
+        CHECK(run_program(program + " " + map->string()).out.find("format: Tekscan map\n") !=
+              std::string::npos);
+    }
+}
