@@ -12,6 +12,7 @@
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan_ascii.hpp>
 #include <tactnet/sensors/tekscan_binary.hpp>
+#include <tactnet/sensors/tekscan_binary_header.hpp>
 #include <tactnet/sensors/tekscan_header.hpp>
 #include <tactnet/sensors/tekscan_map.hpp>
 #include <tactnet/sensors/tekscan_row.hpp>

@@ -42,12 +42,15 @@ TEST_SUITE("measures") {
     }
 
     TEST_CASE("measures") {
-        using tactnet::measured;
-        CHECK(measured(" 1.5 mm ", tactnet::length_units) == 1.5e-3);
-        CHECK(measured("1.5mm", tactnet::length_units) == 1.5e-3);
-        CHECK(measured("2,inches", tactnet::length_units) == 2 * 0.0254);
-        for (const char* text : {"1.5", "1,5 mm", "1.5.2 mm", "mm", "1 mm2", "-1 mm", ""})
-            CHECK(!measured(text, tactnet::length_units));
+        for (const char* text : {" 1.5 mm ", "1.5mm", "1.5,mm", "1.5 , mm"}) {
+            const auto found = tactnet::scan_measure(text);
+            REQUIRE(found);
+            CHECK(found->number == 1.5);
+            CHECK(found->unit == "mm");
+        }
+        CHECK(tactnet::scan_measure("1.5")->unit.empty());
+        for (const char* text : {"1,5 mm", "1.5.2 mm", "mm", "-1 mm", ""})
+            CHECK(!tactnet::scan_measure(text));
         CHECK(tactnet::unit_size(tactnet::pressure_units, "KPA") == 1000.0);
         CHECK(!tactnet::unit_size(tactnet::pressure_units, ""));
     }

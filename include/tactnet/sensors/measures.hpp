@@ -27,19 +27,42 @@ inline constexpr measure_unit length_units[] = {
 };
 /// Square metres.
 inline constexpr measure_unit area_units[] = {
-    {"mm2", 1e-6},   {"cm2", 1e-4},   {"m2", 1},   {"in2", 0.00064516},   {"inch2", 0.00064516},
-    {"mm^2", 1e-6},  {"cm^2", 1e-4},  {"m^2", 1},  {"in^2", 0.00064516},  {"inches2", 0.00064516},
-    {"sq mm", 1e-6}, {"sq cm", 1e-4}, {"sq m", 1}, {"sq in", 0.00064516}, {"square inches", 0.00064516},
+    {"mm2", 1e-6},
+    {"cm2", 1e-4},
+    {"m2", 1},
+    {"in2", 0.00064516},
+    {"inch2", 0.00064516},
+    {"mm\xC2\xB2", 1e-6},
+    {"cm\xC2\xB2", 1e-4},
+    {"mm^2", 1e-6},
+    {"cm^2", 1e-4},
+    {"m^2", 1},
+    {"in^2", 0.00064516},
+    {"inches2", 0.00064516},
+    {"sq mm", 1e-6},
+    {"sq cm", 1e-4},
+    {"sq m", 1},
+    {"sq in", 0.00064516},
+    {"square inches", 0.00064516},
 };
 /// Pascal.
 inline constexpr measure_unit pressure_units[] = {
-    {"Pa", 1},           {"kPa", 1e3},
-    {"MPa", 1e6},        {"psi", 6894.757293168361},
-    {"mbar", 100},       {"bar", 1e5},
-    {"N/cm2", 1e4},      {"N/mm2", 1e6},
-    {"kg/cm2", 98066.5}, {"kgf/cm2", 98066.5},
-    {"g/cm2", 98.0665},  {"mmHg", 133.322387415},
-    {"atm", 101325},     {"torr", 101325 / 760.},
+    {"Pa", 1},
+    {"kPa", 1e3},
+    {"MPa", 1e6},
+    {"psi", 6894.757293168361},
+    {"mbar", 100},
+    {"bar", 1e5},
+    {"N/cm2", 1e4},
+    {"N/mm2", 1e6},
+    {"kg/cm2", 98066.5},
+    {"kgf/cm2", 98066.5},
+    {"kg/cm\xC2\xB2", 98066.5},
+    {"N/cm\xC2\xB2", 1e4},
+    {"g/cm2", 98.0665},
+    {"mmHg", 133.322387415},
+    {"atm", 101325},
+    {"torr", 101325 / 760.},
 };
 /// Seconds.
 inline constexpr measure_unit time_units[] = {
@@ -81,14 +104,6 @@ struct measure {
     while (!rest.empty() && (rest.front() == ',' || detail::is_blank(rest.front())))
         rest.remove_prefix(1);
     return measure{number.value, trimmed(rest)};
-}
-
-/// `text` in base units; nothing if it is no measure or its unit is missing or unknown.
-[[nodiscard]] inline std::optional<double> measured(std::string_view text,
-                                                    std::span<const measure_unit> units) noexcept {
-    const auto found = scan_measure(text);
-    const auto size = found ? unit_size(units, found->unit) : std::nullopt;
-    return size ? std::optional(found->number * *size) : std::nullopt;
 }
 
 } // namespace tactnet

@@ -6,21 +6,17 @@
 // byte first. The cells are raw counts, whatever unit the header names for showing them.
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
-#include <tactnet/sensors/number_text.hpp>
-#include <tactnet/sensors/tekscan_header.hpp>
+#include <tactnet/sensors/tekscan_binary_header.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -42,17 +38,17 @@ public:
 
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
-        if (status() == decode_status::finished && !bytes.empty())
-            fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
-        while (!bytes.empty() && status() == decode_status::reading) {
+        while (!bytes.empty() && status() != decode_status::damaged) {
+            if (status() == decode_status::finished) {
+                fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
+                break;
+            }
             const std::size_t taken = part_ == part::header        ? take_header(bytes)
                                       : part_ == part::run_cells   ? take_run(bytes)
                                       : part_ == part::record_data ? take_record(bytes)
                                                                    : take_number(bytes, sink);
             byte_ += taken;
             bytes = bytes.subspan(taken);
-            if (status() == decode_status::finished && !bytes.empty())
-                fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
         }
         return status();
     }
@@ -78,62 +74,17 @@ private:
         record_data
     };
     static constexpr std::uint16_t end_of_list = 0xFFFF, end_of_recording = 0xFEFF;
-    static constexpr std::size_t largest_cells = end_of_recording;
-    static constexpr std::string_view end_of_header = "\n\xBB\xBA";
+    static_assert(tekscan_binary_header::largest_cells <= end_of_recording);
 
-    /// The header is looked at as a whole: its end may be split anywhere.
     std::size_t take_header(std::span<const std::byte> bytes) {
-        const std::size_t before = text_.size();
-        const std::size_t room = largest_header_bytes - before;
-        const std::size_t taken = std::min(bytes.size(), room);
-        text_.append(reinterpret_cast<const char*>(bytes.data()), taken);
-        const std::size_t from = before >= end_of_header.size() ? before - end_of_header.size() + 1 : 0;
-        const std::size_t end = text_.find(end_of_header, from);
-        if (end != std::string::npos) {
-            text_.resize(end);
-            read_header();
-            text_ = {};
+        const std::size_t taken = header_.take(bytes, described());
+        if (header_.problem()) {
+            fail(*header_.problem());
+        } else if (header_.complete()) {
+            make_room();
             part_ = part::run_cell;
-            return end + end_of_header.size() - before;
         }
-        if (taken < bytes.size())
-            fail_at(byte_ + taken, "a header of at most " + std::to_string(largest_header_bytes) + " bytes",
-                    "a longer one");
         return taken;
-    }
-
-    void read_header() {
-        std::string_view rest = text_;
-        for (std::size_t line = 1; !rest.empty(); ++line) {
-            const std::size_t length = std::min(rest.find('\n'), rest.size());
-            std::string_view text = rest.substr(0, length);
-            if (text.ends_with('\r'))
-                text.remove_suffix(1);
-            const auto byte = static_cast<std::size_t>(text.data() - text_.data());
-            if (auto problem = header_.take(text, described()))
-                return refuse_header(byte, line, std::move(*problem));
-            rest.remove_prefix(std::min(length + 1, rest.size()));
-        }
-        if (auto problem = header_.complete(described()))
-            return refuse_header(0, 1, std::move(*problem));
-        recording_description& to = described();
-        if (to.cells() > largest_cells)
-            return refuse_header(0, 1,
-                                 {"at most " + std::to_string(largest_cells) + " cells",
-                                  std::to_string(to.rows) + " x " + std::to_string(to.columns)});
-        if (!to.mask.empty() && to.mask.size() != to.cells())
-            return refuse_header(0, 1,
-                                 {"the size of the map, " + std::to_string(to.mask.size()) + " cells",
-                                  std::to_string(to.rows) + " x " + std::to_string(to.columns)});
-        to.unit = pressure_unit::raw;
-        for (const auto& [key, value] : to.header)
-            if (key == "FRAMES")
-                to.frames = whole_number(value);
-        make_room();
-    }
-
-    void refuse_header(std::size_t byte, std::size_t line, text_problem problem) {
-        fail({byte, line, 0, std::move(problem.expected), std::move(problem.found), missing_frames()});
     }
 
     /// Gathers the one or two bytes of the number that is next.
@@ -297,8 +248,7 @@ private:
 
     static constexpr std::uint16_t frame_number = 1, microseconds = 2; ///< tags
 
-    tekscan_header header_;
-    std::string text_; ///< the header, until it is read
+    tekscan_binary_header header_;
     part part_ = part::header;
     std::size_t byte_ = 0, number_byte_ = 0; ///< of what comes next, and of the number that is read
     std::array<std::byte, 8> small_{};       ///< a number that arrives in pieces

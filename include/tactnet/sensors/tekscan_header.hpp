@@ -97,17 +97,7 @@ public:
 
 private:
     enum class mode : std::uint8_t { lines, comment, block };
-    enum class understanding : std::uint8_t {
-        done,
-        not_needed,
-        size,
-        count,
-        seconds,
-        length,
-        area,
-        pressure,
-        units
-    };
+    enum class understanding : std::uint8_t { done, not_needed, size, count, number, units };
 
     static constexpr std::string_view end_mark = "@@";
 
@@ -148,22 +138,17 @@ private:
                 return understanding::count;
             (key == "START_FRAME" ? first_frame_ : last_frame_) = number;
         } else if (key == "ROW_SPACING") {
-            return to_base(value, length_units, to.row_spacing, understanding::length);
+            return to_base(value, length_units, {}, to.row_spacing);
         } else if (key == "COL_SPACING") {
-            return to_base(value, length_units, to.column_spacing, understanding::length);
+            return to_base(value, length_units, {}, to.column_spacing);
         } else if (key == "SENSEL_AREA") {
-            return to_base(value, area_units, to.cell_area, understanding::area);
+            return to_base(value, area_units, {}, to.cell_area);
         } else if (key == "SATURATION_PRESSURE") {
-            return to_base(value, pressure_units, to.saturation_pressure, understanding::pressure);
-        } else if (key == "SECONDS_PER_FRAME" || key == "NOISE_THRESHOLD") {
-            const auto found = scan_measure(value);
-            if (!found ||
-                (key == "SECONDS_PER_FRAME" && !found->unit.empty() && !unit_size(time_units, found->unit)))
-                return understanding::seconds;
-            if (key == "SECONDS_PER_FRAME")
-                to.seconds_per_frame = found->number * unit_size(time_units, found->unit).value_or(1);
-            else
-                to.noise_threshold = found->number;
+            return to_base(value, pressure_units, {}, to.saturation_pressure);
+        } else if (key == "SECONDS_PER_FRAME") {
+            return to_base(value, time_units, 1, to.seconds_per_frame);
+        } else if (key == "NOISE_THRESHOLD") {
+            return to_base(value, {}, 1, to.noise_threshold);
         } else if (key == "UNITS") {
             const auto size = unit_size(pressure_units, value);
             if (!size && !same_letters(value, "raw"))
@@ -178,14 +163,17 @@ private:
         return understanding::done;
     }
 
-    /// A number without a unit could be anything, and is left empty.
+    /// A measure in base units. Without a unit it is in `plain` base units; a unit that is not known, or no
+    /// number at all, leaves it empty. Only a number that can be read in two ways is refused.
     static understanding to_base(std::string_view value, std::span<const measure_unit> units,
-                                 std::optional<double>& to, understanding otherwise) {
+                                 std::optional<double> plain, std::optional<double>& to) {
         const auto found = scan_measure(value);
         if (!found)
-            return otherwise;
-        to = measured(value, units);
-        return to || found->unit.empty() ? understanding::done : otherwise;
+            return value.empty() || !detail::is_digit(value.front()) ? understanding::done
+                                                                     : understanding::number;
+        const auto size = found->unit.empty() ? plain : unit_size(units, found->unit);
+        to = size ? std::optional(found->number * *size) : std::nullopt;
+        return understanding::done;
     }
 
     static std::string wanted(understanding how) {
@@ -194,15 +182,8 @@ private:
             return "a number of rows or columns from 1 to " + std::to_string(largest_frame_cells);
         case understanding::count:
             return "the number of a frame";
-        case understanding::seconds:
+        case understanding::number:
             return "a number with a decimal point, if any";
-        case understanding::length:
-            return "a length in mm, cm, m or inches, with a decimal point, if any";
-        case understanding::area:
-            return "an area in mm2, cm2, m2 or in2, with a decimal point, if any";
-        case understanding::pressure:
-            return "a pressure in Pa, kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2, with a decimal point, if "
-                   "any";
         default:
             return "raw or a unit of pressure such as kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2";
         }
