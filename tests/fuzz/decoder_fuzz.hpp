@@ -74,12 +74,12 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
     return result;
 }
 
-/// The same bytes, whole and split in several ways, into copies of `decoder`.
+/// The same bytes, whole and in pieces, into copies of `decoder`. The size chooses the pieces, since time is
+/// better spent on more inputs.
 template <tactnet::frame_decoder Decoder>
 void check(const Decoder& decoder, std::span<const std::byte> bytes) {
-    const outcome whole = decode(decoder, bytes, 0);
-    for (const std::size_t piece : {std::size_t{1}, std::size_t{7}})
-        require(decode(decoder, bytes, piece) == whole);
+    const std::size_t piece = bytes.size() % 3 == 0 ? 7 : 1;
+    require(decode(decoder, bytes, piece) == decode(decoder, bytes, 0));
 }
 
 inline std::span<const std::byte> bytes_of(const std::uint8_t* data, std::size_t size) {

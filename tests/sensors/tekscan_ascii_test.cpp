@@ -78,6 +78,7 @@ TEST_SUITE("tekscan_ascii") {
         check_both(decode(replaced(recording, "\n", "\r\n")));
         check_both(decode(replaced(recording, "\nB", "\r\nB"))); // both in one file
         check_both(decode("\xEF\xBB\xBF" + recording));
+        check_both(decode("\xEF\xBB\xBF" + recording.substr(recording.find("ROWS"))));
         check_both(decode(replaced(recording, "\n\n", "\n")));
         check_both(decode(replaced(recording, "\n", "\n\n")));
         check_both(decode(replaced(recording, "\n\n", "\n,,,,,,,,\n")));
@@ -311,6 +312,20 @@ TEST_SUITE("tekscan_ascii") {
         }
     }
 
+    TEST_CASE("sums of cells with decimals, which are rounded") {
+        const auto status = [](const std::string& sum, const std::string& end) {
+            return decode("ROWS 1\nCOLS 2\nASCII_DATA @@\nFrame 1,0,,,,Raw Sum=,," + sum + "\n12.5,0.3" + end)
+                .status;
+        };
+        CHECK(status("12.8", "\n@@\n") == decode_status::finished);
+        CHECK(status("13", "\n@@\n") == decode_status::finished);
+        CHECK(status("14", "\n@@\n") == decode_status::damaged);
+        CHECK(status("12", "\n@@\n") == decode_status::damaged);
+        // The last number may be cut: then only the very sum will do.
+        CHECK(status("12.8", "") == decode_status::damaged);
+        CHECK(status("13", "") == decode_status::damaged);
+    }
+
     TEST_CASE("a decimal comma is never taken for anything else") {
         const std::string start = "ROWS 1\nCOLS 2\nASCII_DATA @@\n";
         for (const std::string row : {"1,5\t2,5", "1,5 2,5", "1,5;2,5", "0\t1,5", "0;1,5", "1,5\t2"}) {
@@ -318,6 +333,12 @@ TEST_SUITE("tekscan_ascii") {
             const auto found = decode(start + row + "\n@@\n");
             CHECK(found.status == decode_status::damaged);
             CHECK(found.frames.empty());
+        }
+        // Not even where it makes as many cells as there should be.
+        for (const std::string row : {"1,5\t2", "1 2,5", "1,5;2", "1;2,5"}) {
+            CAPTURE(row);
+            CHECK(decode("ROWS 1\nCOLS 3\nASCII_DATA @@\n" + row + "\n@@\n")
+                      .error.find("expected one kind of separator in a row") != std::string::npos);
         }
         CHECK(with_line("ROW_SPACING 1,27 mm").status == decode_status::damaged);
         CHECK(with_line("SATURATION_PRESSURE 1,514.73 KPa").status == decode_status::damaged);
