@@ -212,6 +212,7 @@ TEST_SUITE("tekscan_ascii") {
             check_both(with_line(comment));
         }
         CHECK(with_line("COMMENTS:\nwalking, slowly").description.header.back().second == "walking, slowly");
+        CHECK(with_line("COMMENTS:\nfirst line\nUNITS bananas").status == decode_status::damaged);
         // Without a comment the header goes on.
         CHECK((with_line("COMMENTS:\nUNITS KPa").description.unit == tactnet::pressure_unit::pascal));
     }
@@ -424,11 +425,15 @@ TEST_SUITE("tekscan_ascii") {
         const std::string line(tactnet::largest_header_bytes + 1, 'x');
         CHECK(decode(line).error ==
               "byte 0, line 1: expected a line of at most 262144 bytes, found a longer one");
-        std::string lines;
-        while (lines.size() <= tactnet::largest_header_bytes)
-            lines += "KEY value\n";
-        CHECK(decode(lines).error.find("expected a header of at most 262144 bytes, found a longer one") !=
-              std::string::npos);
+        const std::string sentence =
+            "expected a header of at most 262144 bytes and 8192 lines, found a longer one";
+        for (const std::string& each :
+             {"KEY " + std::string(1000, 'x') + "\n", std::string("K\n"), std::string("\n")}) {
+            std::string lines;
+            for (std::size_t i = 0; i <= tactnet::largest_header_lines; ++i)
+                lines += each;
+            CHECK(decode(lines).error.find(sentence) != std::string::npos);
+        }
     }
 
     TEST_CASE("the real recording: every frame has the sum that it says") {

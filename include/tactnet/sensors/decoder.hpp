@@ -22,6 +22,8 @@ namespace tactnet::inline TACTNET_ARCH {
 inline constexpr std::size_t largest_frame_cells = std::size_t{1} << 20;
 /// The most bytes of a text header, and of a single line.
 inline constexpr std::size_t largest_header_bytes = std::size_t{1} << 18;
+/// The most lines of a text header, each of which is kept.
+inline constexpr std::size_t largest_header_lines = std::size_t{1} << 13;
 
 enum class decode_status : std::uint8_t {
     reading,  ///< all bytes are taken, more are welcome

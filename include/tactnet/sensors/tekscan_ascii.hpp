@@ -32,7 +32,7 @@ namespace tactnet::inline TACTNET_ARCH {
 /// in milliseconds; without a time, frames are SECONDS_PER_FRAME apart.
 ///
 /// Memory: one frame (six bytes a cell, at most largest_frame_cells cells), and one line and one header of at
-/// most largest_header_bytes each, the header as it stands and cut into keys and values.
+/// most largest_header_bytes and largest_header_lines, the header cut into keys and values.
 class tekscan_ascii : public decoder_base {
 public:
     tekscan_ascii() { described().format = "Tekscan ASCII"; }

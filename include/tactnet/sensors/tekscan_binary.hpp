@@ -25,8 +25,8 @@ namespace tactnet::inline TACTNET_ARCH {
 /// Decodes a binary recording. Each frame comes out with its last byte. Frames without a time of their own
 /// are SECONDS_PER_FRAME apart.
 ///
-/// Memory: one frame (five bytes a cell, at most 65 279 cells), one header of at most largest_header_bytes,
-/// as it stands and cut into keys and values, and one run or record of a few bytes.
+/// Memory: one frame (five bytes a cell, at most 65 279 cells), one header of at most largest_header_bytes
+/// and largest_header_lines, as it stands and cut into keys and values, and one run or record of a few bytes.
 class tekscan_binary : public decoder_base {
 public:
     /// Where the mask of the sensor's map is given, a run on a cell without a tactel is an error, and so is a

@@ -35,8 +35,9 @@ public:
     /// One line. Returns what is wrong with it, if anything.
     [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
         bytes_ += line.size() + 1;
-        if (bytes_ > largest_header_bytes)
-            return text_problem{"a header of at most " + std::to_string(largest_header_bytes) + " bytes",
+        if (bytes_ > largest_header_bytes || ++lines_ > largest_header_lines)
+            return text_problem{"a header of at most " + std::to_string(largest_header_bytes) +
+                                    " bytes and " + std::to_string(largest_header_lines) + " lines",
                                 "a longer one"};
         std::string storage;
         const std::string_view text = without_decoration(line, storage);
@@ -46,31 +47,16 @@ public:
         while (!value.empty() && (is_separator(value.front()) || detail::is_blank(value.front())))
             value.remove_prefix(1);
 
-        if (key == "ASCII_DATA" || key == "SENSOR_MAP") {
-            auto problem = complete(to);
-            if (!problem)
-                part_ = key == "ASCII_DATA" ? part::cells : part::map;
-            return problem;
-        }
-        if (mode_ == mode::block) {
-            if (text == end_mark)
-                mode_ = mode::lines;
-            else
-                to.header.back().second.append(to.header.back().second.empty() ? "" : "\n").append(text);
+        if (key == "ASCII_DATA" || key == "SENSOR_MAP")
+            return begin_data(key == "ASCII_DATA" ? part::cells : part::map, to);
+        if (in_block_) {
+            take_block_line(text, to.header.back().second);
             return std::nullopt;
         }
-        // Behind an empty COMMENTS: stands free text, unless there is none and the header just goes on.
-        if (mode_ == mode::comment) {
-            mode_ = mode::lines;
-            if (known(to, key) || understand(key, value, to) != understanding::done)
-                to.header.back().second = text;
-            else
-                to.header.emplace_back(key, value);
-            return std::nullopt;
-        }
+        const bool may_be_comment = std::exchange(next_is_comment_, false);
         if (text.empty())
             return std::nullopt;
-        return key_and_value(key, value, to);
+        return key_and_value(text, key, value, may_be_comment, to);
     }
 
     /// What comes next: more header, or the data.
@@ -96,29 +82,48 @@ public:
     }
 
 private:
-    enum class mode : std::uint8_t { lines, comment, block };
     enum class understanding : std::uint8_t { done, not_needed, size, count, number, units };
 
     static constexpr std::string_view end_mark = "@@";
 
-    static bool known(const recording_description& description, std::string_view key) {
-        return std::any_of(description.header.begin(), description.header.end(),
-                           [&](const auto& line) { return line.first == key; });
+    std::optional<text_problem> begin_data(part next, recording_description& to) {
+        auto problem = complete(to);
+        if (!problem)
+            part_ = next;
+        return problem;
     }
 
-    std::optional<text_problem> key_and_value(std::string_view key, std::string_view value,
+    /// Text between 'KEY @@' and '@@'.
+    void take_block_line(std::string_view text, std::string& to) {
+        if (text == end_mark)
+            in_block_ = false;
+        else
+            to.append(to.empty() ? "" : "\n").append(text);
+    }
+
+    std::optional<text_problem> key_and_value(std::string_view text, std::string_view key,
+                                              std::string_view value, bool may_be_comment,
                                               recording_description& to) {
         if (value == end_mark || ((key == "COMMENTS:" || key == "COMMENTS") && value.empty())) {
-            mode_ = value.empty() ? mode::comment : mode::block;
+            in_block_ = !value.empty();
+            next_is_comment_ = commented_ = value.empty();
             to.header.emplace_back(key, "");
             return std::nullopt;
         }
+        // Behind an empty COMMENTS: stands free text, perhaps of several lines, unless there is none and the
+        // header just goes on. What cannot be a line of the header is text.
         const auto before = std::find_if(to.header.begin(), to.header.end(),
                                          [&](const auto& line) { return line.first == key; });
-        const understanding how = understand(key, value, to);
-        if (how != understanding::done && how != understanding::not_needed)
+        const bool known = before != to.header.end();
+        const auto how = commented_ && known ? understanding::not_needed : understand(key, value, to);
+        if (may_be_comment && how != understanding::done) {
+            to.header.back().second = text;
+            return std::nullopt;
+        }
+        const bool prose = commented_ && value.find(' ') != std::string_view::npos;
+        if (how != understanding::done && how != understanding::not_needed && !prose)
             return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
-        if (how == understanding::done && before != to.header.end() && before->second != value)
+        if (how == understanding::done && known && before->second != value)
             return text_problem{"one line " + in_quotes(key),
                                 in_quotes(before->second) + " and " + in_quotes(value)};
         to.header.emplace_back(key, value);
@@ -191,8 +196,8 @@ private:
 
     std::optional<std::uint64_t> first_frame_, last_frame_;
     double cell_scale_ = 1;
-    std::size_t bytes_ = 0;
-    mode mode_ = mode::lines;
+    std::size_t bytes_ = 0, lines_ = 0;
+    bool in_block_ = false, next_is_comment_ = false, commented_ = false;
     part part_ = part::header;
 };
 
