@@ -11,4 +11,5 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_header.hpp>
 #include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/svm_file.hpp>
 #include <tactnet/io/text.hpp>

@@ -17,6 +17,7 @@ set(room_svm kernels tensor)
 set(room_features kernels tensor)
 set(room_io kernels tensor) # io/parameters.hpp and others take a network as a template argument and include none
 set(header_io/model_file.hpp image) # what this one may include beside: how inputs are meant is part of a model
+set(header_io/svm_file.hpp svm)
 set(room_sensors image io kernels tensor)
 set(room_simulation image io kernels tensor)
 set(room_forward tensor)

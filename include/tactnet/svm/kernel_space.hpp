@@ -78,16 +78,20 @@ private:
 
     void centre_on(feature_rows<> samples) {
         const std::size_t features = samples.features();
-        std::vector<double> mean(features);
-        for (std::size_t i = 0; i < samples.size(); ++i)
+        std::vector<double> sums(features);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const float* row = samples.values().data() + i * features;
             for (std::size_t f = 0; f < features; ++f)
-                mean[f] += double{samples.values()[i * features + f]} / static_cast<double>(samples.size());
-        centre_.resize(features);
+                sums[f] += double{row[f]};
+        }
+        for (const double sum : sums)
+            centre_.push_back(static_cast<float>(sum / static_cast<double>(samples.size())));
         double extent = 0;
-        for (std::size_t f = 0; f < features; ++f)
-            centre_[f] = static_cast<float>(mean[f]);
-        for (std::size_t i = 0; i < samples.values().size(); ++i)
-            extent = std::max(extent, std::abs(double{samples.values()[i]} - double{centre_[i % features]}));
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const float* row = samples.values().data() + i * features;
+            for (std::size_t f = 0; f < features; ++f)
+                extent = std::max(extent, std::abs(double{row[f]} - double{centre_[f]}));
+        }
         // A power of two, so that nothing is rounded by it.
         if (extent > 0)
             scale_ = static_cast<float>(std::exp2(std::clamp(-std::ceil(std::log2(extent)), -126.0, 126.0)));

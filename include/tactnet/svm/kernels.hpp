@@ -30,13 +30,13 @@ struct linear_kernel {
 
 /// The variance of all values together, whichever feature they belong to.
 [[nodiscard]] inline double variance_of_all(feature_rows<> rows) {
-    double mean = 0, squares = 0, count = 0;
-    for (const float value : rows.values()) {
-        count += 1;
-        const double distance = static_cast<double>(value) - mean;
-        mean += distance / count;
-        squares += distance * (static_cast<double>(value) - mean);
-    }
+    const double count = static_cast<double>(rows.values().size());
+    double sum = 0, squares = 0;
+    for (const float value : rows.values())
+        sum += double{value};
+    const double mean = sum / count;
+    for (const float value : rows.values())
+        squares += (double{value} - mean) * (double{value} - mean);
     return count > 0 ? squares / count : 0;
 }
 
