@@ -11,5 +11,4 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_header.hpp>
 #include <tactnet/io/safetensors_writer.hpp>
-#include <tactnet/io/svm_file.hpp>
 #include <tactnet/io/text.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 // Trained support vector machines as files: arrays by name, and in the metadata what they are. What is loaded
-// gives the same bits as what was saved.
+// gives the same bits as what was saved. Not part of io.hpp: who uses networks alone does not pay for it.
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/model_file.hpp>

@@ -212,7 +212,7 @@ void kernel_machine_parameters<Kernel>::check() const {
             throw std::invalid_argument("kernel machine: " + std::string(what) + ": expected " +
                                         std::to_string(expected) + ", found " + std::to_string(found));
     };
-    const auto same = [&](const char* what, std::size_t expected, std::size_t found) {
+    const auto require_same = [&](const char* what, std::size_t expected, std::size_t found) {
         require(expected == found, what, expected, found);
     };
     const std::size_t k = labels.size(), machines = machine_count(k, scheme);
@@ -220,22 +220,22 @@ void kernel_machine_parameters<Kernel>::check() const {
     require(features >= 1, "features, at least", 1, features);
     require(std::adjacent_find(labels.begin(), labels.end(), std::greater_equal<>()) == labels.end(),
             "distinct labels in rising order", k, 0);
-    same("counts of support vectors", k, support_counts.size());
+    require_same("counts of support vectors", k, support_counts.size());
     const std::size_t vectors = support_vectors.size() / features;
-    same("values of support vectors", vectors * features, support_vectors.size());
+    require_same("values of support vectors", vectors * features, support_vectors.size());
     std::size_t counted = 0;
     for (const std::size_t count : support_counts) {
         require(count <= vectors - counted, "support vectors, at most", vectors, count);
         counted += count;
     }
-    same("support vectors", counted, vectors);
-    same("coefficients", vectors * coefficients_each(), coefficients.size());
-    same("offsets", machines, offsets.size());
+    require_same("support vectors", counted, vectors);
+    require_same("coefficients", vectors * coefficients_each(), coefficients.size());
+    require_same("offsets", machines, offsets.size());
     if (!sigmoids.empty())
-        same("sigmoids", machines, sigmoids.size());
+        require_same("sigmoids", machines, sigmoids.size());
     if (standardise) {
-        same("means", features, standardise->mean.size());
-        same("deviations", features, standardise->deviation.size());
+        require_same("means", features, standardise->mean.size());
+        require_same("deviations", features, standardise->deviation.size());
     }
 }
 
