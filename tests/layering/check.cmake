@@ -20,6 +20,7 @@ set(header_io/model_file.hpp image) # what this one may include beside: how inpu
 set(room_sensors io tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
 set(only_sensors_io file file_error text)
+set(header_io/svm_file.hpp svm)
 set(room_simulation image io kernels tensor)
 set(room_forward tensor)
 # The core umbrella: a user of inference never pays for training.

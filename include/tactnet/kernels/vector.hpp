@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 
 #ifndef TACTNET_NO_SIMD
@@ -58,6 +59,20 @@ template <class T>
 template <class T>
 [[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {
     return xsimd::select(condition, yes, no);
+}
+/// Whether the condition holds in one lane at least.
+template <class T>
+[[nodiscard]] inline bool any_of(const mask<T>& condition) {
+    return xsimd::any(condition);
+}
+/// As many floats as a vector of doubles has lanes, exactly. Of any alignment.
+[[nodiscard]] inline vector<double> widen(const float* from) {
+    // By the compiler's own vectors: xsimd 8 converts through memory.
+    using floats [[gnu::vector_size(sizeof(float) * lanes<double>)]] = float;
+    using doubles [[gnu::vector_size(sizeof(double) * lanes<double>)]] = double;
+    floats narrow;
+    std::memcpy(&narrow, from, sizeof(narrow));
+    return vector<double>(__builtin_convertvector(narrow, doubles));
 }
 /// Element i of the result is the sum over the lanes of rows[i]. Registers of 64 bytes are folded to halves
 /// first: xsimd 8's own sums of those come out in another order in single precision.
@@ -129,6 +144,13 @@ template <class T>
 template <class T>
 [[nodiscard]] inline vector<T> choose(bool condition, const vector<T>& yes, const vector<T>& no) {
     return condition ? yes : no;
+}
+template <class T>
+[[nodiscard]] inline bool any_of(bool condition) {
+    return condition;
+}
+[[nodiscard]] inline vector<double> widen(const float* from) {
+    return static_cast<double>(*from);
 }
 template <class T>
 [[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, 1>& rows) {

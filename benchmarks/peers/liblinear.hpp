@@ -1,0 +1,29 @@
+#pragma once
+
+#include <tactnet/svm/coordinate_descent.hpp>
+#include <tactnet/svm/feature_rows.hpp>
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace benchmark {
+
+/// A linear machine with offset trained by LIBLINEAR's dual coordinate descent.
+class liblinear_machine {
+public:
+    liblinear_machine(tactnet::feature_rows<> rows, std::span<const std::size_t> labels,
+                      tactnet::linear_loss loss, double cost, double tolerance);
+    ~liblinear_machine();
+
+    [[nodiscard]] std::vector<std::size_t> predict(tactnet::feature_rows<> rows) const;
+    /// Weights of a class by its place, the offset behind.
+    [[nodiscard]] std::vector<double> weights(std::size_t index) const;
+
+private:
+    struct model;
+    std::unique_ptr<model> model_;
+};
+
+} // namespace benchmark

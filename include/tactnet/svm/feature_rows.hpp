@@ -1,0 +1,72 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// For a number of features that is known when running only.
+inline constexpr std::size_t dynamic_features = std::dynamic_extent;
+
+/// Samples that someone else owns: one row of float features each, one after the other.
+template <std::size_t Features = dynamic_features>
+class feature_rows {
+public:
+    static_assert(Features > 0, "a sample has at least one feature");
+
+    /// Throws std::invalid_argument unless the values are a whole number of rows.
+    explicit feature_rows(std::span<const float> values) requires(Features != dynamic_features)
+        : feature_rows(values, Features) {}
+    feature_rows(std::span<const float> values, std::size_t features) : values_(values), features_(features) {
+        if ((Features != dynamic_features && features != Features) || features == 0 ||
+            values.size() % features != 0)
+            throw std::invalid_argument(
+                "rows of features: expected " +
+                (Features == dynamic_features ? std::string("one or more") : std::to_string(Features)) +
+                " features in whole rows, found " + std::to_string(values.size()) + " values in rows of " +
+                std::to_string(features));
+    }
+    /// As rows of any number of features.
+    operator feature_rows<dynamic_features>() const requires(Features != dynamic_features) {
+        return {values_, features_};
+    }
+
+    [[nodiscard]] std::size_t size() const { return values_.size() / features(); }
+    [[nodiscard]] constexpr std::size_t features() const {
+        return Features == dynamic_features ? features_ : Features;
+    }
+    [[nodiscard]] std::span<const float> values() const { return values_; }
+    [[nodiscard]] std::span<const float, Features> row(std::size_t index) const {
+        return std::span<const float, Features>(values_.data() + index * features(), features());
+    }
+
+private:
+    std::span<const float> values_;
+    std::size_t features_;
+};
+
+/// Throws std::invalid_argument, naming row and column, when a feature is not a finite number.
+inline void check_finite(feature_rows<> rows) {
+    const std::span<const float> values = rows.values();
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!std::isfinite(values[i]))
+            throw std::invalid_argument("features: row " + std::to_string(i / rows.features()) + ", column " +
+                                        std::to_string(i % rows.features()) +
+                                        ": expected a finite number, found " + std::to_string(values[i]));
+}
+
+/// What every training asks of its samples: finite features, and a label for each row. Throws
+/// std::invalid_argument.
+inline void check_samples(feature_rows<> rows, std::span<const std::size_t> labels) {
+    if (labels.size() != rows.size())
+        throw std::invalid_argument("labels: expected " + std::to_string(rows.size()) +
+                                    ", one for each row, found " + std::to_string(labels.size()));
+    check_finite(rows);
+}
+
+} // namespace tactnet

@@ -1,0 +1,152 @@
+#pragma once
+
+#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/svm/folds.hpp>
+#include <tactnet/svm/kernel_samples.hpp>
+#include <tactnet/svm/kernel_training.hpp>
+#include <tactnet/svm/multiclass.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// What to try: every kernel with every cost.
+template <svm_kernel Kernel>
+struct search_grid {
+    std::vector<Kernel> kernels;
+    std::vector<double> costs;
+    std::size_t folds = 5;
+};
+
+template <svm_kernel Kernel>
+struct grid_search_result {
+    /// Share of samples recognised by machines that have not seen them: a row for each kernel, in it one
+    /// value for each cost.
+    std::vector<double> accuracies;
+    /// The best of all; of equal ones the first.
+    Kernel kernel;
+    double cost = 0;
+    double accuracy = 0;
+    bool converged = true; ///< all machines of all parts
+};
+
+namespace detail {
+
+/// The training samples of one fold, and what its machines are asked.
+struct fold_samples {
+    class_members classes;
+    std::vector<std::size_t> held_out;
+};
+
+/// How many of the samples held out are recognised with each cost.
+template <svm_kernel Kernel>
+std::vector<std::size_t> count_recognised(const kernel_samples<Kernel>& samples, const fold_samples& fold,
+                                          std::span<const std::size_t> labels, std::span<const double> costs,
+                                          const kernel_training_options<Kernel>& options,
+                                          thread_pool& threads, bool& converged) {
+    const std::size_t k = fold.classes.size(), held = fold.held_out.size();
+    const std::size_t machines = k > 1 ? machine_count(k, options.scheme) : 0;
+    std::vector<std::vector<binary_problem>> problems;
+    for (const double cost : costs)
+        problems.push_back(machines == 0
+                               ? std::vector<binary_problem>()
+                               : binary_problems(fold.classes,
+                                                 class_costs(fold.classes, cost, options.class_weights),
+                                                 options.scheme));
+    std::vector<std::vector<double>> values(costs.size() * machines);
+    std::vector<char> done(values.size()); // not bool: threads write neighbours
+    threads.for_each(values.size(), [&](std::size_t task) {
+        const binary_problem& problem = problems[task / machines][task % machines];
+        const binary_solution solution = samples.solve(problem, options.solver);
+        done[task] = solution.report.converged ? 1 : 0;
+        values[task] = samples.decision_values(problem, solution, fold.held_out);
+    });
+    converged = converged && std::find(done.begin(), done.end(), char{0}) == done.end();
+
+    std::vector<std::size_t> recognised(costs.size());
+    std::vector<double> own(machines);
+    for (std::size_t c = 0; c < costs.size(); ++c)
+        for (std::size_t h = 0; h < held; ++h) {
+            for (std::size_t m = 0; m < machines; ++m)
+                own[m] = values[c * machines + m][h];
+            const std::size_t found = machines == 0 ? 0 : decide(own, k, options.scheme);
+            recognised[c] += fold.classes.labels[found] == labels[fold.held_out[h]] ? 1 : 0;
+        }
+    return recognised;
+}
+
+} // namespace detail
+
+/// Cross-validates every kernel with every cost, on all threads; the same bits on any number of them.
+/// `options` say all else; standardisation is fitted on each part's training samples, as is a γ of "scale".
+/// Products of the samples are found once for each part and serve all kernels. A class with fewer samples
+/// than parts may be missing from the training of some: its samples there count as not recognised. Throws
+/// std::invalid_argument as train_kernel_machine does, and for a grid without kernels or costs or with fewer
+/// than two parts.
+template <svm_kernel Kernel, std::size_t Features>
+[[nodiscard]] grid_search_result<Kernel>
+search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<const std::size_t> labels,
+       const kernel_training_options<Kernel>& options, thread_pool& threads) {
+    if (grid.kernels.empty() || grid.costs.empty() || grid.folds < 2 || rows.size() < grid.folds)
+        throw std::invalid_argument(
+            "grid search: expected a kernel, a cost, and two parts or more of at least "
+            "one sample each");
+    check_samples(rows, labels);
+    std::vector<std::size_t> all(rows.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const class_members classes(labels, all);
+    classes.require_two();
+    for (const double cost : grid.costs)
+        static_cast<void>(class_costs(classes, cost, options.class_weights)); // throws before any work
+    const std::vector<std::size_t> fold_of =
+        deal_folds(classes.samples, rows.size(), grid.folds, options.seed);
+
+    const std::size_t costs = grid.costs.size();
+    std::vector<std::size_t> recognised(grid.kernels.size() * costs);
+    grid_search_result<Kernel> result;
+    for (std::size_t f = 0; f < grid.folds; ++f) {
+        std::vector<std::size_t> training;
+        detail::fold_samples fold;
+        for (const std::size_t sample : all)
+            (fold_of[sample] == f ? fold.held_out : training).push_back(sample);
+        fold.classes = class_members(labels, training);
+        std::vector<float> training_values, standard;
+        for (const std::size_t sample : training) {
+            const auto row = rows.row(sample);
+            training_values.insert(training_values.end(), row.begin(), row.end());
+        }
+        feature_rows<> seen(training_values, rows.features()), used = rows;
+        if (options.standardise) {
+            const auto standardise = standardisation::of(seen);
+            standard = standardise(rows);
+            used = feature_rows<>(standard, rows.features());
+            training_values = standardise(seen);
+            seen = feature_rows<>(training_values, rows.features());
+        }
+        const measured_samples<Kernel> measured(used, options.solver.cache_bytes, threads);
+        for (std::size_t k = 0; k < grid.kernels.size(); ++k) {
+            const kernel_samples<Kernel> samples(measured, grid.kernels[k].fitted(seen), measured.gram,
+                                                 threads);
+            const std::vector<std::size_t> counts = detail::count_recognised(
+                samples, fold, labels, grid.costs, options, threads, result.converged);
+            for (std::size_t c = 0; c < costs; ++c)
+                recognised[k * costs + c] += counts[c];
+        }
+    }
+    for (const std::size_t count : recognised)
+        result.accuracies.push_back(static_cast<double>(count) / static_cast<double>(rows.size()));
+    const auto best = static_cast<std::size_t>(
+        std::max_element(result.accuracies.begin(), result.accuracies.end()) - result.accuracies.begin());
+    result.kernel = grid.kernels[best / costs];
+    result.cost = grid.costs[best % costs];
+    result.accuracy = result.accuracies[best];
+    return result;
+}
+
+} // namespace tactnet

@@ -1,0 +1,175 @@
+#pragma once
+
+#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/svm/folds.hpp>
+#include <tactnet/svm/kernel_machine.hpp>
+#include <tactnet/svm/kernel_samples.hpp>
+#include <tactnet/svm/multiclass.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+template <svm_kernel Kernel>
+struct kernel_training_options {
+    Kernel kernel{};
+    double cost = 1; ///< C, of an error on one sample
+    std::vector<class_weight> class_weights{};
+    multiclass scheme = multiclass::one_versus_one;
+    bool standardise = false;
+    /// Parts of the cross-validation that probabilities are fitted on; 0: no probabilities.
+    std::size_t probability_folds = 0;
+    std::uint64_t seed = 1; ///< of the division into these parts
+    /// `solver.cache_bytes` bounds the matrix of all pairs, or else the rows kept by each thread.
+    solver_options solver{};
+};
+
+template <svm_kernel Kernel, std::size_t Features>
+struct kernel_training_result {
+    kernel_machine<Kernel, Features> machine;
+    std::vector<solver_report> reports; ///< of each machine
+
+    [[nodiscard]] bool converged() const {
+        return std::all_of(reports.begin(), reports.end(), [](const auto& r) { return r.converged; });
+    }
+};
+
+namespace detail {
+
+/// The sigmoid of one machine, on values of machines that have not seen the samples. Where a part leaves one
+/// side without samples, the other side is the answer, as in LIBSVM.
+template <svm_kernel Kernel>
+sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const binary_problem& problem,
+                                const solver_options& options, std::size_t folds, std::uint64_t seed) {
+    const std::size_t n = problem.samples.size();
+    std::vector<std::vector<std::size_t>> sides(2);
+    for (std::size_t k = 0; k < n; ++k)
+        sides[problem.sides[k] > 0 ? 0 : 1].push_back(k);
+    const std::vector<std::size_t> fold_of = deal_folds(sides, n, folds, seed);
+    std::vector<double> values(n);
+    for (std::size_t fold = 0; fold < folds; ++fold) {
+        binary_problem training;
+        std::vector<std::size_t> held_out, held_out_samples;
+        for (std::size_t k = 0; k < n; ++k) {
+            if (fold_of[k] == fold) {
+                held_out.push_back(k);
+                held_out_samples.push_back(problem.samples[k]);
+            } else {
+                training.samples.push_back(problem.samples[k]);
+                training.sides.push_back(problem.sides[k]);
+                training.costs.push_back(problem.costs[k]);
+            }
+        }
+        const auto first =
+            std::count_if(training.sides.begin(), training.sides.end(), [](double s) { return s > 0; });
+        const auto all = static_cast<std::ptrdiff_t>(training.sides.size());
+        if (first == 0 || first == all) {
+            for (const std::size_t k : held_out)
+                values[k] = all == 0 ? 0 : (first == 0 ? -1 : 1);
+            continue;
+        }
+        const std::vector<double> found =
+            samples.decision_values(training, samples.solve(training, options), held_out_samples);
+        for (std::size_t h = 0; h < held_out.size(); ++h)
+            values[held_out[h]] = found[h];
+    }
+    return fit_sigmoid(values, problem.sides);
+}
+
+/// Puts the machines' support vectors together, by class.
+template <svm_kernel Kernel>
+void gather_support(kernel_machine_parameters<Kernel>& parts, feature_rows<> rows,
+                    const class_members& classes, const std::vector<binary_problem>& problems,
+                    const std::vector<binary_solution>& solutions) {
+    const std::size_t k = classes.size(), each = parts.coefficients_each();
+    std::vector<std::size_t> class_of(rows.size());
+    for (std::size_t c = 0; c < k; ++c)
+        for (const std::size_t sample : classes.samples[c])
+            class_of[sample] = c;
+    std::vector<double> coefficients(rows.size() * each);
+    std::vector<bool> supports(rows.size());
+    const auto pairs = class_pairs(k);
+    for (std::size_t m = 0; m < problems.size(); ++m)
+        for (std::size_t s = 0; s < problems[m].samples.size(); ++s) {
+            const std::size_t sample = problems[m].samples[s];
+            std::size_t place = m;
+            if (parts.scheme == multiclass::one_versus_one)
+                place = class_of[sample] == pairs[m].first ? pairs[m].second - 1 : pairs[m].first;
+            coefficients[sample * each + place] = solutions[m].coefficients[s];
+            supports[sample] = supports[sample] || solutions[m].coefficients[s] != 0;
+        }
+    for (std::size_t c = 0; c < k; ++c) {
+        std::size_t count = 0;
+        for (const std::size_t sample : classes.samples[c])
+            if (supports[sample]) {
+                const auto row = rows.row(sample);
+                parts.support_vectors.insert(parts.support_vectors.end(), row.begin(), row.end());
+                const auto from = coefficients.begin() + static_cast<std::ptrdiff_t>(sample * each);
+                parts.coefficients.insert(parts.coefficients.end(), from,
+                                          from + static_cast<std::ptrdiff_t>(each));
+                ++count;
+            }
+        parts.support_counts.push_back(count);
+    }
+}
+
+} // namespace detail
+
+/// Trains machines for all classes among the labels, on all threads; the same bits on any number of them.
+/// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
+/// its row and column), fewer than two classes, another number of labels than rows.
+template <svm_kernel Kernel, std::size_t Features>
+[[nodiscard]] kernel_training_result<Kernel, Features>
+train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
+                     const kernel_training_options<Kernel>& options, thread_pool& threads) {
+    check_samples(rows, labels);
+    std::vector<std::size_t> all(rows.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const class_members classes(labels, all);
+    classes.require_two();
+
+    kernel_machine_parameters<Kernel> parts;
+    std::vector<float> standard;
+    feature_rows<> used = rows;
+    if (options.standardise) {
+        parts.standardise = standardisation::of(rows);
+        standard = (*parts.standardise)(rows);
+        used = feature_rows<>(standard, rows.features());
+    }
+    parts.kernel = options.kernel.fitted(used);
+    parts.scheme = options.scheme;
+    parts.features = rows.features();
+    parts.labels = classes.labels;
+
+    measured_samples<Kernel> measured(used, options.solver.cache_bytes, threads);
+    const kernel_samples<Kernel> samples(measured, parts.kernel, std::move(measured.gram), threads);
+    const std::vector<binary_problem> problems =
+        binary_problems(classes, class_costs(classes, options.cost, options.class_weights), options.scheme);
+    std::vector<binary_solution> solutions(problems.size());
+    if (options.probability_folds > 0)
+        parts.sigmoids.resize(problems.size());
+    threads.for_each(problems.size(), [&](std::size_t m) {
+        solutions[m] = samples.solve(problems[m], options.solver);
+        if (options.probability_folds > 0)
+            parts.sigmoids[m] = detail::cross_validated_sigmoid(samples, problems[m], options.solver,
+                                                                options.probability_folds, options.seed);
+    });
+
+    std::vector<solver_report> reports;
+    for (const binary_solution& solution : solutions) {
+        parts.offsets.push_back(solution.offset);
+        reports.push_back(solution.report);
+    }
+    detail::gather_support(parts, used, classes, problems, solutions);
+    return {kernel_machine<Kernel, Features>(std::move(parts)), std::move(reports)};
+}
+
+} // namespace tactnet

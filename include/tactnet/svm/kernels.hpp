@@ -1,0 +1,76 @@
+#pragma once
+
+#include <tactnet/kernels/exponential.hpp>
+#include <tactnet/svm/feature_rows.hpp>
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+// What two samples have in common. A kernel is a function of their product or of their squared distance,
+// which are found for whole matrices at once.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// x · y
+struct linear_kernel {
+    static constexpr bool of_distance = false;
+    static constexpr std::string_view name = "linear";
+
+    /// The kernel with what it takes from the training set.
+    [[nodiscard]] linear_kernel fitted(feature_rows<>) const { return *this; }
+    /// Turns `count` products into values of the kernel.
+    void apply(float*, std::size_t, double) const {}
+};
+
+/// The variance of all values together, whichever feature they belong to.
+[[nodiscard]] inline double variance_of_all(feature_rows<> rows) {
+    const double count = static_cast<double>(rows.values().size());
+    double sum = 0, squares = 0;
+    for (const float value : rows.values())
+        sum += double{value};
+    const double mean = sum / count;
+    for (const float value : rows.values())
+        squares += (double{value} - mean) * (double{value} - mean);
+    return count > 0 ? squares / count : 0;
+}
+
+/// exp(−γ ‖x − y‖²)
+struct rbf_kernel {
+    static constexpr bool of_distance = true;
+    static constexpr std::string_view name = "rbf";
+
+    /// γ, at least 0. None: "scale", 1 / (features × variance of all values of the training set), or 1 where
+    /// these are all the same.
+    std::optional<double> gamma;
+
+    [[nodiscard]] rbf_kernel fitted(feature_rows<> rows) const {
+        if (gamma && !(*gamma >= 0))
+            throw std::invalid_argument("gamma: expected 0 or more, found " + std::to_string(*gamma));
+        if (gamma)
+            return *this;
+        const double variance = variance_of_all(rows);
+        return {variance > 0 ? 1 / (static_cast<double>(rows.features()) * variance) : 1.0};
+    }
+    /// Turns `count` squared distances, in units of `unit`, into values of the kernel. Fitted kernels only.
+    void apply(float* distances, std::size_t count, double unit) const {
+        // A factor beyond float gives the same as the largest: 1 at distance 0, else 0.
+        const double factor = std::min(*gamma * unit, double{std::numeric_limits<float>::max()});
+        negative_exponentials(distances, count, static_cast<float>(factor));
+    }
+};
+
+template <class Kernel>
+concept svm_kernel = requires(const Kernel kernel, feature_rows<> rows, float* values, std::size_t count) {
+    { Kernel::of_distance } -> std::convertible_to<bool>;
+    { Kernel::name } -> std::convertible_to<std::string_view>;
+    { kernel.fitted(rows) } -> std::same_as<Kernel>;
+    kernel.apply(values, count, 1.0);
+};
+
+} // namespace tactnet

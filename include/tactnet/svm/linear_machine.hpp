@@ -1,0 +1,167 @@
+#pragma once
+
+#include <tactnet/kernels/packed_rows.hpp>
+#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/svm/coordinate_descent.hpp>
+#include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/svm/multiclass.hpp>
+#include <tactnet/svm/standardisation.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// All that a trained linear machine is: what a file holds.
+struct linear_machine_parameters {
+    std::size_t features = 0;
+    std::vector<std::size_t> labels; ///< of the classes, rising
+    std::vector<float> weights;      ///< a row for each class
+    std::vector<double> offsets;     ///< of each class
+    std::optional<standardisation> standardise;
+
+    /// Throws std::invalid_argument when the parts do not fit each other.
+    void check() const {
+        const std::size_t k = labels.size();
+        if (k < 2 || features == 0 || weights.size() != k * features || offsets.size() != k ||
+            std::adjacent_find(labels.begin(), labels.end(), std::greater_equal<>()) != labels.end() ||
+            (standardise &&
+             (standardise->mean.size() != features || standardise->deviation.size() != features)))
+            throw std::invalid_argument("linear machine: " + std::to_string(k) + " classes, " +
+                                        std::to_string(features) + " features, " +
+                                        std::to_string(weights.size()) + " weights and " +
+                                        std::to_string(offsets.size()) + " offsets do not fit each other");
+    }
+};
+
+/// A trained linear machine of any number of classes, one versus rest. Const calls may come from any number
+/// of threads; a row gives the same bits alone and in any batch.
+template <std::size_t Features = dynamic_features>
+class linear_machine {
+public:
+    /// Throws std::invalid_argument when the parameters do not fit each other or `Features`.
+    explicit linear_machine(linear_machine_parameters parameters) : parts_(std::move(parameters)) {
+        parts_.check();
+        if (Features != dynamic_features && parts_.features != Features)
+            throw std::invalid_argument("linear machine: expected " + std::to_string(Features) +
+                                        " features, found " + std::to_string(parts_.features));
+        packed_ = packed_rows(classes(), features(),
+                              [&](std::size_t c) { return parts_.weights.data() + c * features(); });
+    }
+
+    [[nodiscard]] const linear_machine_parameters& parameters() const { return parts_; }
+    [[nodiscard]] std::size_t features() const { return parts_.features; }
+    [[nodiscard]] std::size_t classes() const { return parts_.labels.size(); }
+
+    /// The value of every class for every row, row by row. Throws std::invalid_argument for a feature that is
+    /// not finite.
+    [[nodiscard]] std::vector<double> decision_values(feature_rows<Features> rows) const {
+        if (rows.features() != features())
+            throw std::invalid_argument("linear machine: expected rows of " + std::to_string(features()) +
+                                        " features, found " + std::to_string(rows.features()));
+        check_finite(rows);
+        const std::vector<float> standard =
+            parts_.standardise ? (*parts_.standardise)(rows) : std::vector<float>();
+        const float* from = parts_.standardise ? standard.data() : rows.values().data();
+        const std::size_t stride = packed_.padded_rows();
+        aligned_vector<float> products(rows.size() * stride);
+        packed_.products(from, rows.size(), features(), products.data(), stride);
+        std::vector<double> values;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t c = 0; c < classes(); ++c)
+                values.push_back(double{products[i * stride + c]} + parts_.offsets[c]);
+        return values;
+    }
+    /// The label of every row.
+    [[nodiscard]] std::vector<std::size_t> predict(feature_rows<Features> rows) const {
+        const std::vector<double> values = decision_values(rows);
+        std::vector<std::size_t> labels;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            labels.push_back(parts_.labels[decide(std::span(values).subspan(i * classes(), classes()),
+                                                  classes(), multiclass::one_versus_rest)]);
+        return labels;
+    }
+    /// The label of one row.
+    [[nodiscard]] std::size_t predict(std::span<const float, Features> row) const {
+        return predict(feature_rows<Features>(row, row.size())).front();
+    }
+
+private:
+    linear_machine_parameters parts_;
+    packed_rows packed_;
+};
+
+struct linear_training_options {
+    double cost = 1; ///< C, of an error on one sample
+    std::vector<class_weight> class_weights{};
+    double bias = 1; ///< the constant feature whose weight gives the offset; 0: no offset
+    bool standardise = false;
+    descent_options solver{};
+};
+
+template <std::size_t Features>
+struct linear_training_result {
+    linear_machine<Features> machine;
+    std::vector<solver_report> reports; ///< of each class
+
+    [[nodiscard]] bool converged() const {
+        return std::all_of(reports.begin(), reports.end(), [](const auto& r) { return r.converged; });
+    }
+};
+
+/// Trains one machine for each class among the labels, on all threads; the same bits on any number of them.
+/// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
+/// its row and column), fewer than two classes, another number of labels than rows.
+template <std::size_t Features>
+[[nodiscard]] linear_training_result<Features>
+train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
+                     const linear_training_options& options, thread_pool& threads) {
+    check_samples(rows, labels);
+    std::vector<std::size_t> all(rows.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const class_members classes(labels, all);
+    classes.require_two();
+    linear_machine_parameters parts;
+    std::vector<float> standard;
+    feature_rows<> used = rows;
+    if (options.standardise) {
+        parts.standardise = standardisation::of(rows);
+        standard = (*parts.standardise)(rows);
+        used = feature_rows<>(standard, rows.features());
+    }
+    const std::vector<double> class_cost = class_costs(classes, options.cost, options.class_weights);
+    std::vector<double> costs;
+    for (const std::size_t label : labels)
+        costs.push_back(class_cost[classes.index_of(label)]);
+
+    const biased_rows biased(used, options.bias);
+    std::vector<descent_solution> solutions(classes.size());
+    threads.for_each(classes.size(), [&](std::size_t c) {
+        std::vector<double> sides(rows.size(), -1.0);
+        for (const std::size_t sample : classes.samples[c])
+            sides[sample] = 1;
+        solutions[c] =
+            coordinate_descent(biased, sides, costs, options.solver, static_cast<std::uint32_t>(c)).solve();
+    });
+
+    parts.features = rows.features();
+    parts.labels = classes.labels;
+    std::vector<solver_report> reports;
+    for (const descent_solution& solution : solutions) {
+        for (std::size_t f = 0; f < parts.features; ++f)
+            parts.weights.push_back(static_cast<float>(solution.weights[f]));
+        parts.offsets.push_back(solution.weights[parts.features] *
+                                static_cast<double>(static_cast<float>(options.bias)));
+        reports.push_back(solution.report);
+    }
+    return {linear_machine<Features>(std::move(parts)), std::move(reports)};
+}
+
+} // namespace tactnet

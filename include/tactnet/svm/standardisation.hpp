@@ -1,0 +1,64 @@
+#pragma once
+
+#include <tactnet/svm/feature_rows.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// Every feature less its mean, by its deviation, both of the training set. A feature that is constant there
+/// is only centred.
+struct standardisation {
+    std::vector<float> mean;
+    std::vector<float> deviation; ///< 1 for a constant feature
+
+    /// Means and deviations (divided by the count) in double. Throws std::invalid_argument without rows.
+    [[nodiscard]] static standardisation of(feature_rows<> rows) {
+        if (rows.size() == 0)
+            throw std::invalid_argument("standardisation: expected one row or more, found none");
+        const std::size_t features = rows.features();
+        const double count = static_cast<double>(rows.size());
+        std::vector<double> sums(features), squares(features);
+        const auto each = [&](auto&& body) {
+            for (std::size_t i = 0; i < rows.size(); ++i)
+                for (std::size_t f = 0; f < features; ++f)
+                    body(f, double{rows.values()[i * features + f]});
+        };
+        each([&](std::size_t f, double value) { sums[f] += value / count; });
+        each([&](std::size_t f, double value) {
+            squares[f] += (value - sums[f]) * (value - sums[f]) / count;
+        });
+        standardisation result;
+        for (std::size_t f = 0; f < features; ++f) {
+            // A deviation within what rounding makes of a constant is none.
+            const double deviation = std::sqrt(squares[f]);
+            const double noise = std::numeric_limits<double>::epsilon() * count * std::abs(sums[f]);
+            const float single = static_cast<float>(deviation);
+            result.mean.push_back(static_cast<float>(sums[f]));
+            result.deviation.push_back(deviation > noise && single > 0 ? single : 1.0F);
+        }
+        return result;
+    }
+
+    /// The rows standardised, one after the other. Throws std::invalid_argument for another number of
+    /// features.
+    [[nodiscard]] std::vector<float> operator()(feature_rows<> rows) const {
+        const std::size_t features = rows.features();
+        if (features != mean.size())
+            throw std::invalid_argument("standardisation: expected " + std::to_string(mean.size()) +
+                                        " features, found " + std::to_string(features));
+        std::vector<float> result(rows.values().size());
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t f = 0; f < features; ++f)
+                result[i * features + f] = (rows.values()[i * features + f] - mean[f]) / deviation[f];
+        return result;
+    }
+};
+
+} // namespace tactnet

@@ -1,0 +1,120 @@
+// The same optimum and the same answers as LIBSVM and LIBLINEAR.
+
+#include "samples.hpp"
+
+#include <tactnet/svm.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <peers/liblinear.hpp>
+#include <peers/libsvm.hpp>
+#include <vector>
+
+#ifdef TACTNET_TEST_IMAGES
+#include "decode_image.hpp"
+
+#include <support/data_folder.hpp>
+#include <support/pixels.hpp>
+#endif
+
+using namespace tactnet;
+
+namespace {
+
+double agreement(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+    std::size_t same = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        same += a[i] == b[i] ? 1 : 0;
+    return static_cast<double>(same) / static_cast<double>(a.size());
+}
+
+void compare_rbf(feature_rows<> rows, const std::vector<std::size_t>& labels, feature_rows<> fresh,
+                 double cost) {
+    thread_pool alone;
+    const auto own =
+        train_kernel_machine(rows, labels, kernel_training_options<rbf_kernel>{.cost = cost}, alone);
+    const benchmark::libsvm_machine peer(rows, labels, *own.machine.parameters().kernel.gamma, cost);
+    double objective = 0;
+    for (const solver_report& report : own.reports)
+        objective += report.objective;
+    CAPTURE(cost);
+    CHECK(own.converged());
+    CHECK(std::abs(objective - peer.objective()) <= 1e-3 * std::abs(peer.objective()));
+    CHECK(agreement(own.machine.predict(fresh, alone), peer.predict(fresh)) >= 0.995);
+}
+
+/// Of all machines together, in double.
+template <class Weights>
+double primal(feature_rows<> rows, const std::vector<std::size_t>& labels, linear_loss loss, double cost,
+              std::size_t classes, const Weights& weights) {
+    double sum = 0;
+    for (std::size_t c = 0; c < classes; ++c) {
+        const std::vector<double> w = weights(c);
+        for (const double value : w)
+            sum += value * value / 2;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            double value = w.back();
+            for (std::size_t f = 0; f < rows.features(); ++f)
+                value += w[f] * static_cast<double>(rows.row(i)[f]);
+            const double error = std::max(0.0, 1 - (labels[i] == c ? value : -value));
+            sum += cost * (loss == linear_loss::hinge ? error : error * error);
+        }
+    }
+    return sum;
+}
+
+void compare_linear(feature_rows<> rows, const std::vector<std::size_t>& labels, feature_rows<> fresh,
+                    linear_loss loss, double cost) {
+    thread_pool alone;
+    const double tolerance = 1e-3;
+    linear_training_options options{.cost = cost};
+    options.solver = {.loss = loss, .tolerance = tolerance, .iteration_limit = 100'000};
+    const auto own = train_linear_machine(rows, labels, options, alone);
+    const auto& parts = own.machine.parameters();
+    const benchmark::liblinear_machine peer(rows, labels, loss, cost, tolerance);
+    const double found = primal(rows, labels, loss, cost, own.machine.classes(), [&](std::size_t c) {
+        const auto from = parts.weights.begin() + static_cast<std::ptrdiff_t>(c * parts.features);
+        std::vector<double> w(from, from + static_cast<std::ptrdiff_t>(parts.features));
+        w.push_back(parts.offsets[c]);
+        return w;
+    });
+    const double expected = primal(rows, labels, loss, cost, own.machine.classes(),
+                                   [&](std::size_t c) { return peer.weights(c); });
+    CAPTURE(cost);
+    CHECK(own.converged());
+    CHECK(std::abs(found - expected) <= 1e-3 * expected);
+    CHECK(agreement(own.machine.predict(fresh), peer.predict(fresh)) >= 0.995);
+}
+
+} // namespace
+
+TEST_SUITE("svm/peers") {
+    TEST_CASE("synthetic sets: LIBSVM's optimum and answers") {
+        const support::samples s = support::blobs(500, 16, 5, 0.8), fresh = support::blobs(2000, 16, 5, 0.8);
+        for (const double cost : {0.1, 1.0, 100.0})
+            compare_rbf(s.rows(), s.labels, fresh.rows(), cost);
+    }
+
+    TEST_CASE("synthetic sets: LIBLINEAR's optimum and answers") {
+        const support::samples s = support::blobs(500, 16, 5, 0.8), fresh = support::blobs(2000, 16, 5, 0.8);
+        for (const linear_loss loss : {linear_loss::hinge, linear_loss::squared_hinge})
+            for (const double cost : {0.01, 1.0})
+                compare_linear(s.rows(), s.labels, fresh.rows(), loss, cost);
+    }
+
+#ifdef TACTNET_TEST_IMAGES
+    TEST_CASE("real pixels: the peers' optimum and answers") {
+        const auto folder = support::find_data("tactile_images");
+        if (!folder)
+            return;
+        const auto split = benchmark::split_pixels(benchmark::load_pixels(*folder, decode_image), 1);
+        for (const double cost : {1.0, 10.0})
+            compare_rbf(split.training.view(), split.training.labels, split.test.view(), cost);
+        for (const linear_loss loss : {linear_loss::hinge, linear_loss::squared_hinge})
+            compare_linear(split.training.view(), split.training.labels, split.test.view(), loss, 0.1);
+    }
+#endif
+}
