@@ -47,6 +47,9 @@ class dense_surf {
     static_assert(Grid.levels() > 0, "dense_surf: expected at least one scale that is not 0");
 
 public:
+    using pixel_type = Pixel;
+    using image_view = tensor_view<const Pixel, Shape>;
+    static constexpr shape extents = Shape;
     static constexpr detail::grid_side rows{Shape.rows, Grid.step.rows},
         columns{Shape.columns, Grid.step.columns};
     /// The most descriptors of one image.
@@ -54,7 +57,7 @@ public:
 
     /// Takes the descriptors of an image. Those of zero length, where the image is constant, are left out:
     /// they have no direction. False, and no descriptors, where the image holds NaN or infinity.
-    [[nodiscard]] bool describe(tensor_view<const Pixel, Shape> image) noexcept {
+    [[nodiscard]] bool describe(image_view image) noexcept {
         memory& m = *memory_;
         count_ = 0;
         m.integral.compute(image);
@@ -65,7 +68,7 @@ public:
                 m.integral, m.weights,
                 [&](std::size_t row, std::size_t column, const std::array<float, surf_values>& values) {
                     const float length = length_of<surf_values>(values.data());
-                    if (!(length > least_))
+                    if (length == 0)
                         return;
                     float* to = m.descriptors.data() + count_ * surf_values;
                     std::copy(values.begin(), values.end(), to);
@@ -83,8 +86,6 @@ public:
     [[nodiscard]] std::span<const surf_place> places() const noexcept {
         return {memory_->places.data(), count_};
     }
-
-    float least_ = 0;
 
 private:
     static constexpr std::size_t largest =

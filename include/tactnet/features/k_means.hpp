@@ -1,13 +1,14 @@
 #pragma once
 
+#include <tactnet/features/point_set.hpp>
 #include <tactnet/kernels/nearest_row.hpp>
 #include <tactnet/kernels/random.hpp>
+#include <tactnet/kernels/squared_distance.hpp>
 #include <tactnet/kernels/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -42,6 +43,7 @@ struct clusters {
 
 namespace detail {
 
+/// On points of whole vectors, aligned.
 template <std::size_t Values>
 class k_means_run {
 public:
@@ -73,21 +75,17 @@ private:
     static constexpr std::size_t block = 1024;
 
     [[nodiscard]] const float* point(std::size_t i) const { return points_.data() + i * Values; }
-    [[nodiscard]] static double squared_distance(const float* a, const float* b) {
-        double sum = 0;
-        for (std::size_t v = 0; v < Values; ++v) {
-            const double d = static_cast<double>(a[v]) - static_cast<double>(b[v]);
-            sum += d * d;
-        }
-        return sum;
+    /// Squared, of point i and centre c.
+    [[nodiscard]] double distance(std::size_t i, std::size_t c) const {
+        return squared_distance<Values>(point(i), result_.centres.data() + c * Values);
     }
-    /// distances_[i] = distance(i) for all points, in parallel; their sum.
-    template <class Distance>
-    double measure(const Distance& distance) {
+    /// distances_[i] = term(i) for all points, in parallel; their sum.
+    template <class Term>
+    double measure(const Term& term) {
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
             double sum = 0;
             for (std::size_t i = b * block; i < std::min((b + 1) * block, count_); ++i)
-                sum += distances_[i] = distance(i);
+                sum += distances_[i] = term(i);
             block_sums_[b] = sum;
         });
         return std::accumulate(block_sums_.begin(), block_sums_.end(), 0.0);
@@ -100,10 +98,8 @@ private:
         random_stream random(settings_.seed, draw::clusters);
         add_centre(random.below(static_cast<std::uint32_t>(count_)));
         for (std::size_t c = 1; c < std::min(settings_.centres, count_); ++c) {
-            const double sum = measure([&](std::size_t i) {
-                return std::min(distances_[i],
-                                squared_distance(point(i), result_.centres.data() + (c - 1) * Values));
-            });
+            const double sum =
+                measure([&](std::size_t i) { return std::min(distances_[i], distance(i, c - 1)); });
             if (sum == 0)
                 return; // every point is a seed already
             add_centre(draw_by_distance(random.uniform() * sum));
@@ -128,9 +124,7 @@ private:
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
             search(point(b * block), std::min(block, count_ - b * block), result_.nearest.data() + b * block);
         });
-        return measure([&](std::size_t i) {
-            return squared_distance(point(i), result_.centres.data() + result_.nearest[i] * Values);
-        });
+        return measure([&](std::size_t i) { return distance(i, result_.nearest[i]); });
     }
     /// Every centre to the mean of its points.
     void move_centres() {
@@ -182,20 +176,22 @@ private:
 template <std::size_t Values>
 [[nodiscard]] clusters k_means(std::span<const float> points, const k_means_settings& settings,
                                thread_pool& threads) {
-    if (points.empty() || points.size() % Values != 0)
-        throw std::invalid_argument("k_means: expected points of " + std::to_string(Values) +
-                                    " numbers each, found " + std::to_string(points.size()) + " numbers");
+    check_points("k_means", points, Values);
     if (settings.centres == 0)
         throw std::invalid_argument("k_means: expected at least one centre, found 0");
-    const auto broken =
-        std::find_if_not(points.begin(), points.end(), [](float v) { return std::isfinite(v); });
-    if (broken != points.end()) {
-        const auto place = static_cast<std::size_t>(broken - points.begin());
-        throw std::invalid_argument("k_means: expected finite numbers, found " + std::to_string(*broken) +
-                                    " as number " + std::to_string(place % Values) + " of point " +
-                                    std::to_string(place / Values));
+    constexpr std::size_t stride = padded_size<float>(Values); // zeros behind change no distance
+    const std::size_t count = points.size() / Values;
+    aligned_vector<float> padded(count * stride);
+    for (std::size_t i = 0; i < count; ++i)
+        std::copy_n(points.data() + i * Values, Values, padded.data() + i * stride);
+    clusters result = detail::k_means_run<stride>(padded, settings, threads).run();
+    if constexpr (stride != Values) {
+        const std::size_t centres = result.centres.size() / stride;
+        for (std::size_t c = 1; c < centres; ++c)
+            std::copy_n(result.centres.data() + c * stride, Values, result.centres.data() + c * Values);
+        result.centres.resize(centres * Values);
     }
-    return detail::k_means_run<Values>(points, settings, threads).run();
+    return result;
 }
 
 } // namespace tactnet

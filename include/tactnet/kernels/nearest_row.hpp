@@ -65,10 +65,10 @@ private:
             b.row.fill(0);
         }
         for (std::size_t p = 0; p < panels_; ++p) {
-            std::size_t first = 0;
-            for (; first + block_points <= count; first += block_points)
+            const std::size_t whole = count / block_points * block_points;
+            for (std::size_t first = 0; first < whole; first += block_points)
                 compare<block_points>(points + first * Values, p, found.data() + first);
-            for (; first < count; ++first)
+            for (std::size_t first = whole; first < count; ++first)
                 compare<1>(points + first * Values, p, found.data() + first);
         }
         for (std::size_t i = 0; i < count; ++i)
