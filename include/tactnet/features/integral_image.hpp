@@ -35,7 +35,7 @@ public:
                   "integral_image: the sums of this many whole numbers do not fit into 32 bits");
 
     void compute(tensor_view<const Pixel, Shape> image) noexcept {
-        double magnitude = 0;
+        magnitude_ = 0;
         for (std::size_t r = 0; r < Shape.rows; ++r) {
             const value_type* above = corners_.data() + (r + Border) * stride + Border;
             value_type* to = corners_.data() + (r + 1 + Border) * stride + Border;
@@ -45,16 +45,13 @@ public:
                 sum += pixel;
                 to[c + 1] = above[c + 1] + sum;
                 if constexpr (std::floating_point<value_type>)
-                    magnitude += std::abs(pixel);
+                    magnitude_ += std::abs(pixel);
             }
             std::fill_n(to + Shape.columns + 1, Border, to[Shape.columns]);
         }
         const value_type* last = corners_.data() + (Shape.rows + Border) * stride;
         for (std::size_t b = 0; b < Border; ++b)
             std::copy_n(last, stride, corners_.data() + (Shape.rows + 1 + b + Border) * stride);
-        // Every corner is the rounded sum of at most rows + columns terms, each of them a rounded sum.
-        constexpr double roundings = static_cast<double>(2 * (Shape.rows + Shape.columns));
-        rounding_ = magnitude * roundings * std::numeric_limits<double>::epsilon();
     }
 
     /// The sum of all pixels above and to the left of any corner, inside the image or not.
@@ -72,8 +69,14 @@ public:
     [[nodiscard]] const value_type* corner_row(std::ptrdiff_t row) const noexcept {
         return corners_.data() + (row + border) * static_cast<std::ptrdiff_t>(stride) + border;
     }
-    /// How far a corner may be from the exact sum: 0 for whole numbers.
-    [[nodiscard]] double rounding() const noexcept { return rounding_; }
+    /// The sum of the absolute values of real pixels; 0 for whole numbers.
+    [[nodiscard]] double magnitude() const noexcept { return magnitude_; }
+    /// How far a corner may be from the exact sum: 0 for whole numbers. It is the rounded sum of at most as
+    /// many terms as there are rows, each of which is the rounded sum of a part of a row.
+    [[nodiscard]] double rounding() const noexcept {
+        return magnitude_ * static_cast<double>(Shape.rows + Shape.columns) *
+               std::numeric_limits<double>::epsilon();
+    }
     /// Whether no pixel is NaN or infinite: one that is would have spread into the last sum.
     [[nodiscard]] bool finite() const noexcept {
         if constexpr (std::floating_point<value_type>)
@@ -87,7 +90,7 @@ private:
     static constexpr auto border = static_cast<std::ptrdiff_t>(Border);
 
     std::array<value_type, (Shape.rows + 1 + 2 * Border) * stride> corners_{};
-    double rounding_ = 0;
+    double magnitude_ = 0;
 };
 
 } // namespace tactnet

@@ -55,18 +55,23 @@ public:
           distances_(count_, std::numeric_limits<double>::infinity()),
           block_sums_((count_ + block - 1) / block) {}
 
-    [[nodiscard]] clusters run() {
+    /// The seeds of k-means++.
+    [[nodiscard]] aligned_vector<float> seeds() && {
         seed();
+        return std::move(result_.centres);
+    }
+    /// Lloyd's iterations from these centres.
+    [[nodiscard]] clusters improve(aligned_vector<float> centres) && {
+        result_.centres = std::move(centres);
         result_.nearest.resize(count_);
-        double last = assign();
+        result_.objective = assign();
         while (!result_.converged && result_.iterations < settings_.most_iterations) {
+            const double last = result_.objective;
             move_centres();
             result_.objective = assign();
             ++result_.iterations;
             result_.converged = last - result_.objective <= settings_.least_gain * last;
-            last = result_.objective;
         }
-        result_.objective = last;
         return std::move(result_);
     }
 
@@ -93,7 +98,6 @@ private:
     void add_centre(std::size_t i) {
         result_.centres.insert(result_.centres.end(), point(i), point(i) + Values);
     }
-    /// Each next seed is drawn with the squared distance to the nearest seed so far as its probability.
     void seed() {
         random_stream random(settings_.seed, draw::clusters);
         add_centre(random.below(static_cast<std::uint32_t>(count_)));
@@ -170,28 +174,62 @@ private:
 
 } // namespace detail
 
-/// Clusters `points` of `Values` numbers, one after the other. The same bits on any number of threads. There
-/// are as many centres as asked for, or as many as there are different points if those are fewer. Throws
-/// std::invalid_argument for no points, no centres, or numbers that are NaN or infinite.
+namespace detail {
+
+/// The same points with zeros behind, which change no distance, so that they are whole vectors.
 template <std::size_t Values>
-[[nodiscard]] clusters k_means(std::span<const float> points, const k_means_settings& settings,
-                               thread_pool& threads) {
+aligned_vector<float> pad_points(std::span<const float> points) {
+    constexpr std::size_t stride = padded_size<float>(Values);
+    aligned_vector<float> padded(points.size() / Values * stride);
+    for (std::size_t i = 0; i < points.size() / Values; ++i)
+        std::copy_n(points.data() + i * Values, Values, padded.data() + i * stride);
+    return padded;
+}
+template <std::size_t Values>
+aligned_vector<float> without_padding(const aligned_vector<float>& padded) {
+    constexpr std::size_t stride = padded_size<float>(Values);
+    aligned_vector<float> points(padded.size() / stride * Values);
+    for (std::size_t i = 0; i < padded.size() / stride; ++i)
+        std::copy_n(padded.data() + i * stride, Values, points.data() + i * Values);
+    return points;
+}
+
+} // namespace detail
+
+/// Seeds for `settings.centres` clusters of `points`, of `Values` numbers each, one after the other: points,
+/// each drawn with its squared distance to the nearest one so far as its probability. Fewer, where there are
+/// fewer different points. Throws std::invalid_argument as k_means does.
+template <std::size_t Values>
+[[nodiscard]] aligned_vector<float> k_means_seeds(std::span<const float> points,
+                                                  const k_means_settings& settings, thread_pool& threads) {
     check_points("k_means", points, Values);
     if (settings.centres == 0)
         throw std::invalid_argument("k_means: expected at least one centre, found 0");
-    constexpr std::size_t stride = padded_size<float>(Values); // zeros behind change no distance
-    const std::size_t count = points.size() / Values;
-    aligned_vector<float> padded(count * stride);
-    for (std::size_t i = 0; i < count; ++i)
-        std::copy_n(points.data() + i * Values, Values, padded.data() + i * stride);
-    clusters result = detail::k_means_run<stride>(padded, settings, threads).run();
-    if constexpr (stride != Values) {
-        const std::size_t centres = result.centres.size() / stride;
-        for (std::size_t c = 1; c < centres; ++c)
-            std::copy_n(result.centres.data() + c * stride, Values, result.centres.data() + c * Values);
-        result.centres.resize(centres * Values);
-    }
+    const aligned_vector<float> padded = detail::pad_points<Values>(points);
+    return detail::without_padding<Values>(
+        detail::k_means_run<padded_size<float>(Values)>(padded, settings, threads).seeds());
+}
+
+/// Lloyd's iterations from given centres, however many. Throws std::invalid_argument as k_means does.
+template <std::size_t Values>
+[[nodiscard]] clusters k_means_from(std::span<const float> points, std::span<const float> centres,
+                                    const k_means_settings& settings, thread_pool& threads) {
+    check_points("k_means", points, Values);
+    check_points("k_means: centres", centres, Values);
+    const aligned_vector<float> padded = detail::pad_points<Values>(points);
+    clusters result = detail::k_means_run<padded_size<float>(Values)>(padded, settings, threads)
+                          .improve(detail::pad_points<Values>(centres));
+    result.centres = detail::without_padding<Values>(result.centres);
     return result;
+}
+
+/// Clusters `points` of `Values` numbers, one after the other. The same bits on any number of threads. There
+/// are as many centres as asked for, or as many as there are different points if those are fewer. Throws
+/// std::invalid_argument for no points, no centres, and numbers that are NaN, infinite or beyond 10¹⁷.
+template <std::size_t Values>
+[[nodiscard]] clusters k_means(std::span<const float> points, const k_means_settings& settings,
+                               thread_pool& threads) {
+    return k_means_from<Values>(points, k_means_seeds<Values>(points, settings, threads), settings, threads);
 }
 
 } // namespace tactnet

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 
 // Upright SURF descriptors on a dense grid (Bay, Ess, Tuytelaars and Van Gool, "Speeded-Up Robust Features
@@ -91,15 +92,24 @@ private:
         return columns.first + column * columns.step + Scale - 1 - reach; // wraps, and back with the margin
     }
 
+    /// Brings the responses of real pixels to the middle of what single precision holds.
+    template <class Integral>
+    [[nodiscard]] static typename Integral::value_type scale_of(const Integral& integral) noexcept {
+        if constexpr (std::floating_point<typename Integral::value_type>)
+            return integral.magnitude() > 0 ? 1 / integral.magnitude() : 0;
+        else
+            return 1;
+    }
     template <class Integral>
     void respond(const Integral& integral) noexcept {
         constexpr auto outside = static_cast<std::ptrdiff_t>(Scale) - 1;
+        const auto factor = scale_of(integral);
         for (std::size_t r = 0; r < active_rows; ++r) {
             float* to = responses_.data() + r * response_stride;
             for (std::size_t c = 0; c < active_columns; ++c, to += 4) {
                 const auto [dx, dy] = haar_at<Scale>(integral, static_cast<std::ptrdiff_t>(r) - outside,
                                                      static_cast<std::ptrdiff_t>(c) - outside);
-                const auto x = static_cast<float>(dx), y = static_cast<float>(dy);
+                const auto x = static_cast<float>(dx * factor), y = static_cast<float>(dy * factor);
                 to[0] = x, to[1] = std::abs(x), to[2] = y, to[3] = std::abs(y);
             }
         }

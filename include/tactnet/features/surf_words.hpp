@@ -27,10 +27,10 @@ struct surf_settings {
     /// Of k-means.
     std::size_t most_iterations = 15;
     std::uint64_t seed = 1;
-    histogram_form form = histogram_form::counts;
+    histogram_form form = histogram_form::square_roots;
     /// C of the linear support vector machine (squared hinge, one against the rest) that takes the
     /// histograms.
-    double cost = 3;
+    double cost = 10;
 };
 
 namespace detail {
