@@ -156,10 +156,10 @@ TEST_CASE("dense_surf: as many counts more everywhere change nothing where no wi
         const auto of = [&](const auto& surf) {
             return surf.descriptors().subspan(i * surf_values, surf_values);
         };
-        const bool same = std::equal(of(a).begin(), of(a).end(), of(b).begin());
-        CHECK((same || !whole));
+        const bool equal = std::equal(of(a).begin(), of(a).end(), of(b).begin());
+        CHECK((equal || !whole));
         inside += whole;
-        outside += !same;
+        outside += !equal;
     }
     CHECK(inside == 7 * 29);
     CHECK(outside > 0);

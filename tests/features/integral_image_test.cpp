@@ -50,11 +50,8 @@ TEST_CASE("integral_image: every rectangle, inside and outside, against plain su
 TEST_CASE("integral_image: a second image leaves nothing of the first") {
     constexpr shape size{5, 6};
     integral_image<float, size, 2> integral, fresh;
-    const auto broken = [] {
-        auto image = random_image<float, size>(1);
-        image(2, 3) = std::numeric_limits<float>::quiet_NaN();
-        return image;
-    }();
+    auto broken = random_image<float, size>(1);
+    broken(2, 3) = std::numeric_limits<float>::quiet_NaN();
     integral.compute(broken);
     CHECK(!integral.finite());
     const auto image = random_image<float, size>(2);

@@ -39,8 +39,8 @@ void compare(std::size_t rows, std::size_t points) {
 } // namespace
 
 TEST_CASE("nearest_row: against plain loops, ties included") {
-    for (const std::size_t rows : {1, 2, 16, 63, 64, 65, 200})
-        for (const std::size_t points : {0, 1, 5, 6, 47, 48, 49, 101})
+    for (const std::size_t rows : {1u, 2u, 16u, 63u, 64u, 65u, 200u})
+        for (const std::size_t points : {0u, 1u, 5u, 6u, 47u, 48u, 49u, 101u})
             compare<3>(rows, points);
     compare<64>(500, 340);
     compare<1>(20, 20);

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <support/whole_numbers.hpp>
 
 using namespace tactnet;
@@ -32,14 +34,14 @@ TEST_CASE("weighted_sum: against plain loops") {
     compare_sums<208>();
 }
 
-TEST_CASE("length_of and scale: of whole vectors") {
+TEST_CASE("length_of and scale_values: of whole vectors") {
     aligned_vector<float> values(80);
     for (std::size_t i = 0; i < 64; ++i)
         values[i] = i % 2 == 0 ? 3.0f : -4.0f; // 32 × 25 = 800 = 2 × 20²
     values[64] = 1e9f;
     CHECK(length_of<64>(values.data()) == std::sqrt(800.0f));
     CHECK(length_of<4>(values.data()) == std::sqrt(50.0f));
-    scale<64>(values.data(), -0.5f);
+    scale_values<64>(values.data(), -0.5f);
     CHECK(values[0] == -1.5f);
     CHECK(values[63] == 2.0f);
     CHECK(values[64] == 1e9f);

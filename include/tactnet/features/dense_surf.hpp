@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/features/surf_window.hpp>
+#include <tactnet/features/surf_scale.hpp>
 #include <tactnet/kernels/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
@@ -72,7 +72,7 @@ public:
                         return;
                     float* to = m.descriptors.data() + count_ * surf_values;
                     std::copy(values.begin(), values.end(), to);
-                    scale<surf_values>(to, 1 / length);
+                    scale_values<surf_values>(to, 1 / length);
                     m.places[count_++] = {static_cast<std::uint16_t>(level), static_cast<std::uint16_t>(row),
                                           static_cast<std::uint16_t>(column)};
                 });

@@ -34,6 +34,7 @@ public:
                       Shape.area() <= (std::size_t{1} << (29 - 8 * std::min<std::size_t>(sizeof(Pixel), 2))),
                   "integral_image: the sums of this many whole numbers do not fit into 32 bits");
 
+    /// Of another image, in the place of the last one.
     void compute(tensor_view<const Pixel, Shape> image) noexcept {
         magnitude_ = 0;
         for (std::size_t r = 0; r < Shape.rows; ++r) {
@@ -71,8 +72,8 @@ public:
     }
     /// The sum of the absolute values of real pixels; 0 for whole numbers.
     [[nodiscard]] double magnitude() const noexcept { return magnitude_; }
-    /// How far a corner may be from the exact sum: 0 for whole numbers. It is the rounded sum of at most as
-    /// many terms as there are rows, each of which is the rounded sum of a part of a row.
+    /// How far a corner may be from the exact sum: 0 for whole numbers. A pixel goes through at most as many
+    /// roundings as there are rows and columns; twice that, for those of a box.
     [[nodiscard]] double rounding() const noexcept {
         return magnitude_ * static_cast<double>(Shape.rows + Shape.columns) *
                std::numeric_limits<double>::epsilon();

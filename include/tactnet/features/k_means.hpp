@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/features/point_set.hpp>
+#include <tactnet/features/check_points.hpp>
 #include <tactnet/kernels/nearest_row.hpp>
 #include <tactnet/kernels/random.hpp>
 #include <tactnet/kernels/squared_distance.hpp>

@@ -20,7 +20,10 @@
 
 namespace tactnet::inline TACTNET_ARCH {
 
-/// What the baseline leaves open.
+/// What the baseline leaves open. Words, step and scales are template arguments: 500, 3 × 3 tactels, 1 and 2.
+/// All of them are chosen by the accuracy on the validation images of 20 random splits: 91 %, where counts
+/// themselves give 89 %, the scale 1 alone 85 to 87 %, and neither more scales or a finer step nor histograms
+/// of parts of the image (spatial pyramids) anything beyond chance. Square roots are not the paper's.
 struct surf_settings {
     /// Descriptors that the words are found from, as many from every image.
     std::size_t most_descriptors = 20'000;
@@ -90,6 +93,7 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
     for (std::vector<float>& of_image : drawn)
         of_image.reserve(std::min(share, Surf::most) * surf_values); // threads must not throw
     detail::describe_images<Surf>(images, chosen, threads, [&](const Surf& surf, std::size_t i) {
+        // Major 1: k_means draws from 0.
         const random_stream random(settings.seed, draw::clusters, 1, static_cast<std::uint32_t>(i));
         detail::draw_descriptors(surf, share, random, drawn[i]);
     });

@@ -48,7 +48,7 @@ template <std::size_t Length>
 
 /// values[i] *= factor, for Length values, aligned; whole vectors of them.
 template <std::size_t Length>
-inline void scale(float* values, float factor) {
+inline void scale_values(float* values, float factor) {
     constexpr std::size_t width = lanes_for<float>(Length);
     using wide = sized_vector<float, width>;
     static_assert(Length % width == 0);

@@ -60,9 +60,8 @@ public:
             for (std::size_t column = 0; column < columns.count; ++column) {
                 for (std::size_t part = 0; part < 16; ++part) {
                     const std::size_t first = part % 4 * 5;
-                    weighted_sum<4>(bands_[part / 4].data() +
-                                        (left_margin + left(column) + first * Scale) * 4,
-                                    4 * Scale, weights.data() + first, 5, values.data() + part * 4);
+                    weighted_sum<4>(bands_[part / 4].data() + (left(column) + first * Scale) * 4, 4 * Scale,
+                                    weights.data() + first, 5, values.data() + part * 4);
                 }
                 put(row, column, values);
             }
@@ -76,25 +75,29 @@ private:
     // Responses that are not zero: corners less than Scale outside of the image.
     static constexpr std::size_t active_rows = Shape.rows + 2 * Scale - 1;
     static constexpr std::size_t active_columns = Shape.columns + 2 * Scale - 1;
-    static constexpr std::size_t response_stride = (active_columns + 3) / 4 * 16;
-    static constexpr std::size_t left_margin = (reach + 3) / 4 * 4;
-    static constexpr std::size_t band_columns =
-        left_margin +
-        std::max(response_stride / 4, columns.first + (columns.count - 1) * columns.step + 20 * Scale);
+    // Four sums a column; whole cache lines, so that the widest vectors may be used.
+    static constexpr std::size_t response_stride = whole_lines(active_columns * 4);
+    // Columns of zeros in front of the responses, for windows that begin outside of the image; behind them
+    // too.
+    static constexpr std::size_t margin = whole_lines(reach * 4) / 4;
+    static constexpr std::size_t band_size =
+        margin * 4 +
+        std::max(response_stride,
+                 whole_lines((columns.first + (columns.count - 1) * columns.step + 20 * Scale) * 4));
 
     /// The first sample of a window, in rows of responses: may be above them.
     [[nodiscard]] static constexpr std::ptrdiff_t top(std::size_t row) {
         return static_cast<std::ptrdiff_t>(rows.first + row * rows.step + Scale - 1) -
                static_cast<std::ptrdiff_t>(reach);
     }
-    /// The same in columns, from the margin on.
+    /// The same in columns of a band.
     [[nodiscard]] static constexpr std::size_t left(std::size_t column) {
-        return columns.first + column * columns.step + Scale - 1 - reach; // wraps, and back with the margin
+        return margin + columns.first + column * columns.step + Scale - 1 - reach;
     }
 
     /// Brings the responses of real pixels to the middle of what single precision holds.
     template <class Integral>
-    [[nodiscard]] static typename Integral::value_type scale_of(const Integral& integral) noexcept {
+    [[nodiscard]] static typename Integral::value_type factor_for(const Integral& integral) noexcept {
         if constexpr (std::floating_point<typename Integral::value_type>)
             return integral.magnitude() > 0 ? 1 / integral.magnitude() : 0;
         else
@@ -103,7 +106,7 @@ private:
     template <class Integral>
     void respond(const Integral& integral) noexcept {
         constexpr auto outside = static_cast<std::ptrdiff_t>(Scale) - 1;
-        const auto factor = scale_of(integral);
+        const auto factor = factor_for(integral);
         for (std::size_t r = 0; r < active_rows; ++r) {
             float* to = responses_.data() + r * response_stride;
             for (std::size_t c = 0; c < active_columns; ++c, to += 4) {
@@ -114,7 +117,7 @@ private:
             }
         }
     }
-    /// One band for each row of subregions: every column's sum over its five samples.
+    /// One band for each row of subregions: every column's sums over its five samples.
     void add_columns(std::ptrdiff_t first_row, const std::array<float, 20>& weights) noexcept {
         constexpr auto s = static_cast<std::ptrdiff_t>(Scale);
         for (std::size_t part = 0; part < 4; ++part) {
@@ -128,12 +131,12 @@ private:
                 --end;
             const std::size_t from = k < end ? static_cast<std::size_t>(row(k)) * response_stride : 0;
             weighted_sum<response_stride>(responses_.data() + from, response_stride * Scale,
-                                          weights.data() + k, end - k, bands_[part].data() + left_margin * 4);
+                                          weights.data() + k, end - k, bands_[part].data() + margin * 4);
         }
     }
 
     alignas(alignment) std::array<float, active_rows * response_stride> responses_{};
-    alignas(alignment) std::array<std::array<float, (band_columns * 4 + 15) / 16 * 16>, 4> bands_{};
+    alignas(alignment) std::array<std::array<float, band_size>, 4> bands_{};
 };
 
 } // namespace detail
