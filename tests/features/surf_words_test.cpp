@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <support/allocations.hpp>
 #include <vector>
 
@@ -47,8 +48,8 @@ TEST_CASE("surf_histogram: words of some images, histograms of all, one by one a
     const auto bag = fit_surf_words<counts_surf, words>(images, chosen, settings, one);
     CHECK(bag.count() == words);
     CHECK(bag.form() == settings.form);
-    const auto same = fit_surf_words<counts_surf, words>(images, chosen, settings, three);
-    CHECK(std::equal(bag.words().begin(), bag.words().end(), same.words().begin(), same.words().end()));
+    const auto again = fit_surf_words<counts_surf, words>(images, chosen, settings, three);
+    CHECK(std::equal(bag.words().begin(), bag.words().end(), again.words().begin(), again.words().end()));
 
     const std::vector<std::size_t> wanted{11, 2, 0};
     const auto histograms = surf_histograms<counts_surf>(images, wanted, bag, three);
@@ -76,8 +77,13 @@ TEST_CASE("fit_surf_words: fewer descriptors than words") {
     const auto bag = fit_surf_words<counts_surf, 500>(images, first_ones(1), {}, one);
     counts_surf memory;
     REQUIRE(memory.describe(counts_surf::image_view(images.data())));
-    CHECK(bag.count() > 0);
-    CHECK(bag.count() <= memory.places().size());
+    std::set<std::vector<float>> different; // every one of them is a word
+    for (std::size_t d = 0; d < memory.places().size(); ++d) {
+        const auto descriptor = memory.descriptors().subspan(d * surf_values, surf_values);
+        different.emplace(descriptor.begin(), descriptor.end());
+    }
+    CHECK(bag.count() > 1);
+    CHECK(bag.count() == different.size());
     std::array<float, 500> histogram;
     CHECK(surf_histogram(memory, bag, counts_surf::image_view(images.data()), std::span(histogram)));
     for (std::size_t w = bag.count(); w < 500; ++w)
@@ -108,6 +114,9 @@ TEST_CASE("fit_surf_words: what it refuses, and what it says") {
     };
     CHECK_THROWS_WITH(
         words_of({0, 5, 4}),
+        "dense SURF: expected finite pixels, found NaN or infinity in image 4 (counted from 0)");
+    CHECK_THROWS_WITH(
+        words_of({0, 4, 5}),
         "dense SURF: expected finite pixels, found NaN or infinity in image 4 (counted from 0)");
     CHECK_THROWS_WITH(words_of({0, 6}), "dense SURF: there is no image 6 among 6");
     CHECK_THROWS_WITH(words_of({2, 2}),
