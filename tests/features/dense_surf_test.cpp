@@ -101,6 +101,14 @@ void compare(const tensor<Pixel, Shape>& image) {
     CHECK(wrong == 0);
 }
 
+/// The image with f of every count.
+template <class Function>
+image_of<std::uint8_t> changed(image_of<std::uint8_t> image, Function f) {
+    for (std::uint8_t& pixel : image)
+        pixel = static_cast<std::uint8_t>(f(pixel));
+    return image;
+}
+
 template <class Pixel>
 image_of<Pixel> with_blob(std::size_t top, std::size_t left) {
     image_of<Pixel> image;
@@ -139,12 +147,8 @@ TEST_CASE("dense_surf: the grid lies in the middle") {
 }
 
 TEST_CASE("dense_surf: as many counts more everywhere change nothing where no window reaches the border") {
-    auto image = random_image<std::uint8_t, size>(8);
-    for (std::uint8_t& pixel : image)
-        pixel = static_cast<std::uint8_t>(pixel / 2);
-    auto brighter = image;
-    for (std::uint8_t& pixel : brighter)
-        pixel = static_cast<std::uint8_t>(pixel + 100);
+    const auto image = changed(random_image<std::uint8_t, size>(8), [](int count) { return count / 2; });
+    const auto brighter = changed(image, [](int count) { return count + 100; });
     dense_surf<size, surf_grid{.step = 1, .scales = {1}}> a, b;
     REQUIRE(a.describe(image));
     REQUIRE(b.describe(brighter));
@@ -166,12 +170,8 @@ TEST_CASE("dense_surf: as many counts more everywhere change nothing where no wi
 }
 
 TEST_CASE("dense_surf: counts times a number change nothing") {
-    auto image = random_image<std::uint8_t, size>(9);
-    for (std::uint8_t& pixel : image)
-        pixel = static_cast<std::uint8_t>(pixel / 4);
-    auto stronger = image;
-    for (std::uint8_t& pixel : stronger)
-        pixel = static_cast<std::uint8_t>(pixel * 4);
+    const auto image = changed(random_image<std::uint8_t, size>(9), [](int count) { return count / 4; });
+    const auto stronger = changed(image, [](int count) { return count * 4; });
     dense_surf<size> a, b;
     REQUIRE(a.describe(image));
     REQUIRE(b.describe(stronger));

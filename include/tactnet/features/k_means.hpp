@@ -43,6 +43,24 @@ struct clusters {
 
 namespace detail {
 
+/// The same points with zeros behind, which change no distance, so that they are whole vectors.
+template <std::size_t Values>
+aligned_vector<float> pad_points(std::span<const float> points) {
+    constexpr std::size_t stride = padded_size<float>(Values);
+    aligned_vector<float> padded(points.size() / Values * stride);
+    for (std::size_t i = 0; i < points.size() / Values; ++i)
+        std::copy_n(points.data() + i * Values, Values, padded.data() + i * stride);
+    return padded;
+}
+template <std::size_t Values>
+aligned_vector<float> without_padding(const aligned_vector<float>& padded) {
+    constexpr std::size_t stride = padded_size<float>(Values);
+    aligned_vector<float> points(padded.size() / stride * Values);
+    for (std::size_t i = 0; i < padded.size() / stride; ++i)
+        std::copy_n(padded.data() + i * stride, Values, points.data() + i * Values);
+    return points;
+}
+
 /// On points of whole vectors, aligned.
 template <std::size_t Values>
 class k_means_run {
@@ -98,6 +116,7 @@ private:
     void add_centre(std::size_t i) {
         result_.centres.insert(result_.centres.end(), point(i), point(i) + Values);
     }
+    /// Each next one is drawn with its squared distance to the nearest one so far as its probability.
     void seed() {
         random_stream random(settings_.seed, draw::clusters);
         add_centre(random.below(static_cast<std::uint32_t>(count_)));
@@ -109,6 +128,7 @@ private:
             add_centre(draw_by_distance(random.uniform() * sum));
         }
     }
+    /// The point at `rest` when all distances are laid end to end.
     [[nodiscard]] std::size_t draw_by_distance(double rest) const {
         std::size_t b = 0;
         while (b + 1 < block_sums_.size() && rest >= block_sums_[b])
@@ -116,13 +136,17 @@ private:
         std::size_t chosen = b * block;
         for (std::size_t i = b * block; i < std::min((b + 1) * block, count_); ++i) {
             if (distances_[i] > 0)
-                chosen = i; // the last one, should rounding leave a rest
+                chosen = i;
             if (rest < distances_[i])
                 break;
             rest -= distances_[i];
         }
+        // Rounding may leave a rest behind the last point: then the last one that is no seed yet.
+        while (!(distances_[chosen] > 0))
+            --chosen;
         return chosen;
     }
+    /// Finds the nearest centre of every point. The objective.
     double assign() {
         const nearest_row<Values> search(result_.centres);
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
@@ -171,28 +195,6 @@ private:
     std::vector<double> distances_, block_sums_;
     clusters result_;
 };
-
-} // namespace detail
-
-namespace detail {
-
-/// The same points with zeros behind, which change no distance, so that they are whole vectors.
-template <std::size_t Values>
-aligned_vector<float> pad_points(std::span<const float> points) {
-    constexpr std::size_t stride = padded_size<float>(Values);
-    aligned_vector<float> padded(points.size() / Values * stride);
-    for (std::size_t i = 0; i < points.size() / Values; ++i)
-        std::copy_n(points.data() + i * Values, Values, padded.data() + i * stride);
-    return padded;
-}
-template <std::size_t Values>
-aligned_vector<float> without_padding(const aligned_vector<float>& padded) {
-    constexpr std::size_t stride = padded_size<float>(Values);
-    aligned_vector<float> points(padded.size() / stride * Values);
-    for (std::size_t i = 0; i < padded.size() / stride; ++i)
-        std::copy_n(padded.data() + i * stride, Values, points.data() + i * Values);
-    return points;
-}
 
 } // namespace detail
 
