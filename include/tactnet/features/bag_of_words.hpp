@@ -54,7 +54,7 @@ public:
     /// The histogram of any number of descriptors, one after the other; of unit length, or all 0 for none.
     void operator()(std::span<const float> descriptors, histogram out) const noexcept {
         std::fill(out.begin(), out.end(), 0.0f);
-        std::array<std::uint32_t, 256> nearest;
+        std::array<std::uint32_t, 4 * nearest_row<Values>::group> nearest;
         const std::size_t descriptor_count = descriptors.size() / Values;
         for (std::size_t first = 0; first < descriptor_count; first += nearest.size()) {
             const std::size_t n = std::min(nearest.size(), descriptor_count - first);

@@ -43,22 +43,14 @@ struct clusters {
 
 namespace detail {
 
-/// The same points with zeros behind, which change no distance, so that they are whole vectors.
-template <std::size_t Values>
-aligned_vector<float> pad_points(std::span<const float> points) {
-    constexpr std::size_t stride = padded_size<float>(Values);
-    aligned_vector<float> padded(points.size() / Values * stride);
-    for (std::size_t i = 0; i < points.size() / Values; ++i)
-        std::copy_n(points.data() + i * Values, Values, padded.data() + i * stride);
-    return padded;
-}
-template <std::size_t Values>
-aligned_vector<float> without_padding(const aligned_vector<float>& padded) {
-    constexpr std::size_t stride = padded_size<float>(Values);
-    aligned_vector<float> points(padded.size() / stride * Values);
-    for (std::size_t i = 0; i < padded.size() / stride; ++i)
-        std::copy_n(padded.data() + i * stride, Values, points.data() + i * Values);
-    return points;
+/// The same rows, longer by zeros, which change no distance, or shorter.
+inline aligned_vector<float> rows_of_length(std::size_t length, std::span<const float> rows,
+                                            std::size_t before) {
+    const std::size_t count = rows.size() / before;
+    aligned_vector<float> result(count * length);
+    for (std::size_t i = 0; i < count; ++i)
+        std::copy_n(rows.data() + i * before, std::min(length, before), result.data() + i * length);
+    return result;
 }
 
 /// On points of whole vectors, aligned.
@@ -207,9 +199,10 @@ template <std::size_t Values>
     check_points("k_means", points, Values);
     if (settings.centres == 0)
         throw std::invalid_argument("k_means: expected at least one centre, found 0");
-    const aligned_vector<float> padded = detail::pad_points<Values>(points);
-    return detail::without_padding<Values>(
-        detail::k_means_run<padded_size<float>(Values)>(padded, settings, threads).seeds());
+    constexpr std::size_t whole = padded_size<float>(Values);
+    const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
+    const aligned_vector<float> seeds = detail::k_means_run<whole>(padded, settings, threads).seeds();
+    return detail::rows_of_length(Values, seeds, whole);
 }
 
 /// Lloyd's iterations from given centres, however many. Throws std::invalid_argument as k_means does.
@@ -218,10 +211,11 @@ template <std::size_t Values>
                                     const k_means_settings& settings, thread_pool& threads) {
     check_points("k_means", points, Values);
     check_points("k_means: centres", centres, Values);
-    const aligned_vector<float> padded = detail::pad_points<Values>(points);
-    clusters result = detail::k_means_run<padded_size<float>(Values)>(padded, settings, threads)
-                          .improve(detail::pad_points<Values>(centres));
-    result.centres = detail::without_padding<Values>(result.centres);
+    constexpr std::size_t whole = padded_size<float>(Values);
+    const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
+    clusters result = detail::k_means_run<whole>(padded, settings, threads)
+                          .improve(detail::rows_of_length(whole, centres, Values));
+    result.centres = detail::rows_of_length(Values, result.centres, whole);
     return result;
 }
 
