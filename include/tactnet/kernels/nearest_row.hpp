@@ -110,7 +110,8 @@ private:
             store(found[i].row.data(), row);
         });
     }
-    /// Lane l holds a row of vector `row[l]`: of the lanes with the largest score, the first row.
+    /// Lane l holds a row of vector `row[l]`: of the lanes with the largest score, the first row. Where
+    /// nothing was larger than the start, row 0.
     [[nodiscard]] static std::uint32_t first_largest(const best& b) noexcept {
         const float score = *std::max_element(b.score.begin(), b.score.end());
         std::uint32_t result = std::numeric_limits<std::uint32_t>::max();
@@ -120,7 +121,7 @@ private:
             if (b.score[lane] == score)
                 result = std::min(result, row);
         }
-        return score == -std::numeric_limits<float>::infinity() ? 0 : result;
+        return result;
     }
 
     std::size_t panels_;
