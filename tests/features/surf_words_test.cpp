@@ -120,9 +120,9 @@ TEST_CASE("fit_surf_words: what it refuses, and what it says") {
         "dense SURF: expected finite pixels, found NaN or infinity in image 4 (counted from 0)");
     CHECK_THROWS_WITH(words_of({0, 6}), "dense SURF: there is no image 6 among 6");
     CHECK_THROWS_WITH(words_of({2, 2}),
-                      "dense SURF: found nothing to describe in 2 images: all of them are constant");
+                      "dense SURF: found nothing to describe in 2 images: all of them are zero");
     CHECK_THROWS_WITH(words_of({}),
-                      "dense SURF: found nothing to describe in 0 images: all of them are constant");
+                      "dense SURF: found nothing to describe in 0 images: all of them are zero");
     const fit bag = words_of({0, 1, 3});
     const std::vector<std::size_t> broken{4};
     CHECK_THROWS_AS(static_cast<void>(surf_histograms<real_surf>(images, broken, bag, two)),

@@ -55,7 +55,7 @@ public:
     /// The most descriptors of one image.
     static constexpr std::size_t most = Grid.levels() * rows.count * columns.count;
 
-    /// Takes the descriptors of an image. Those of zero length, where the image is constant, are left out:
+    /// Takes the descriptors of an image. Those of zero length, where a window sees no change, are left out:
     /// they have no direction. False, and no descriptors, where the image holds NaN or infinity.
     [[nodiscard]] bool describe(image_view image) noexcept {
         memory& m = *memory_;
