@@ -30,7 +30,7 @@ namespace tactnet::inline TACTNET_ARCH {
 
 /// What random numbers are drawn for. Each purpose has numbers of its own, so that one more draw for one does
 /// not change another.
-enum class draw : std::uint32_t { split, order, augmentation, initial_weights, dropout, noise };
+enum class draw : std::uint32_t { split, order, augmentation, initial_weights, dropout, clusters, noise };
 
 /// The numbers of one item: for example (seed, draw::augmentation, epoch, sample).
 class random_stream {

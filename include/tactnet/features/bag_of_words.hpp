@@ -1,0 +1,87 @@
+#pragma once
+
+#include <tactnet/features/check_points.hpp>
+#include <tactnet/kernels/nearest_row.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+// Bags of visual words (Csurka, Dance, Fan, Willamowski and Bray, "Visual categorization with bags of
+// keypoints", 2004): every descriptor counts for the word that it is nearest to, and an image is the
+// histogram of its words.
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// How counts of words become features of unit length.
+enum class histogram_form {
+    counts,      ///< divided by their Euclidean length
+    square_roots ///< their square roots first: products of such histograms are the Hellinger kernel
+                 ///< (Arandjelović and Zisserman, "Three things everyone should know to improve object
+                 ///< retrieval", 2012)
+};
+
+/// A vocabulary of up to `Words` words of `Values` numbers. Bins of words that it does not have stay 0. Const
+/// and without heap use: any number of threads may share one.
+template <std::size_t Values, std::size_t Words>
+class bag_of_words {
+    static_assert(Values > 0 && Words > 0, "bag_of_words: expected at least one value a word, and one word");
+
+public:
+    using histogram = std::span<float, Words>;
+
+    /// `words`: one after the other, as k_means finds them. Throws std::invalid_argument for none, more than
+    /// `Words`, or numbers that are not finite.
+    explicit bag_of_words(std::span<const float> words, histogram_form form = histogram_form::counts)
+        : words_(words.begin(), words.end()), search_(words), form_(form) {
+        check_points("bag_of_words", words, Values);
+        if (count() > Words)
+            throw std::invalid_argument("bag_of_words: expected at most " + std::to_string(Words) +
+                                        " words, found " + std::to_string(count()));
+    }
+
+    /// Words that there are.
+    [[nodiscard]] std::size_t count() const noexcept { return words_.size() / Values; }
+    [[nodiscard]] std::span<const float> words() const noexcept { return words_; }
+    [[nodiscard]] histogram_form form() const noexcept { return form_; }
+
+    /// The histogram of any number of descriptors, one after the other; of unit length, or all 0 for none.
+    void operator()(std::span<const float> descriptors, histogram out) const noexcept {
+        std::fill(out.begin(), out.end(), 0.0f);
+        std::array<std::uint32_t, 4 * nearest_row<Values>::group> nearest;
+        const std::size_t descriptor_count = descriptors.size() / Values;
+        for (std::size_t first = 0; first < descriptor_count; first += nearest.size()) {
+            const std::size_t n = std::min(nearest.size(), descriptor_count - first);
+            search_(descriptors.data() + first * Values, n, nearest.data());
+            for (std::size_t i = 0; i < n; ++i)
+                ++out[nearest[i]];
+        }
+        if (descriptor_count > 0)
+            normalise(out);
+    }
+
+private:
+    void normalise(histogram counts) const noexcept {
+        double squares = 0;
+        for (float& n : counts) {
+            if (form_ == histogram_form::square_roots)
+                n = std::sqrt(n);
+            squares += static_cast<double>(n) * static_cast<double>(n);
+        }
+        const auto factor = static_cast<float>(1 / std::sqrt(squares));
+        for (float& n : counts)
+            n *= factor;
+    }
+
+    std::vector<float> words_;
+    nearest_row<Values> search_;
+    histogram_form form_;
+};
+
+} // namespace tactnet

@@ -1,0 +1,231 @@
+#pragma once
+
+#include <tactnet/features/check_points.hpp>
+#include <tactnet/kernels/nearest_row.hpp>
+#include <tactnet/kernels/random.hpp>
+#include <tactnet/kernels/squared_distance.hpp>
+#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+// Clusters of points: Lloyd's iterations ("Least squares quantization in PCM", 1982) from the seeds of
+// k-means++ (Arthur and Vassilvitskii, 2007).
+
+namespace tactnet::inline TACTNET_ARCH {
+
+struct k_means_settings {
+    std::size_t centres = 500;
+    std::size_t most_iterations = 100;
+    /// Stops once an iteration lowers the objective by no more than this share of it.
+    double least_gain = 1e-4;
+    std::uint64_t seed = 1;
+};
+
+/// What k-means found.
+struct clusters {
+    aligned_vector<float> centres;      ///< one after the other
+    std::vector<std::uint32_t> nearest; ///< the centre of each point
+    double objective = 0;               ///< sum of squared distances of the points to their centres
+    std::size_t iterations = 0;
+    bool converged = false;
+};
+
+namespace detail {
+
+/// The same rows, longer by zeros, which change no distance, or shorter.
+inline aligned_vector<float> rows_of_length(std::size_t length, std::span<const float> rows,
+                                            std::size_t before) {
+    const std::size_t count = rows.size() / before;
+    aligned_vector<float> result(count * length);
+    for (std::size_t i = 0; i < count; ++i)
+        std::copy_n(rows.data() + i * before, std::min(length, before), result.data() + i * length);
+    return result;
+}
+
+/// On points of whole vectors, aligned.
+template <std::size_t Values>
+class k_means_run {
+public:
+    k_means_run(std::span<const float> points, const k_means_settings& settings, thread_pool& threads)
+        : points_(points),
+          count_(points.size() / Values),
+          settings_(settings),
+          threads_(threads),
+          distances_(count_, std::numeric_limits<double>::infinity()),
+          block_sums_((count_ + block - 1) / block) {}
+
+    /// The seeds of k-means++.
+    [[nodiscard]] aligned_vector<float> seeds() && {
+        seed();
+        return std::move(result_.centres);
+    }
+    /// Lloyd's iterations from these centres.
+    [[nodiscard]] clusters improve(aligned_vector<float> centres) && {
+        result_.centres = std::move(centres);
+        result_.nearest.resize(count_);
+        result_.objective = assign();
+        while (!result_.converged && result_.iterations < settings_.most_iterations) {
+            const double last = result_.objective;
+            move_centres();
+            result_.objective = assign();
+            ++result_.iterations;
+            result_.converged = last - result_.objective <= settings_.least_gain * last;
+        }
+        return std::move(result_);
+    }
+
+private:
+    // Points whose distances are added up by one thread: fixed, so that sums do not depend on the threads.
+    static constexpr std::size_t block = 1024;
+
+    [[nodiscard]] const float* point(std::size_t i) const { return points_.data() + i * Values; }
+    /// Squared, of point i and centre c.
+    [[nodiscard]] double distance(std::size_t i, std::size_t c) const {
+        return squared_distance<Values>(point(i), result_.centres.data() + c * Values);
+    }
+    /// distances_[i] = term(i) for all points, in parallel; their sum.
+    template <class Term>
+    double measure(const Term& term) {
+        threads_.for_each(block_sums_.size(), [&](std::size_t b) {
+            double sum = 0;
+            for (std::size_t i = b * block; i < std::min((b + 1) * block, count_); ++i)
+                sum += distances_[i] = term(i);
+            block_sums_[b] = sum;
+        });
+        return std::accumulate(block_sums_.begin(), block_sums_.end(), 0.0);
+    }
+    void add_centre(std::size_t i) {
+        result_.centres.insert(result_.centres.end(), point(i), point(i) + Values);
+    }
+    /// Each next one is drawn with its squared distance to the nearest one so far as its probability.
+    void seed() {
+        random_stream random(settings_.seed, draw::clusters);
+        add_centre(random.below(static_cast<std::uint32_t>(count_)));
+        for (std::size_t c = 1; c < std::min(settings_.centres, count_); ++c) {
+            const double sum =
+                measure([&](std::size_t i) { return std::min(distances_[i], distance(i, c - 1)); });
+            if (sum == 0)
+                return; // every point is a seed already
+            add_centre(draw_by_distance(random.uniform() * sum));
+        }
+    }
+    /// The point at `rest` when all distances are laid end to end.
+    [[nodiscard]] std::size_t draw_by_distance(double rest) const {
+        std::size_t b = 0;
+        while (b + 1 < block_sums_.size() && rest >= block_sums_[b])
+            rest -= block_sums_[b++];
+        std::size_t chosen = b * block;
+        for (std::size_t i = b * block; i < std::min((b + 1) * block, count_); ++i) {
+            if (distances_[i] > 0)
+                chosen = i;
+            if (rest < distances_[i])
+                break;
+            rest -= distances_[i];
+        }
+        // Rounding may leave a rest behind the last point: then the last one that is no seed yet.
+        while (!(distances_[chosen] > 0))
+            --chosen;
+        return chosen;
+    }
+    /// Finds the nearest centre of every point. The objective.
+    double assign() {
+        const nearest_row<Values> search(result_.centres);
+        threads_.for_each(block_sums_.size(), [&](std::size_t b) {
+            search(point(b * block), std::min(block, count_ - b * block), result_.nearest.data() + b * block);
+        });
+        return measure([&](std::size_t i) { return distance(i, result_.nearest[i]); });
+    }
+    /// Every centre to the mean of its points.
+    void move_centres() {
+        const std::size_t centres = result_.centres.size() / Values;
+        std::vector<std::size_t> ends(centres + 1), order(count_);
+        for (const std::uint32_t c : result_.nearest)
+            ++ends[c + 1];
+        std::partial_sum(ends.begin(), ends.end(), ends.begin());
+        std::vector<std::size_t> next(ends.begin(), ends.end() - 1);
+        for (std::size_t i = 0; i < count_; ++i)
+            order[next[result_.nearest[i]]++] = i;
+        threads_.for_each(centres, [&](std::size_t c) {
+            if (ends[c] == ends[c + 1])
+                return;
+            std::array<double, Values> sums{};
+            for (std::size_t i = ends[c]; i < ends[c + 1]; ++i)
+                for (std::size_t v = 0; v < Values; ++v)
+                    sums[v] += static_cast<double>(point(order[i])[v]);
+            for (std::size_t v = 0; v < Values; ++v)
+                result_.centres[c * Values + v] =
+                    static_cast<float>(sums[v] / static_cast<double>(ends[c + 1] - ends[c]));
+        });
+        fill_empty(ends);
+    }
+    /// A centre without points takes the place of the point that is farthest from its own.
+    void fill_empty(const std::vector<std::size_t>& ends) {
+        for (std::size_t c = 0; c + 1 < ends.size(); ++c)
+            if (ends[c] == ends[c + 1]) {
+                const auto farthest = std::max_element(distances_.begin(), distances_.end());
+                const auto i = static_cast<std::size_t>(farthest - distances_.begin());
+                *farthest = 0;
+                std::copy_n(point(i), Values, result_.centres.data() + c * Values);
+            }
+    }
+
+    std::span<const float> points_;
+    std::size_t count_;
+    const k_means_settings& settings_;
+    thread_pool& threads_;
+    std::vector<double> distances_, block_sums_;
+    clusters result_;
+};
+
+} // namespace detail
+
+/// Seeds for `settings.centres` clusters of `points`, of `Values` numbers each, one after the other: points,
+/// each drawn with its squared distance to the nearest one so far as its probability. Fewer, where there are
+/// fewer different points. Throws std::invalid_argument as k_means does.
+template <std::size_t Values>
+[[nodiscard]] aligned_vector<float> k_means_seeds(std::span<const float> points,
+                                                  const k_means_settings& settings, thread_pool& threads) {
+    check_points("k_means", points, Values);
+    if (settings.centres == 0)
+        throw std::invalid_argument("k_means: expected at least one centre, found 0");
+    constexpr std::size_t whole = padded_size<float>(Values);
+    const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
+    const aligned_vector<float> seeds = detail::k_means_run<whole>(padded, settings, threads).seeds();
+    return detail::rows_of_length(Values, seeds, whole);
+}
+
+/// Lloyd's iterations from given centres, however many. Throws std::invalid_argument as k_means does.
+template <std::size_t Values>
+[[nodiscard]] clusters k_means_from(std::span<const float> points, std::span<const float> centres,
+                                    const k_means_settings& settings, thread_pool& threads) {
+    check_points("k_means", points, Values);
+    check_points("k_means: centres", centres, Values);
+    constexpr std::size_t whole = padded_size<float>(Values);
+    const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
+    clusters result = detail::k_means_run<whole>(padded, settings, threads)
+                          .improve(detail::rows_of_length(whole, centres, Values));
+    result.centres = detail::rows_of_length(Values, result.centres, whole);
+    return result;
+}
+
+/// Clusters `points` of `Values` numbers, one after the other. The same bits on any number of threads. There
+/// are as many centres as asked for, or as many as there are different points if those are fewer. Throws
+/// std::invalid_argument for no points, no centres, and numbers that are NaN, infinite or beyond 10¹⁷.
+template <std::size_t Values>
+[[nodiscard]] clusters k_means(std::span<const float> points, const k_means_settings& settings,
+                               thread_pool& threads) {
+    return k_means_from<Values>(points, k_means_seeds<Values>(points, settings, threads), settings, threads);
+}
+
+} // namespace tactnet

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <tactnet/kernels/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace tactnet::inline TACTNET_ARCH {
+
+/// The sum of (a[i] − b[i])² over Length values, aligned; whole vectors of them. All terms have one sign, so
+/// that nothing cancels.
+template <std::size_t Length>
+[[nodiscard]] inline float squared_distance(const float* a, const float* b) {
+    static_assert(Length % lanes<float> == 0);
+    vector<float> squares(0.0f);
+    for (std::size_t i = 0; i < Length; i += lanes<float>) {
+        const vector<float> difference = load(a + i) - load(b + i);
+        squares = multiply_add(difference, difference, squares);
+    }
+    alignas(alignment) std::array<float, lanes<float>> flat;
+    store(flat.data(), squares);
+    float sum = 0;
+    for (const float square : flat)
+        sum += square;
+    return sum;
+}
+
+} // namespace tactnet

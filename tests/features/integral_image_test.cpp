@@ -1,0 +1,88 @@
+#include "images.hpp"
+
+#include <tactnet/features/integral_image.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace tactnet;
+using namespace features_test;
+
+namespace {
+
+template <class Pixel, shape Shape, std::size_t Border>
+void compare_boxes() {
+    const auto image = random_image<Pixel, Shape>(Shape.rows);
+    integral_image<Pixel, Shape, Border> integral;
+    integral.compute(image);
+    constexpr auto rows = static_cast<std::ptrdiff_t>(Shape.rows),
+                   columns = static_cast<std::ptrdiff_t>(Shape.columns),
+                   border = static_cast<std::ptrdiff_t>(Border);
+    std::size_t wrong = 0;
+    for (std::ptrdiff_t r = -3; r <= rows + 2; ++r)
+        for (std::ptrdiff_t c = -3; c <= columns + 2; ++c)
+            for (std::ptrdiff_t height = 0; height <= rows + 2; ++height)
+                for (std::ptrdiff_t width = 0; width <= columns + 2; ++width) {
+                    const double error = std::abs(static_cast<double>(integral.box(r, c, height, width)) -
+                                                  plain_sum(image, r, c, height, width));
+                    wrong += !(error <= 4 * integral.rounding()); // four corners; 0 for whole numbers
+                }
+    CHECK(wrong == 0);
+    for (std::ptrdiff_t r = -border; r <= rows + border; ++r)
+        for (std::ptrdiff_t c = -border; c <= columns + border; ++c)
+            wrong += integral.corner_row(r)[c] != integral(r, c);
+    CHECK(wrong == 0);
+}
+
+} // namespace
+
+TEST_CASE("integral_image: every rectangle, inside and outside, against plain sums") {
+    compare_boxes<std::uint8_t, shape{7, 13}, 0>();
+    compare_boxes<std::uint8_t, shape{7, 13}, 3>();
+    compare_boxes<std::uint8_t, shape{1, 1}, 2>();
+    compare_boxes<std::uint16_t, shape{5, 3}, 1>();
+    compare_boxes<float, shape{7, 13}, 0>();
+    compare_boxes<float, shape{4, 9}, 2>();
+}
+
+TEST_CASE("integral_image: a second image leaves nothing of the first") {
+    constexpr shape size{5, 6};
+    integral_image<float, size, 2> integral, fresh;
+    auto broken = random_image<float, size>(1);
+    broken(2, 3) = std::numeric_limits<float>::quiet_NaN();
+    integral.compute(broken);
+    CHECK(!integral.finite());
+    const auto image = random_image<float, size>(2);
+    integral.compute(image);
+    fresh.compute(image);
+    CHECK(integral.finite());
+    for (std::ptrdiff_t r = -2; r <= 7; ++r)
+        for (std::ptrdiff_t c = -2; c <= 8; ++c)
+            CHECK(integral.corner_row(r)[c] == fresh.corner_row(r)[c]);
+    CHECK(integral.rounding() == fresh.rounding());
+}
+
+TEST_CASE("integral_image: NaN and infinity anywhere are seen, also when they would cancel") {
+    constexpr shape size{3, 4};
+    for (std::size_t e = 0; e < size.area(); ++e) {
+        integral_image<float, size> integral;
+        tensor<float, size> image;
+        image.data()[e] = std::numeric_limits<float>::infinity();
+        integral.compute(image);
+        CHECK(!integral.finite());
+        image.data()[(e + 5) % size.area()] = -std::numeric_limits<float>::infinity();
+        integral.compute(image);
+        CHECK(!integral.finite());
+    }
+}
+
+TEST_CASE("integral_image: the largest counts") {
+    constexpr shape size{64, 1024};
+    tensor<std::uint8_t, size> image;
+    std::fill(image.begin(), image.end(), std::uint8_t{255});
+    integral_image<std::uint8_t, size> integral;
+    integral.compute(image);
+    CHECK(integral.box(0, 0, 64, 1024) == 255 * 64 * 1024);
+}
