@@ -329,8 +329,9 @@ command add_evaluate(CLI::App& program) {
                     "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
         ->type_name("FOLDER")
         ->required();
-    app->add_option("--network", o->networks,
-                    "Networks, separated by commas; of " + network_names() + " (default: tactnet4,tactnet6)")
+    app->add_option("--network,--method", o->networks,
+                    "Networks and machines, separated by commas; of " + method_names() +
+                        " (default: tactnet4,tactnet6)")
         ->type_name("NAME,...")
         ->delimiter(',');
     add_training_options(*app, o->training);

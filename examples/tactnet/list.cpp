@@ -1,6 +1,7 @@
 // tactnet list: the networks that were compiled in, and what they cost.
 
 #include "commands.hpp"
+#include "machines.hpp"
 #include "registry.hpp"
 #include "report.hpp"
 #include "usage_error.hpp"
@@ -21,6 +22,8 @@ command add_list(CLI::App& program) {
                                                     "multiply-adds", "on pixels", "weights, bytes",
                                                     "activations, bytes"}};
         for (const auto& m : all_methods()) {
+            if (is_machine(m->name)) // costs what it learnt
+                continue;
             const std::size_t k = *classes > 0 ? *classes : m->capacity;
             if (k > m->capacity)
                 throw usage_error(fmt::format("--classes: expected at most {}, found {}", m->capacity, k));

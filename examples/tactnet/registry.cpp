@@ -1,8 +1,10 @@
 #include "registry.hpp"
 
+#include "machines.hpp"
 #include "usage_error.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -21,22 +23,31 @@ const method& find_method(std::string_view name, std::size_t rows, std::size_t c
         sizes += fmt::format("{}{}x{}", sizes.empty() ? "" : ", ", m->rows, m->columns);
     }
     if (sizes.empty())
-        throw usage_error(fmt::format("--network: expected one of {}, found '{}'", network_names(), name));
+        throw usage_error(fmt::format("--network: expected one of {}, found '{}'", method_names(), name));
     throw usage_error(
         fmt::format("--rows, --columns: expected a size that {} was compiled for ({}), found {}x{}; "
                     "sizes are chosen when building, by TACTNET_PROGRAM_SIZES",
                     name, sizes, rows, columns));
 }
 
-std::string network_names() {
+namespace {
+
+template <class Wanted>
+std::string names_of(const Wanted& wanted) {
     std::vector<std::string> names;
     for (const auto& m : all_methods())
-        if (std::find(names.begin(), names.end(), m->name) == names.end())
+        if (wanted(m->name) && std::find(names.begin(), names.end(), m->name) == names.end())
             names.push_back(m->name);
-    std::string text;
-    for (const std::string& name : names)
-        text += (text.empty() ? "" : ", ") + name;
-    return text;
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+} // namespace
+
+std::string network_names() {
+    return names_of([](const std::string& name) { return !is_machine(name); });
+}
+std::string method_names() {
+    return names_of([](const std::string&) { return true; });
 }
 
 void check_capacity(const method& network, const std::string& data, std::size_t classes) {

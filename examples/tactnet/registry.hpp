@@ -1,6 +1,6 @@
 #pragma once
 
-// The networks that were compiled in.
+// The networks and the support vector machines that were compiled in.
 
 #include "method.hpp"
 
@@ -22,5 +22,7 @@ const method& find_method(std::string_view name, std::size_t rows, std::size_t c
 /// Throws tactnet::file_error when a data folder has more classes than the network can tell apart.
 void check_capacity(const method& network, const std::string& data, std::size_t classes);
 
-/// Each name once: "tactnet4, tactnet6, …".
+/// Each network once: "tactnet4, tactnet6, …".
 std::string network_names();
+/// Networks and support vector machines.
+std::string method_names();

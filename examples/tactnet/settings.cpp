@@ -1,5 +1,6 @@
 #include "settings.hpp"
 
+#include "machines.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/version.hpp>
@@ -128,6 +129,11 @@ tactnet::recipe recipe_for(std::string_view network, const training_settings& s)
             fmt::format("--validation, --test: expected shares that leave some images for training, "
                         "found {} and {}",
                         s.shares.validation, s.shares.test));
+    if (is_machine(network) && (s.epochs || s.batch || s.rate || s.input || s.augmentation))
+        throw usage_error(
+            fmt::format("--epochs, --batch, --rate, --input, --augmentation: expected a network, "
+                        "found {}, which is not trained by epochs",
+                        network));
     tactnet::recipe r = s.recipe == "published" ? published_recipe(network, s.rows, s.columns)
                                                 : tactnet::recipe::standard(s.rows, s.columns);
     if (s.epochs)

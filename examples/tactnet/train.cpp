@@ -3,6 +3,7 @@
 #include "commands.hpp"
 #include "data.hpp"
 #include "interrupt.hpp"
+#include "machines.hpp"
 #include "plot.hpp"
 #include "progress.hpp"
 #include "registry.hpp"
@@ -98,6 +99,9 @@ void check_no_checkpoint(const std::filesystem::path& path) {
 }
 
 int train(const train_options& o) {
+    if (is_machine(o.network))
+        throw usage_error(fmt::format(
+            "--network: expected a network, found {}: `evaluate` trains and tests it", o.network));
     const method& network = find_method(o.network, o.training.rows, o.training.columns);
     const tactnet::recipe recipe = recipe_for(o.network, o.training);
     const std::filesystem::path output = o.output;

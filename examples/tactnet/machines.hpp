@@ -1,0 +1,38 @@
+#pragma once
+
+// Support vector machines among the program's methods: on pixels, and behind histograms of SURF words as in
+// the paper's baseline. `evaluate` trains and tests them on the same splits as the networks.
+
+#include "method.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+/// What stands between images and a machine.
+class image_features {
+public:
+    virtual ~image_features() = default;
+    /// Numbers of one image.
+    virtual std::size_t size() const = 0;
+    /// Multiply-adds of one image, apart from what is no product of two matrices.
+    virtual std::size_t multiply_adds() const = 0;
+    /// Numbers that are learnt.
+    virtual std::size_t parameters() const = 0;
+    /// Learns from the chosen images.
+    virtual void fit(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
+                     tactnet::thread_pool& threads) = 0;
+    /// A row for each of the chosen images.
+    virtual std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
+                                    tactnet::thread_pool& threads) const = 0;
+};
+
+/// Whether a method is one of these, and not a network.
+bool is_machine(std::string_view name);
+
+/// The machines for images of one size; `surf` makes the features of the paper's baseline, which are compiled
+/// for that size.
+std::vector<std::unique_ptr<method>> make_machines(std::size_t rows, std::size_t columns,
+                                                   std::unique_ptr<image_features> (*surf)());
