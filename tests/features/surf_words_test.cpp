@@ -56,7 +56,7 @@ TEST_CASE("surf_histogram: words of some images, histograms of all, one by one a
     REQUIRE(histograms.size() == 3 * words);
     counts_surf memory;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-        std::array<float, words> histogram;
+        std::array<float, words> histogram{};
         const std::size_t before = support::allocations();
         const bool finite =
             surf_histogram(memory, bag, counts_surf::image_view(images.data() + wanted[i] * size.size()),
@@ -128,7 +128,7 @@ TEST_CASE("fit_surf_words: what it refuses, and what it says") {
     CHECK_THROWS_AS(static_cast<void>(surf_histograms<real_surf>(images, broken, bag, two)),
                     std::invalid_argument);
     real_surf memory;
-    std::array<float, words> histogram;
+    std::array<float, words> histogram{};
     histogram.fill(99);
     CHECK(!surf_histogram(memory, bag, real_surf::image_view(images.data() + 4 * size.size()),
                           std::span(histogram)));

@@ -98,9 +98,9 @@ private:
     struct memory {
         integral_image<Pixel, Shape, 2 * largest> integral;
         decltype(scales_of(std::make_index_sequence<Grid.levels()>())) scales;
+        alignas(alignment) std::array<float, most * surf_values> descriptors{};
+        std::array<surf_place, most> places{};
         std::array<float, 20> weights = detail::surf_weights();
-        alignas(alignment) std::array<float, most * surf_values> descriptors;
-        std::array<surf_place, most> places;
     };
 
     std::unique_ptr<memory> memory_ = std::make_unique<memory>();

@@ -28,7 +28,7 @@ namespace detail {
 
 /// The factors of the Gaussian: sample k of 20 lies k − 9.5 samples from the centre.
 [[nodiscard]] inline std::array<float, 20> surf_weights() {
-    std::array<float, 20> weights;
+    std::array<float, 20> weights{};
     for (std::size_t k = 0; k < weights.size(); ++k) {
         const double distance = (static_cast<double>(k) - 9.5) / 3.3;
         weights[k] = static_cast<float>(std::exp(-distance * distance / 2));
@@ -56,7 +56,7 @@ public:
         respond(integral);
         for (std::size_t row = 0; row < rows.count; ++row) {
             add_columns(top(row), weights);
-            alignas(alignment) std::array<float, surf_values> values;
+            alignas(alignment) std::array<float, surf_values> values{};
             for (std::size_t column = 0; column < columns.count; ++column) {
                 for (std::size_t part = 0; part < 16; ++part) {
                     const std::size_t first = part % 4 * 5;

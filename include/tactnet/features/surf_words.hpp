@@ -70,7 +70,7 @@ void describe_images(std::span<const typename Surf::pixel_type> images, std::spa
 /// Up to `share` of the descriptors, any of them alike, to the end of `points`.
 template <class Surf>
 void draw_descriptors(const Surf& surf, std::size_t share, random_stream random, std::vector<float>& points) {
-    std::array<std::size_t, Surf::most> order;
+    std::array<std::size_t, Surf::most> order{};
     const std::size_t count = surf.places().size();
     std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), std::size_t{0});
     for (std::size_t d = 0; d < std::min(share, count); ++d) {
