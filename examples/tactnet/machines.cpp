@@ -114,7 +114,7 @@ public:
                 const tactnet::labelled_images& images, tactnet::data_split split,
                 tactnet::thread_pool& threads)
         : features_(std::move(features)),
-          train_(train),
+          train_(training),
           images_(images),
           split_(std::move(split)),
           threads_(threads) {}
