@@ -379,6 +379,42 @@ TEST_SUITE("program") {
               std::string::npos);
     }
 
+    TEST_CASE("evaluate takes support vector machines, on the same splits") {
+        const workshop shop;
+        const auto evaluate = [&](std::vector<std::string> more) {
+            std::vector<std::string> all{"evaluate", "--data",   shop.data().string(),
+                                         "--rows",   "7",        "--columns",
+                                         "13",       "--split",  "random",
+                                         "--splits", "2",        "--results",
+                                         "r",        "--method", "svm-linear,svm-rbf,surf-svm"};
+            all.insert(all.end(), more.begin(), more.end());
+            return all;
+        };
+        const outcome first = shop.run(evaluate({"--jobs", "2"}));
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        const auto table = lines_of(text_of(shop / "r/table.csv"));
+        REQUIRE(table.size() == 4);
+        const char* names[] = {"svm-linear", "svm-rbf", "surf-svm"};
+        for (std::size_t m = 0; m < 3; ++m) {
+            CAPTURE(table[m + 1]);
+            // The bars are told apart with ease; only their words say nothing of where they are.
+            const std::string start = std::string(names[m]) + ",7,13,default,2,";
+            REQUIRE(table[m + 1].find(start) == 0);
+            CHECK(std::stod(table[m + 1].substr(start.size())) >= (m < 2 ? 1.0 : 0.3));
+            CHECK(fs::exists(shop / ("r/confusion_" + std::string(names[m]) + "_7x13.csv").c_str()));
+        }
+        const auto kept = text_of(shop / "r/evaluation.jsonl");
+        const outcome again = shop.run(evaluate({"--jobs", "1"}));
+        CHECK(again.error.find("0 trainings to do, 6 done before") != std::string::npos);
+        CHECK(text_of(shop / "r/evaluation.jsonl") == kept);
+
+        shop.refuses(evaluate({"--epochs", "3"}), "expected a network, found svm-linear");
+        shop.refuses(evaluate({"--recipe", "published"}),
+                     "expected default, since nothing was published for svm-linear");
+        shop.refuses(shop.train_arguments({"--output", "net", "--network", "svm-rbf"}),
+                     "expected a network, found svm-rbf: `evaluate` trains and tests it");
+    }
+
     TEST_CASE("several evaluations share a folder of results") {
         const workshop shop;
         const auto arguments = [&](const char* seed, const char* splits, const char* results) {
