@@ -59,7 +59,7 @@ optimality conditions(const binary_problem& problem, const binary_solution& solu
 }
 
 binary_problem two_sides(const support::samples& s, double cost) {
-    binary_problem problem{support::first_numbers(s.labels.size()), {}, {}};
+    binary_problem problem{all_samples(s.labels.size()), {}, {}};
     for (const std::size_t label : s.labels) {
         problem.sides.push_back(label == 0 ? 1 : -1);
         problem.costs.push_back(cost);

@@ -32,7 +32,7 @@ TEST_SUITE("svm/grid_search") {
                 const auto found = search_on(s, options);
                 REQUIRE(found.accuracies.size() == 12);
                 const auto grid = small_grid();
-                const class_members classes(s.labels, support::first_numbers(160));
+                const class_members classes(s.labels, all_samples(160));
                 const auto folds = deal_folds(classes.samples, 160, 4, options.seed);
                 double best = 0;
                 thread_pool alone;

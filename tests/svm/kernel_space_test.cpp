@@ -99,7 +99,7 @@ TEST_SUITE("svm/kernel_space") {
         const kernel_space<rbf_kernel> space(s.rows());
         std::vector<float> far(5, 3e38F);
         far[1] = -3e38F;
-        const std::vector<std::size_t> all = support::first_numbers(4);
+        const std::vector<std::size_t> all = all_samples(4);
         const kernel_columns<rbf_kernel> columns(space.place(s.rows()), all, space.scale());
         aligned_vector<float> row(columns.padded_size());
         columns.measure(space.place({far, 5}), 0, 1, row.data(), row.size());
