@@ -18,7 +18,7 @@ search_grid<rbf_kernel> small_grid() {
 auto search_on(const support::samples& s, const kernel_training_options<rbf_kernel>& options,
                std::size_t threads = 1) {
     thread_pool pool(threads);
-    return search(small_grid(), s.rows(), s.labels, options, pool);
+    return grid_search(small_grid(), s.rows(), s.labels, options, pool);
 }
 
 } // namespace
@@ -87,14 +87,15 @@ TEST_SUITE("svm/grid_search") {
         const support::samples pair{1, {0, 1}, {0, 1}};
         thread_pool alone;
         const search_grid<rbf_kernel> grid{{{}}, {1}, 2};
-        CHECK(search(grid, pair.rows(), pair.labels, {}, alone).accuracy == 0); // one class left in each part
+        CHECK(grid_search(grid, pair.rows(), pair.labels, {}, alone).accuracy ==
+              0); // one class left in each part
     }
 
     TEST_CASE("a grid without anything to try is refused") {
         const support::samples s = support::blobs(20, 3, 2, 1);
         thread_pool alone;
         const auto refused = [&](const search_grid<rbf_kernel>& grid) {
-            CHECK_THROWS_AS((void)search(grid, s.rows(), s.labels, {}, alone), std::invalid_argument);
+            CHECK_THROWS_AS((void)grid_search(grid, s.rows(), s.labels, {}, alone), std::invalid_argument);
         };
         refused({{}, {1}, 5});
         refused({{{}}, {}, 5});

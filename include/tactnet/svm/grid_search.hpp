@@ -90,8 +90,8 @@ std::vector<std::size_t> count_recognised(const kernel_samples<Kernel>& samples,
 /// than two parts.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] grid_search_result<Kernel>
-search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<const std::size_t> labels,
-       const kernel_training_options<Kernel>& options, thread_pool& threads) {
+grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<const std::size_t> labels,
+            const kernel_training_options<Kernel>& options, thread_pool& threads) {
     if (grid.kernels.empty() || grid.costs.empty() || grid.folds < 2 || rows.size() < grid.folds)
         throw std::invalid_argument(
             "grid search: expected a kernel, a cost, and two parts or more of at least "
