@@ -24,7 +24,7 @@ struct kernel_training_options {
     std::vector<class_weight> class_weights{};
     multiclass scheme = multiclass::one_versus_one;
     bool standardise = false;
-    /// Parts of the cross-validation that probabilities are fitted on; 0: no probabilities.
+    /// Parts of the cross-validation that probabilities are fitted on, 2 or more; 0: no probabilities.
     std::size_t probability_folds = 0;
     std::uint64_t seed = 1; ///< of the division into these parts
     /// `solver.cache_bytes` bounds the matrix of all pairs, or else the rows kept by each thread.
@@ -132,6 +132,9 @@ train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     check_samples(rows, labels);
     const class_members classes(labels);
     classes.require_two();
+    if (options.probability_folds == 1)
+        throw std::invalid_argument(
+            "probabilities: expected 2 parts or more to cross-validate with, found 1");
 
     kernel_machine_parameters<Kernel> parts;
     const training_rows training(rows, options.standardise);
