@@ -51,12 +51,15 @@ void check_round_trip(const kernel_training_options<Kernel>& options) {
 template <class Change>
 std::string error_of(const Change& change) {
     safetensors_writer writer;
-    writer.metadata = {{"format", "tactnet"}, {"version", "1"}, {"machine", "kernel"},
-                       {"kernel", "rbf"},     {"gamma", "0.5"}, {"multiclass", "one versus one"}};
+    writer.metadata = {{"format", "tactnet"},
+                       {"version", "1"},
+                       {"machine", "kernel"},
+                       {"kernel", "rbf"},
+                       {"multiclass", "one versus one"}};
     struct {
         std::vector<std::int64_t> labels{3, 8}, counts{1, 1};
         std::vector<float> vectors{1, 2, 3, 4};
-        std::vector<double> coefficients{1, -1}, offsets{0.5};
+        std::vector<double> coefficients{1, -1}, offsets{0.5}, gamma{0.5};
     } parts;
     change(writer, parts);
     const auto add = [&](const char* name, std::vector<std::size_t> extents, const auto& values) {
@@ -68,6 +71,8 @@ std::string error_of(const Change& change) {
     add("support_vectors", {parts.vectors.size() / 2, 2}, parts.vectors);
     add("coefficients", {parts.coefficients.size(), 1}, parts.coefficients);
     add("offsets", {parts.offsets.size()}, parts.offsets);
+    if (!parts.gamma.empty())
+        add("gamma", {}, parts.gamma);
     try {
         (void)load_kernel_machine<rbf_kernel>(safetensors::parse(writer.to_bytes(), "file"));
     } catch (const file_error& error) {
@@ -115,9 +120,9 @@ TEST_SUITE("io/svm_file") {
             "metadata 'kernel': expected 'rbf', found 'linear'");
         has(error_of([](auto& w, auto&) { w.metadata["multiclass"] = "x"; }),
             "expected 'one versus one' or 'one versus rest', found 'x'");
-        has(error_of([](auto& w, auto&) { w.metadata["gamma"] = "-1"; }),
-            "metadata 'gamma': expected a number of 0 or more, found '-1'");
-        has(error_of([](auto& w, auto&) { w.metadata.erase("gamma"); }), "metadata 'gamma'");
+        has(error_of([](auto&, auto& p) { p.gamma[0] = -1; }),
+            "tensor 'gamma': expected a number of 0 or more, found -1");
+        has(error_of([](auto&, auto& p) { p.gamma.clear(); }), "a tensor 'gamma'");
         has(error_of([](auto&, auto& p) { p.vectors[1] = std::numeric_limits<float>::quiet_NaN(); }),
             "tensor 'support_vectors'");
         has(error_of([](auto&, auto& p) { p.offsets[0] = std::numeric_limits<double>::infinity(); }),

@@ -63,7 +63,7 @@ TEST_CASE("exponential: exact at 0, beyond the range 0 and infinity, NaN stays N
 }
 
 TEST_CASE("exponential: negative exponentials of distances, with any factor") {
-    aligned_vector<float> values(2 * lanes<float>);
+    aligned_vector<float> values(4 * lanes<float>);
     values[1] = 2;
     values.back() = 3;
     aligned_vector<float> far = values;

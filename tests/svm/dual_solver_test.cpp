@@ -59,7 +59,7 @@ optimality conditions(const binary_problem& problem, const binary_solution& solu
 }
 
 binary_problem two_sides(const support::samples& s, double cost) {
-    binary_problem problem{support::first_numbers(s.labels.size()), {}, {}};
+    binary_problem problem{all_samples(s.labels.size()), {}, {}};
     for (const std::size_t label : s.labels) {
         problem.sides.push_back(label == 0 ? 1 : -1);
         problem.costs.push_back(cost);
@@ -67,12 +67,16 @@ binary_problem two_sides(const support::samples& s, double cost) {
     return problem;
 }
 
+template <class Kernel>
+binary_solution solve_with(const Kernel& kernel, const support::samples& s, const binary_problem& problem,
+                           const solver_options& options, bool stored = true) {
+    thread_pool alone;
+    measured_samples<Kernel> measured(s.rows(), stored ? std::size_t{1} << 30 : 0, alone);
+    return kernel_samples<Kernel>(measured, kernel, std::move(measured.gram), alone).solve(problem, options);
+}
 binary_solution solve(const support::samples& s, const binary_problem& problem, double gamma,
                       const solver_options& options, bool stored = true) {
-    thread_pool alone;
-    measured_samples<rbf_kernel> measured(s.rows(), stored ? std::size_t{1} << 30 : 0, alone);
-    return kernel_samples<rbf_kernel>(measured, {gamma}, std::move(measured.gram), alone)
-        .solve(problem, options);
+    return solve_with(rbf_kernel{gamma}, s, problem, options, stored);
 }
 
 } // namespace
@@ -93,6 +97,32 @@ TEST_SUITE("svm/dual_solver") {
             const double rounding = 300 * cost * 0x1p-20;
             CHECK(o.violation <= 1e-3 + rounding);
             CHECK(solution.report.objective == doctest::Approx(o.objective).epsilon(1e-4));
+        }
+    }
+
+    TEST_CASE("the linear kernel too, on features as large as counts") {
+        support::samples s = support::blobs(200, 12, 2, 0.8);
+        for (float& value : s.values)
+            value = std::floor(value * 100);
+        std::vector<double> kernel(200 * 200);
+        double largest = 0;
+        for (std::size_t i = 0; i < 200; ++i)
+            for (std::size_t j = 0; j < 200; ++j) {
+                for (std::size_t f = 0; f < 12; ++f)
+                    kernel[i * 200 + j] +=
+                        static_cast<double>(s.rows().row(i)[f]) * static_cast<double>(s.rows().row(j)[f]);
+                largest = std::max(largest, kernel[i * 200 + j]);
+            }
+        const binary_problem problem = two_sides(s, 1e-5);
+        for (const bool stored : {true, false}) {
+            const binary_solution solution = solve_with(linear_kernel{}, s, problem, {}, stored);
+            const optimality o = conditions(problem, solution, kernel);
+            CHECK(solution.report.converged);
+            CHECK(o.within_bounds);
+            // Whole numbers: products below 2²⁴ are exact.
+            REQUIRE(largest < 0x1p24);
+            CHECK(o.violation <= 1e-3 + 1e-9);
+            CHECK(solution.report.objective == doctest::Approx(o.objective).epsilon(1e-9));
         }
     }
 

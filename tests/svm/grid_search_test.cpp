@@ -18,7 +18,7 @@ search_grid<rbf_kernel> small_grid() {
 auto search_on(const support::samples& s, const kernel_training_options<rbf_kernel>& options,
                std::size_t threads = 1) {
     thread_pool pool(threads);
-    return search(small_grid(), s.rows(), s.labels, options, pool);
+    return grid_search(small_grid(), s.rows(), s.labels, options, pool);
 }
 
 } // namespace
@@ -32,7 +32,7 @@ TEST_SUITE("svm/grid_search") {
                 const auto found = search_on(s, options);
                 REQUIRE(found.accuracies.size() == 12);
                 const auto grid = small_grid();
-                const class_members classes(s.labels, support::first_numbers(160));
+                const class_members classes(s.labels, all_samples(160));
                 const auto folds = deal_folds(classes.samples, 160, 4, options.seed);
                 double best = 0;
                 thread_pool alone;
@@ -87,14 +87,15 @@ TEST_SUITE("svm/grid_search") {
         const support::samples pair{1, {0, 1}, {0, 1}};
         thread_pool alone;
         const search_grid<rbf_kernel> grid{{{}}, {1}, 2};
-        CHECK(search(grid, pair.rows(), pair.labels, {}, alone).accuracy == 0); // one class left in each part
+        CHECK(grid_search(grid, pair.rows(), pair.labels, {}, alone).accuracy ==
+              0); // one class left in each part
     }
 
     TEST_CASE("a grid without anything to try is refused") {
         const support::samples s = support::blobs(20, 3, 2, 1);
         thread_pool alone;
         const auto refused = [&](const search_grid<rbf_kernel>& grid) {
-            CHECK_THROWS_AS((void)search(grid, s.rows(), s.labels, {}, alone), std::invalid_argument);
+            CHECK_THROWS_AS((void)grid_search(grid, s.rows(), s.labels, {}, alone), std::invalid_argument);
         };
         refused({{}, {1}, 5});
         refused({{{}}, {}, 5});

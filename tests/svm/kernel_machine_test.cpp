@@ -145,6 +145,7 @@ TEST_SUITE("svm/kernel_machine") {
             CHECK(std::abs(claimed - right) < 3 * 0.5 / std::sqrt(3000.0) + 3 * 0.5 / std::sqrt(600.0));
             CHECK(right > 0.6);
         }
+        CHECK_THROWS_AS((void)train<rbf_kernel>(s, {.probability_folds = 1}), std::invalid_argument);
         CHECK_THROWS_AS((void)train<rbf_kernel>(s, {}).machine.probabilities(s.rows(), alone),
                         std::logic_error);
     }

@@ -95,17 +95,21 @@ TEST_SUITE("svm/kernel_space") {
     }
 
     TEST_CASE("rows beyond all bounds are infinitely far, not NaN") {
-        const support::samples s = support::blobs(4, 5, 2, 1);
-        const kernel_space<rbf_kernel> space(s.rows());
-        std::vector<float> far(5, 3e38F);
-        far[1] = -3e38F;
-        const std::vector<std::size_t> all = support::first_numbers(4);
-        const kernel_columns<rbf_kernel> columns(space.place(s.rows()), all, space.scale());
-        aligned_vector<float> row(columns.padded_size());
-        columns.measure(space.place({far, 5}), 0, 1, row.data(), row.size());
-        rbf_kernel{1.0}.apply(row.data(), row.size(), space.unit());
-        for (std::size_t j = 0; j < 4; ++j)
-            CHECK(row[j] == 0);
+        for (const float scale : {1.0F, 1e-15F}) {
+            support::samples s = support::blobs(4, 5, 2, 1);
+            for (float& value : s.values)
+                value *= scale;
+            const kernel_space<rbf_kernel> space(s.rows());
+            std::vector<float> far(5, 3e38F);
+            far[1] = -3e38F;
+            const std::vector<std::size_t> all = all_samples(4);
+            const kernel_columns<rbf_kernel> columns(space.place(s.rows()), all, space.scale());
+            aligned_vector<float> row(columns.padded_size());
+            columns.measure(space.place({far, 5}), 0, 1, row.data(), row.size());
+            rbf_kernel{1e30}.apply(row.data(), row.size(), space.unit());
+            for (std::size_t j = 0; j < 4; ++j)
+                CHECK(row[j] == 0);
+        }
     }
 
     TEST_CASE("products that do not fit into float are refused") {

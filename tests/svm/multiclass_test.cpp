@@ -18,7 +18,7 @@ using namespace tactnet;
 
 TEST_SUITE("svm/multiclass") {
     TEST_CASE("problems of pairs and of each class against the rest") {
-        const std::vector<std::size_t> labels{9, 4, 9, 7}, all = support::first_numbers(4);
+        const std::vector<std::size_t> labels{9, 4, 9, 7}, all = all_samples(4);
         const class_members classes(labels, all);
         CHECK(classes.labels == std::vector<std::size_t>{4, 7, 9});
         const std::vector<double> costs{1, 2, 3};

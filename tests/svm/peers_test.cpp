@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <peers/liblinear.hpp>
 #include <peers/libsvm.hpp>
+#include <support/linear_objective.hpp>
 #include <vector>
 
 #ifdef TACTNET_TEST_IMAGES
@@ -46,26 +47,6 @@ void compare_rbf(feature_rows<> rows, const std::vector<std::size_t>& labels, fe
     CHECK(agreement(own.machine.predict(fresh, alone), peer.predict(fresh)) >= 0.995);
 }
 
-/// Of all machines together, in double.
-template <class Weights>
-double primal(feature_rows<> rows, const std::vector<std::size_t>& labels, linear_loss loss, double cost,
-              std::size_t classes, const Weights& weights) {
-    double sum = 0;
-    for (std::size_t c = 0; c < classes; ++c) {
-        const std::vector<double> w = weights(c);
-        for (const double value : w)
-            sum += value * value / 2;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            double value = w.back();
-            for (std::size_t f = 0; f < rows.features(); ++f)
-                value += w[f] * static_cast<double>(rows.row(i)[f]);
-            const double error = std::max(0.0, 1 - (labels[i] == c ? value : -value));
-            sum += cost * (loss == linear_loss::hinge ? error : error * error);
-        }
-    }
-    return sum;
-}
-
 void compare_linear(feature_rows<> rows, const std::vector<std::size_t>& labels, feature_rows<> fresh,
                     linear_loss loss, double cost) {
     thread_pool alone;
@@ -73,16 +54,13 @@ void compare_linear(feature_rows<> rows, const std::vector<std::size_t>& labels,
     linear_training_options options{.cost = cost};
     options.solver = {.loss = loss, .tolerance = tolerance, .iteration_limit = 100'000};
     const auto own = train_linear_machine(rows, labels, options, alone);
-    const auto& parts = own.machine.parameters();
     const benchmark::liblinear_machine peer(rows, labels, loss, cost, tolerance);
-    const double found = primal(rows, labels, loss, cost, own.machine.classes(), [&](std::size_t c) {
-        const auto from = parts.weights.begin() + static_cast<std::ptrdiff_t>(c * parts.features);
-        std::vector<double> w(from, from + static_cast<std::ptrdiff_t>(parts.features));
-        w.push_back(parts.offsets[c]);
-        return w;
-    });
-    const double expected = primal(rows, labels, loss, cost, own.machine.classes(),
-                                   [&](std::size_t c) { return peer.weights(c); });
+    const auto objective = [&](auto&& weights) {
+        return benchmark::primal_objective(rows, labels, loss, cost, own.machine.classes(), weights);
+    };
+    const double found =
+        objective([&](std::size_t c) { return benchmark::weights_of(own.machine.parameters(), c); });
+    const double expected = objective([&](std::size_t c) { return peer.weights(c); });
     CAPTURE(cost);
     CHECK(own.converged());
     CHECK(std::abs(found - expected) <= 1e-3 * expected);

@@ -5,7 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <exception>
+#include <string>
 #include <vector>
 
 // Synthetic samples for the tests of machines.
@@ -35,12 +36,6 @@ inline samples blobs(std::size_t count, std::size_t features, std::size_t classe
                 static_cast<float>(centres[i % classes * features + f] + spread * random.normal()));
     }
     return s;
-}
-
-inline std::vector<std::size_t> first_numbers(std::size_t count) {
-    std::vector<std::size_t> numbers(count);
-    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-    return numbers;
 }
 
 /// What a call throws, as text; empty if nothing.

@@ -4,16 +4,19 @@
 // gives the same bits as what was saved. Not part of io.hpp: who uses networks alone does not pay for it.
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/text.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
 #include <tactnet/svm/kernels.hpp>
 #include <tactnet/svm/linear_machine.hpp>
 
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -122,7 +125,7 @@ Machine machine_of(const safetensors& file, Parameters parts, std::size_t featur
 /// file_error.
 template <svm_kernel Kernel, std::size_t Features>
 void save_machine(const std::filesystem::path& path, const kernel_machine<Kernel, Features>& machine,
-                  file_metadata metadata = {}) {
+                  decltype(safetensors_writer::metadata) metadata = {}) {
     const kernel_machine_parameters<Kernel>& parts = machine.parameters();
     const std::size_t vectors = machine.support_vectors();
     safetensors_writer writer;
@@ -130,7 +133,7 @@ void save_machine(const std::filesystem::path& path, const kernel_machine<Kernel
     detail::describe_machine(writer, "kernel");
     writer.metadata["kernel"] = Kernel::name;
     if constexpr (std::same_as<Kernel, rbf_kernel>)
-        writer.metadata["gamma"] = detail::number_text(*parts.kernel.gamma);
+        writer.add("gamma", {}, std::span<const double>(&*parts.kernel.gamma, 1));
     writer.metadata["multiclass"] = parts.scheme == multiclass::one_versus_one ? detail::one_versus_one_text
                                                                                : detail::one_versus_rest_text;
     detail::add_counts(writer, "labels", parts.labels);
@@ -150,7 +153,7 @@ void save_machine(const std::filesystem::path& path, const kernel_machine<Kernel
 
 template <std::size_t Features>
 void save_machine(const std::filesystem::path& path, const linear_machine<Features>& machine,
-                  file_metadata metadata = {}) {
+                  decltype(safetensors_writer::metadata) metadata = {}) {
     const linear_machine_parameters& parts = machine.parameters();
     safetensors_writer writer;
     writer.metadata = std::move(metadata);
@@ -170,13 +173,10 @@ template <svm_kernel Kernel, std::size_t Features = dynamic_features>
     detail::metadata_choice(file, "kernel", {Kernel::name});
     kernel_machine_parameters<Kernel> parts;
     if constexpr (std::same_as<Kernel, rbf_kernel>) {
-        // Zero is a γ too, but no "number_in" of other files.
-        const auto gamma = file.metadata().find("gamma");
-        parts.kernel.gamma = gamma != file.metadata().end() && gamma->second == "0"
-                                 ? std::optional(0.0)
-                                 : detail::number_in<double>(file, "gamma", "a number of 0 or more", true);
-        if (!parts.kernel.gamma)
-            throw file_error(file.file(), "metadata 'gamma'", "a number of 0 or more", "none");
+        parts.kernel.gamma = detail::svm_values<double>(file, "gamma", {}).front();
+        if (*parts.kernel.gamma < 0)
+            throw file_error(file.file(), detail::tensor_place("gamma"), "a number of 0 or more",
+                             std::to_string(*parts.kernel.gamma));
     }
     parts.scheme = detail::metadata_choice(file, "multiclass",
                                            {detail::one_versus_one_text, detail::one_versus_rest_text}) ==

@@ -150,7 +150,7 @@ private:
         const double old = alpha_[i];
         // A sample of zeros has no curvature: its bound is the answer.
         const double curvature = std::max(rows_.norm(i) + ridge(i), std::numeric_limits<double>::min());
-        alpha_[i] = std::clamp(old - g / curvature, 0.0, std::min(highest_alpha(i), largest));
+        alpha_[i] = std::clamp(old - g / curvature, 0.0, highest_alpha(i));
         add_multiple(weights_.data(), static_cast<float>((alpha_[i] - old) * sides_[i]), rows_.row(i),
                      rows_.stride());
     }
@@ -170,7 +170,7 @@ private:
         return result;
     }
 
-    static constexpr double least_gradient = 1e-12, largest = std::numeric_limits<double>::max();
+    static constexpr double least_gradient = 1e-12;
 
     const biased_rows& rows_;
     std::span<const double> sides_, costs_;

@@ -5,7 +5,6 @@
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numeric>
@@ -120,10 +119,10 @@ private:
         // At a bound to the last bit, so that the sample is known to be there.
         if (step >= room_i && room_i <= room_j) {
             beta_[a] = high(a);
-            beta_[b] -= room_i;
+            beta_[b] = std::max(beta_[b] - room_i, low(b));
         } else if (step >= room_j) {
             beta_[b] = low(b);
-            beta_[a] += room_j;
+            beta_[a] = std::min(beta_[a] + room_j, high(a));
         } else {
             beta_[a] += step;
             beta_[b] -= step;

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -58,6 +60,13 @@ inline void check_finite(feature_rows<> rows) {
             throw std::invalid_argument("features: row " + std::to_string(i / rows.features()) + ", column " +
                                         std::to_string(i % rows.features()) +
                                         ": expected a finite number, found " + std::to_string(values[i]));
+}
+
+/// 0 … count − 1: the samples of all rows.
+[[nodiscard]] inline std::vector<std::size_t> all_samples(std::size_t count) {
+    std::vector<std::size_t> samples(count);
+    std::iota(samples.begin(), samples.end(), std::size_t{0});
+    return samples;
 }
 
 /// What every training asks of its samples: finite features, and a label for each row. Throws

@@ -6,8 +6,8 @@
 #include <tactnet/svm/kernels.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
+#include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <span>
 #include <vector>
 

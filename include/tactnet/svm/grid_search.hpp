@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -91,16 +90,14 @@ std::vector<std::size_t> count_recognised(const kernel_samples<Kernel>& samples,
 /// than two parts.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] grid_search_result<Kernel>
-search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<const std::size_t> labels,
-       const kernel_training_options<Kernel>& options, thread_pool& threads) {
+grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<const std::size_t> labels,
+            const kernel_training_options<Kernel>& options, thread_pool& threads) {
     if (grid.kernels.empty() || grid.costs.empty() || grid.folds < 2 || rows.size() < grid.folds)
         throw std::invalid_argument(
             "grid search: expected a kernel, a cost, and two parts or more of at least "
             "one sample each");
     check_samples(rows, labels);
-    std::vector<std::size_t> all(rows.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    const class_members classes(labels, all);
+    const class_members classes(labels);
     classes.require_two();
     for (const double cost : grid.costs)
         static_cast<void>(class_costs(classes, cost, options.class_weights)); // throws before any work
@@ -113,25 +110,20 @@ search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<c
     for (std::size_t f = 0; f < grid.folds; ++f) {
         std::vector<std::size_t> training;
         detail::fold_samples fold;
-        for (const std::size_t sample : all)
+        for (const std::size_t sample : all_samples(rows.size()))
             (fold_of[sample] == f ? fold.held_out : training).push_back(sample);
         fold.classes = class_members(labels, training);
-        std::vector<float> training_values, standard;
+        std::vector<float> values;
         for (const std::size_t sample : training) {
             const auto row = rows.row(sample);
-            training_values.insert(training_values.end(), row.begin(), row.end());
+            values.insert(values.end(), row.begin(), row.end());
         }
-        feature_rows<> seen(training_values, rows.features()), used = rows;
-        if (options.standardise) {
-            const auto standardise = standardisation::of(seen);
-            standard = standardise(rows);
-            used = feature_rows<>(standard, rows.features());
-            training_values = standardise(seen);
-            seen = feature_rows<>(training_values, rows.features());
-        }
+        const training_rows seen({values, rows.features()}, options.standardise);
+        const std::vector<float> standard = seen.fitted() ? (*seen.fitted())(rows) : std::vector<float>();
+        const feature_rows<> used = seen.fitted() ? feature_rows<>(standard, rows.features()) : rows;
         const measured_samples<Kernel> measured(used, options.solver.cache_bytes, threads);
         for (std::size_t k = 0; k < grid.kernels.size(); ++k) {
-            const kernel_samples<Kernel> samples(measured, grid.kernels[k].fitted(seen), measured.gram,
+            const kernel_samples<Kernel> samples(measured, grid.kernels[k].fitted(seen.rows()), measured.gram,
                                                  threads);
             const std::vector<std::size_t> counts = detail::count_recognised(
                 samples, fold, labels, grid.costs, options, threads, result.converged);

@@ -22,8 +22,12 @@ public:
                                std::max(samples, std::size_t{2}))),
           places_(samples, recent_.end()) {}
 
-    /// The row of a sample: as it was kept, or filled by fill(span of `columns` values). It stays where it is
-    /// until two others have been asked for.
+    // Places are iterators into the list here.
+    kernel_cache(const kernel_cache&) = delete;
+    kernel_cache& operator=(const kernel_cache&) = delete;
+
+    /// The row of a sample: as it was kept, or filled by fill(out), which writes `columns` values. It stays
+    /// where it is until two others have been asked for.
     template <class Fill>
     [[nodiscard]] const float* row(std::size_t sample, std::size_t columns, const Fill& fill) {
         if (places_[sample] != recent_.end()) {

@@ -61,8 +61,7 @@ public:
             throw std::invalid_argument("kernel machine: expected " + std::to_string(Features) +
                                         " features, found " + std::to_string(parts_.features));
         const feature_rows<> vectors(parts_.support_vectors, parts_.features);
-        std::vector<std::size_t> all(vectors.size());
-        std::iota(all.begin(), all.end(), std::size_t{0});
+        const std::vector<std::size_t> all = all_samples(vectors.size());
         space_ = kernel_space<Kernel>(vectors);
         columns_ = kernel_columns<Kernel>(space_.place(vectors), all, space_.scale());
         const std::size_t each = parts_.coefficients_each();

@@ -7,7 +7,6 @@
 #include <tactnet/svm/kernel_space.hpp>
 
 #include <cstddef>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -30,8 +29,7 @@ struct measured_samples {
         : space(samples), rows(space.place(samples)) {
         if (gram_matrix::bytes(samples.size()) > static_cast<double>(bytes))
             return;
-        std::vector<std::size_t> all(samples.size());
-        std::iota(all.begin(), all.end(), std::size_t{0});
+        const std::vector<std::size_t> all = all_samples(samples.size());
         gram = gram_matrix::measured(rows, kernel_columns<Kernel>(rows, all, space.scale()), threads);
     }
 };

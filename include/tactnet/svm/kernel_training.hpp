@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -25,7 +24,7 @@ struct kernel_training_options {
     std::vector<class_weight> class_weights{};
     multiclass scheme = multiclass::one_versus_one;
     bool standardise = false;
-    /// Parts of the cross-validation that probabilities are fitted on; 0: no probabilities.
+    /// Parts of the cross-validation that probabilities are fitted on, 2 or more; 0: no probabilities.
     std::size_t probability_folds = 0;
     std::uint64_t seed = 1; ///< of the division into these parts
     /// `solver.cache_bytes` bounds the matrix of all pairs, or else the rows kept by each thread.
@@ -131,25 +130,21 @@ template <svm_kernel Kernel, std::size_t Features>
 train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
                      const kernel_training_options<Kernel>& options, thread_pool& threads) {
     check_samples(rows, labels);
-    std::vector<std::size_t> all(rows.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    const class_members classes(labels, all);
+    const class_members classes(labels);
     classes.require_two();
+    if (options.probability_folds == 1)
+        throw std::invalid_argument(
+            "probabilities: expected 2 parts or more to cross-validate with, found 1");
 
     kernel_machine_parameters<Kernel> parts;
-    std::vector<float> standard;
-    feature_rows<> used = rows;
-    if (options.standardise) {
-        parts.standardise = standardisation::of(rows);
-        standard = (*parts.standardise)(rows);
-        used = feature_rows<>(standard, rows.features());
-    }
-    parts.kernel = options.kernel.fitted(used);
+    const training_rows training(rows, options.standardise);
+    parts.standardise = training.fitted();
+    parts.kernel = options.kernel.fitted(training.rows());
     parts.scheme = options.scheme;
     parts.features = rows.features();
     parts.labels = classes.labels;
 
-    measured_samples<Kernel> measured(used, options.solver.cache_bytes, threads);
+    measured_samples<Kernel> measured(training.rows(), options.solver.cache_bytes, threads);
     const kernel_samples<Kernel> samples(measured, parts.kernel, std::move(measured.gram), threads);
     const std::vector<binary_problem> problems =
         binary_problems(classes, class_costs(classes, options.cost, options.class_weights), options.scheme);
@@ -168,7 +163,7 @@ train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> l
         parts.offsets.push_back(solution.offset);
         reports.push_back(solution.report);
     }
-    detail::gather_support(parts, used, classes, problems, solutions);
+    detail::gather_support(parts, training.rows(), classes, problems, solutions);
     return {kernel_machine<Kernel, Features>(std::move(parts)), std::move(reports)};
 }
 

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -124,24 +123,17 @@ template <std::size_t Features>
 train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
                      const linear_training_options& options, thread_pool& threads) {
     check_samples(rows, labels);
-    std::vector<std::size_t> all(rows.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    const class_members classes(labels, all);
+    const class_members classes(labels);
     classes.require_two();
     linear_machine_parameters parts;
-    std::vector<float> standard;
-    feature_rows<> used = rows;
-    if (options.standardise) {
-        parts.standardise = standardisation::of(rows);
-        standard = (*parts.standardise)(rows);
-        used = feature_rows<>(standard, rows.features());
-    }
+    const training_rows training(rows, options.standardise);
+    parts.standardise = training.fitted();
     const std::vector<double> class_cost = class_costs(classes, options.cost, options.class_weights);
     std::vector<double> costs;
     for (const std::size_t label : labels)
         costs.push_back(class_cost[classes.index_of(label)]);
 
-    const biased_rows biased(used, options.bias);
+    const biased_rows biased(training.rows(), options.bias);
     std::vector<descent_solution> solutions(classes.size());
     threads.for_each(classes.size(), [&](std::size_t c) {
         std::vector<double> sides(rows.size(), -1.0);

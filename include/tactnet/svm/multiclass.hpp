@@ -1,9 +1,11 @@
 #pragma once
 
 #include <tactnet/svm/dual_solver.hpp>
+#include <tactnet/svm/feature_rows.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -31,7 +33,9 @@ struct class_members {
     std::vector<std::vector<std::size_t>> samples;
 
     class_members() = default;
-    /// Of the samples named, or of all.
+    explicit class_members(std::span<const std::size_t> all_labels)
+        : class_members(all_labels, all_samples(all_labels.size())) {}
+    /// Of the samples named alone.
     class_members(std::span<const std::size_t> all_labels, std::span<const std::size_t> named) {
         for (const std::size_t sample : named)
             labels.push_back(all_labels[sample]);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <span>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -59,6 +59,30 @@ struct standardisation {
                 result[i * features + f] = (rows.values()[i * features + f] - mean[f]) / deviation[f];
         return result;
     }
+};
+
+/// Rows as a machine is trained on them: standardised where that is asked for.
+class training_rows {
+public:
+    /// The rows must outlive this.
+    training_rows(feature_rows<> rows, bool standardise) : rows_(rows) {
+        if (standardise) {
+            fitted_ = standardisation::of(rows);
+            values_ = (*fitted_)(rows);
+            rows_ = feature_rows<>(values_, rows.features());
+        }
+    }
+    // The rows may be those in here.
+    training_rows(const training_rows&) = delete;
+    training_rows& operator=(const training_rows&) = delete;
+
+    [[nodiscard]] feature_rows<> rows() const { return rows_; }
+    [[nodiscard]] const std::optional<standardisation>& fitted() const { return fitted_; }
+
+private:
+    feature_rows<> rows_;
+    std::optional<standardisation> fitted_;
+    std::vector<float> values_;
 };
 
 } // namespace tactnet
