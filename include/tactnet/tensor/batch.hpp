@@ -11,8 +11,8 @@
 // register holds the same element of as many samples. A kernel written for one sample then runs on all lanes
 // at once, at any image size and channel count, without a remainder and without a sum across lanes in the
 // forward pass; and a sample's result does not depend on its neighbours. Lanes past the last sample hold
-// zeros in inputs and in gradients, on which sums over a batch rely; what layers make of them in between means
-// nothing.
+// zeros in inputs and in gradients, on which sums over a batch rely; what layers make of them in between
+// means nothing.
 
 namespace tactnet::inline TACTNET_ARCH {
 
