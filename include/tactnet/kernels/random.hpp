@@ -30,7 +30,18 @@ namespace tactnet::inline TACTNET_ARCH {
 
 /// What random numbers are drawn for. Each purpose has numbers of its own, so that one more draw for one does
 /// not change another.
-enum class draw : std::uint32_t { split, order, augmentation, initial_weights, dropout, clusters, noise };
+enum class draw : std::uint32_t {
+    split,
+    order,
+    augmentation,
+    initial_weights,
+    dropout,
+    clusters,
+    noise,
+    sensor, ///< what a simulated sensor was made with
+    frame,  ///< what befalls one simulated frame
+    touch,  ///< what touches a simulated sensor, and how
+};
 
 /// The numbers of one item: for example (seed, draw::augmentation, epoch, sample).
 class random_stream {

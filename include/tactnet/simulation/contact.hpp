@@ -1,0 +1,70 @@
+#pragma once
+
+#include <tactnet/simulation/effect.hpp>
+
+#include <cstddef>
+#include <limits>
+
+namespace tactnet::inline TACTNET_ARCH {
+namespace simulation {
+
+/// How an object is pressed on the array: to a force, or to a depth.
+struct pressing {
+    enum class goal : bool { force, depth };
+
+    goal until = goal::force;
+    double amount = 10; ///< newtons, or metres below the first touch
+    /// Of the object: E / (1 − ν²) in pascals. Infinite for a rigid one.
+    double object_modulus = std::numeric_limits<double>::infinity();
+
+    [[nodiscard]] static constexpr pressing to_force(double newtons) { return {goal::force, newtons}; }
+    [[nodiscard]] static constexpr pressing to_depth(double metres) { return {goal::depth, metres}; }
+};
+
+/// How a contact was found.
+struct contact_report {
+    bool converged = true; ///< within the tolerance of its model; else the best that was found
+    std::size_t iterations = 0;
+    double force = 0;      ///< newtons
+    double depth = 0;      ///< metres below the first touch
+    std::size_t cells = 0; ///< of the surface grid, with pressure on them
+};
+
+/// A model of contact bound to a grid of square cells: pressures in pascals, none negative, from heights of
+/// the object's underside in metres. A height that is infinite or NaN is no object. Its `solve` must end
+/// after a bounded number of steps whatever the heights are.
+template <class Bound, shape Shape>
+concept bound_contact_model = requires(Bound bound, tensor_view<const float, Shape> heights,
+                                       const pressing& press, signal<Shape> pressures) {
+    { bound.solve(heights, press, pressures) }
+    noexcept->std::same_as<contact_report>;
+};
+
+/// The first effect of each scene: the object meets the surface. `Model` is winkler, elastic_half_space or
+/// bonded_layer, or one of your own: a struct of parameters with a form `bound<Shape>` that is made of the
+/// model and the size of a cell in metres.
+template <class Model>
+struct contact {
+    static constexpr stage place = stage::contact;
+
+    Model model{};
+
+    template <shape Shape>
+    class bound {
+    public:
+        static_assert(bound_contact_model<typename Model::template bound<Shape>, Shape>,
+                      "contact: its model must find pressures from heights (see bound_contact_model)");
+
+        bound(const contact& effect, const mounting& where) : solver_(effect.model, where.cell) {}
+        contact_report apply(tensor_view<const float, Shape> heights, const pressing& press,
+                             signal<Shape> pressures) noexcept {
+            return solver_.solve(heights, press, pressures);
+        }
+
+    private:
+        typename Model::template bound<Shape> solver_;
+    };
+};
+
+} // namespace simulation
+} // namespace tactnet

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <tactnet/kernels/random.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+
+// What an effect of a scene is. An effect is described without sizes, as a plain struct of parameters in SI
+// units; bound to the shape of what reaches it, it may carry a state: what the sensor was made with, what it
+// remembers of earlier frames.
+
+namespace tactnet::inline TACTNET_ARCH {
+namespace simulation {
+
+/// Where on the way from the object to the file an effect happens, in the order of physics. A scene lists its
+/// effects in this order; within one stage any order is right.
+enum class stage : std::uint8_t {
+    contact,   ///< heights of the object become pressures on the surface
+    pad,       ///< pressures on the surface become pressures on the film
+    tactel,    ///< pressures on the film become one pressure a tactel
+    film,      ///< how the film answers: gain, linearity, memory, temperature
+    circuit,   ///< how it is read: crosstalk, broken lines, noise, threshold, saturation
+    converter, ///< pascals become counts
+    storage,   ///< what is done with counts: resolution, compression
+};
+
+/// Whose random numbers: each effect draws from a stream of its own, so that a scene with one effect more
+/// draws the same numbers for all others.
+enum class random_use : std::uint32_t { gain, dead, noise, drift, shape, pose, force };
+
+/// One sensor of a make: what varies from one to the next is drawn from its number.
+struct sensor_unit {
+    std::uint64_t number = 1;
+
+    [[nodiscard]] constexpr random_stream random(random_use use) const {
+        return {number, draw::sensor, 0, static_cast<std::uint32_t>(use)};
+    }
+};
+
+/// Where an effect is put: on which sensor, on a grid of what cells.
+struct mounting {
+    double cell = 1.903e-3; ///< metres from cell to cell
+    sensor_unit unit{};
+};
+
+/// When and under what conditions one frame is taken.
+struct moment {
+    std::uint64_t seed = 1;  ///< of the random numbers
+    std::uint32_t frame = 0; ///< frames of one seed have different numbers
+    double seconds = 0;      ///< since the touch began
+    double celsius = 22;     ///< of the sensor
+
+    [[nodiscard]] constexpr random_stream random(random_use use) const {
+        return {seed, draw::frame, frame, static_cast<std::uint32_t>(use)};
+    }
+};
+
+/// Values that an effect may change in place: pascals, or counts from the converter on.
+template <shape Shape>
+using signal = tensor_view<float, Shape>;
+
+/// What an effect bound to a shape does to one frame.
+template <class Bound, shape Shape>
+concept in_place_effect = requires(Bound bound, signal<Shape> values, const moment& now) {
+    { bound.apply(values, now) }
+    noexcept;
+};
+/// The same for one whose result has another shape.
+template <class Bound, shape From, shape To>
+concept reshaping_effect = requires(Bound bound, tensor_view<const float, From> from, signal<To> to,
+                                    const moment& now) {
+    { bound.apply(from, to, now) }
+    noexcept;
+};
+
+/// What every effect has: a stage, and a form bound to a shape.
+template <class Effect>
+concept effect = std::copyable<Effect> && requires {
+    { Effect::place } -> std::convertible_to<stage>;
+    typename Effect::template bound<shape{2, 2}>;
+};
+
+/// The shape of what an effect makes of a shape: `Effect::output<Shape>` if it says so, else the same.
+template <class Effect, shape Shape>
+[[nodiscard]] consteval shape output_shape() {
+    if constexpr (requires { Effect::template output<Shape>; })
+        return Effect::template output<Shape>;
+    else
+        return Shape;
+}
+
+} // namespace simulation
+} // namespace tactnet

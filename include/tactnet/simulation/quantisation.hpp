@@ -1,0 +1,44 @@
+#pragma once
+
+#include <tactnet/simulation/effect.hpp>
+
+#include <cmath>
+#include <cstddef>
+
+namespace tactnet::inline TACTNET_ARCH {
+namespace simulation {
+
+/// The converter: pressures become whole counts 0 … Levels − 1, rounded to the nearest; below zero is 0, and
+/// above full scale is the last.
+template <std::size_t Levels>
+struct quantisation_levels {
+    static_assert(Levels >= 2 && Levels <= 65536, "quantisation: there must be 2 to 65536 levels");
+    static constexpr stage place = stage::converter;
+
+    double full_scale = 34e3; ///< pascals that the last count stands for
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const quantisation_levels& effect, const mounting&)
+            : scale_(static_cast<float>((Levels - 1) / effect.full_scale)) {}
+        void apply(signal<Shape> values, const moment&) const noexcept {
+            constexpr auto last = static_cast<float>(Levels - 1);
+            for (std::size_t i = 0; i < Shape.size(); ++i) {
+                const float scaled = values.data()[i] * scale_;
+                const float kept = scaled > 0 ? (scaled < last ? scaled : last) : 0;
+                values.data()[i] = std::floor(kept + 0.5f);
+            }
+        }
+
+    private:
+        float scale_;
+    };
+};
+
+/// A converter of so many bits, as quantisation<8>.
+template <std::size_t Bits>
+using quantisation = quantisation_levels<(std::size_t{1} << Bits)>;
+
+} // namespace simulation
+} // namespace tactnet

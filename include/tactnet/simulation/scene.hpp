@@ -1,0 +1,188 @@
+#pragma once
+
+#include <tactnet/simulation/array.hpp>
+#include <tactnet/simulation/contact.hpp>
+#include <tactnet/simulation/effect.hpp>
+#include <tactnet/tensor/tensor.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+// A scene is a type: an array, a contact, and the effects that matter. What is not in the list is not there:
+// it takes no time, no memory and no code.
+
+namespace tactnet::inline TACTNET_ARCH {
+namespace simulation {
+
+namespace detail {
+
+/// Whether each effect comes no earlier on the way from object to file than the one before it.
+[[nodiscard]] consteval bool in_order(std::initializer_list<stage> places) {
+    return std::is_sorted(places.begin(), places.end());
+}
+[[nodiscard]] consteval bool begins_with_its_contact(std::initializer_list<stage> places) {
+    return places.size() > 0 && *places.begin() == stage::contact &&
+           std::count(places.begin(), places.end(), stage::contact) == 1;
+}
+/// How many cells a side of a tactel has: the product of what the effects ask for.
+template <class Effect>
+[[nodiscard]] consteval std::size_t cells_a_side() {
+    if constexpr (requires { Effect::refinement; })
+        return Effect::refinement;
+    else
+        return 1;
+}
+
+/// The shape after each effect; the first is the surface's.
+template <shape Surface, class... Effects>
+struct shapes_along;
+template <shape Surface>
+struct shapes_along<Surface> {
+    static constexpr std::array<shape, 1> all{Surface};
+};
+template <shape Surface, class Effect, class... Rest>
+struct shapes_along<Surface, Effect, Rest...> {
+    static constexpr auto all = [] {
+        std::array<shape, sizeof...(Rest) + 2> result{Surface};
+        const auto rest = shapes_along<output_shape<Effect, Surface>(), Rest...>::all;
+        std::copy(rest.begin(), rest.end(), result.begin() + 1);
+        return result;
+    }();
+};
+
+} // namespace detail
+
+/// What an object's touch looks like through an array and the effects listed, of which the first is the
+/// contact:
+///
+///     using namespace tactnet::simulation;
+///     scene<array<28, 50>, contact<winkler>, saturation, quantisation<8>> touch;
+///
+/// A frame is computed without heap memory, unless an effect says otherwise. One scene serves one thread.
+template <class Array, effect... Effects>
+class scene {
+    static constexpr std::size_t count = sizeof...(Effects);
+    static_assert(detail::begins_with_its_contact({Effects::place...}),
+                  "scene: the first effect, and no other, must be a contact<…>");
+    static_assert(
+        detail::in_order({Effects::place...}),
+        "scene: effects must be listed in the order of physics: contact, pad, tactel, film, circuit, "
+        "converter, storage (see simulation/effect.hpp). An analogue effect cannot follow the converter.");
+
+    static constexpr std::size_t refinement = (std::size_t{1} * ... * detail::cells_a_side<Effects>());
+    static constexpr auto shapes =
+        detail::shapes_along<shape{Array::extents.rows * refinement, Array::extents.columns* refinement},
+                             Effects...>::all;
+    // The first effect that is no longer mechanics: what reaches it is the clean frame.
+    static constexpr std::size_t first_unclean =
+        (std::size_t{0} + ... + std::size_t{Effects::place <= stage::tactel});
+
+public:
+    /// Cells on which object and contact are computed: the tactels, or a finer grid if tactel_average asks.
+    static constexpr shape surface = shapes.front();
+    static constexpr shape tactels = shapes[first_unclean];
+    static constexpr shape output = shapes.back();
+    static_assert(tactels == Array::extents,
+                  "scene: the mechanical effects must end with one value a tactel");
+
+    struct frames {
+        tensor<float, tactels> clean;   ///< pascals on the film of each tactel, before film and electronics
+        tensor<float, output> measured; ///< after all effects: counts if there is a converter, else pascals
+        contact_report contact;
+    };
+
+    /// All parameters are the defaults.
+    scene() : scene(Array{}, sensor_unit{}) {}
+    /// Effects of the list whose parameters are not the defaults, in any order:
+    ///
+    ///     scene<…> touch({}, {.number = 7}, saturation{.limit = 20e3}, contact<winkler>{{.thickness =
+    ///     1e-3}});
+    template <class... Given>
+    explicit scene(const Array& array, sensor_unit unit, const Given&... given)
+        : array_(array),
+          effects_(bind(array, unit, chosen(given...), std::index_sequence_for<Effects...>{})) {}
+
+    /// Metres from cell to cell of the surface.
+    [[nodiscard]] double cell() const { return array_.pitch / static_cast<double>(refinement); }
+    [[nodiscard]] const Array& sensor() const { return array_; }
+
+    /// One frame of an object whose underside is `heights` metres above any plane parallel to the array;
+    /// where a height is infinite or NaN there is no object. Effects with a memory go on from the frame
+    /// before.
+    void touch(tensor_view<const float, surface> heights, const pressing& press, const moment& now,
+               frames& result) noexcept {
+        tensor<float, surface> pressures;
+        result.contact = std::get<0>(effects_).apply(heights, press, pressures.view());
+        run<1>(pressures.view(), now, result);
+    }
+    /// Forgets earlier frames: the next is the first of a new touch.
+    void reset() noexcept {
+        std::apply([](auto&... bound) { (forget(bound), ...); }, effects_);
+    }
+
+private:
+    template <std::size_t Index>
+    static constexpr shape shape_at = shapes[Index];
+    template <std::size_t Index>
+    using effect_at = std::tuple_element_t<Index, std::tuple<Effects...>>;
+    template <std::size_t Index>
+    using bound_at = typename effect_at<Index>::template bound<shape_at<Index>>;
+
+    template <class Given>
+    static constexpr bool listed_once = (std::size_t{std::is_same_v<Given, Effects>} + ...) == 1;
+    template <class... Given>
+    static std::tuple<Effects...> chosen(const Given&... given) {
+        static_assert((... && listed_once<Given>),
+                      "scene: parameters were given for an effect that is not listed, "
+                      "or is listed twice");
+        std::tuple<Effects...> effects;
+        ((std::get<Given>(effects) = given), ...);
+        return effects;
+    }
+    template <std::size_t... Index>
+    static auto bind(const Array& array, sensor_unit unit, const std::tuple<Effects...>& effects,
+                     std::index_sequence<Index...>) {
+        const auto where = [&](std::size_t index) {
+            const double cells = index < first_unclean ? static_cast<double>(refinement) : 1;
+            return mounting{array.pitch / cells, unit};
+        };
+        return std::tuple<bound_at<Index>...>{bound_at<Index>(std::get<Index>(effects), where(Index))...};
+    }
+    template <class Bound>
+    static void forget(Bound& bound) noexcept {
+        if constexpr (requires { bound.reset(); })
+            bound.reset();
+    }
+
+    template <std::size_t Index>
+    void run(tensor_view<float, shape_at<Index>> values, const moment& now, frames& result) noexcept {
+        if constexpr (Index == first_unclean)
+            std::copy(values.elements().begin(), values.elements().end(), result.clean.begin());
+        if constexpr (Index == count) {
+            std::copy(values.elements().begin(), values.elements().end(), result.measured.begin());
+        } else if constexpr (shape_at<Index> == shape_at<Index + 1>) {
+            static_assert(in_place_effect<bound_at<Index>, shape_at<Index>>,
+                          "scene: an effect must have a noexcept apply(signal, moment)");
+            std::get<Index>(effects_).apply(values, now);
+            run<Index + 1>(values, now, result);
+        } else {
+            static_assert(
+                reshaping_effect<bound_at<Index>, shape_at<Index>, shape_at<Index + 1>>,
+                "scene: an effect that changes the shape must have a noexcept apply(from, to, moment)");
+            tensor<float, shape_at<Index + 1>> next;
+            std::get<Index>(effects_).apply(values, next.view(), now);
+            run<Index + 1>(next.view(), now, result);
+        }
+    }
+
+    Array array_;
+    decltype(bind(Array{}, {}, {}, std::index_sequence_for<Effects...>{})) effects_;
+};
+
+} // namespace simulation
+} // namespace tactnet

@@ -1,0 +1,39 @@
+#include <tactnet/simulation/quantisation.hpp>
+#include <tactnet/simulation/saturation.hpp>
+#include <tactnet/simulation/scene.hpp>
+#include <tactnet/simulation/tactel_average.hpp>
+#include <tactnet/simulation/winkler.hpp>
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+namespace {
+
+using namespace tactnet::simulation;
+
+using plain = scene<array<8, 12>, contact<winkler>>;
+using whole = scene<array<8, 12>, contact<winkler>, tactel_average<3>, saturation, quantisation<8>>;
+static_assert(plain::surface == tactnet::shape{8, 12} && plain::output == plain::tactels);
+static_assert(whole::surface == tactnet::shape{24, 36} && whole::output == tactnet::shape{8, 12});
+
+TEST_CASE("a scene presses to the force that it is given") {
+    whole touch;
+    tactnet::tensor<float, whole::surface> heights;
+    for (std::size_t row = 0; row < whole::surface.rows; ++row)
+        for (std::size_t column = 0; column < whole::surface.columns; ++column) {
+            const double y = (static_cast<double>(row) - 11.5) * touch.cell(),
+                         x = (static_cast<double>(column) - 17.5) * touch.cell();
+            heights(row, column) = static_cast<float>((x * x + y * y) / (2 * 0.02));
+        }
+    whole::frames result;
+    touch.touch(heights, pressing::to_force(1), {}, result);
+    CHECK(result.contact.converged);
+    CHECK(result.contact.force == doctest::Approx(1).epsilon(1e-9));
+    double sum = 0;
+    for (const float pressure : result.clean)
+        sum += static_cast<double>(pressure);
+    CHECK(sum * touch.sensor().tactel_area() == doctest::Approx(1).epsilon(1e-6));
+}
+
+} // namespace
