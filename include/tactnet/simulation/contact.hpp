@@ -16,6 +16,7 @@ struct pressing {
     double amount = 10; ///< newtons, or metres below the first touch
     /// Of the object: E / (1 − ν²) in pascals. Infinite for a rigid one.
     double object_modulus = std::numeric_limits<double>::infinity();
+    double object_thickness = 0.02; ///< metres of it that deform, where a model takes it for a layer
 
     [[nodiscard]] static constexpr pressing to_force(double newtons) { return {goal::force, newtons}; }
     [[nodiscard]] static constexpr pressing to_depth(double metres) { return {goal::depth, metres}; }

@@ -25,10 +25,11 @@ struct winkler {
         bound(const winkler& model, double cell)
             : modulus_(model.modulus), thickness_(model.thickness), area_(cell * cell) {}
 
-        /// Exact but for rounding. A deformable object counts as a second layer as thick as the first.
+        /// Exact but for rounding. A deformable object counts as a second layer of springs.
         contact_report solve(tensor_view<const float, Shape> heights, const pressing& press,
                              signal<Shape> pressures) const noexcept {
-            const double stiffness = 1 / (thickness_ / modulus_ + thickness_ / press.object_modulus);
+            const double stiffness =
+                1 / (thickness_ / modulus_ + press.object_thickness / press.object_modulus);
             const double lowest = lowest_of(heights);
             contact_report report;
             double level = lowest; // of the object's lowest point below the untouched surface

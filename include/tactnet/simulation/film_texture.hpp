@@ -1,0 +1,49 @@
+#pragma once
+
+#include <tactnet/simulation/effect.hpp>
+#include <tactnet/tensor/tensor.hpp>
+
+#include <cmath>
+#include <cstddef>
+
+namespace tactnet::inline TACTNET_ARCH {
+namespace simulation {
+
+/// A resistive film conducts through many tiny contacts between rough sides. Their number grows with the
+/// pressure, and varies by its square root: the reading of a pressure p has a standard deviation of
+/// texture × √p. One part of that is made with the sensor, the other differs from touch to touch. The
+/// defaults are fitted to the paper's images (over counts from 18 to 190 the fixed part is 1.75 √count, the
+/// other 2.0 √count).
+struct film_texture {
+    static constexpr stage place = stage::film;
+
+    double fixed = 20.2;   ///< √Pa, of one sensor
+    double varying = 23.1; ///< √Pa, from touch to touch
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const film_texture& effect, const mounting& where)
+            : varying_(static_cast<float>(effect.varying)) {
+            random_stream random = where.unit.random(random_use::gain);
+            for (float& texture : fixed_)
+                texture = static_cast<float>(effect.fixed * random.normal());
+        }
+        void apply(signal<Shape> pressures, const moment& now) const noexcept {
+            random_stream random = now.random(random_use::gain);
+            for (std::size_t i = 0; i < Shape.size(); ++i) {
+                float& pressure = pressures.data()[i];
+                const float texture = fixed_.data()[i] + varying_ * static_cast<float>(random.normal());
+                const float textured = pressure + texture * std::sqrt(pressure > 0 ? pressure : 0);
+                pressure = textured > 0 ? textured : 0;
+            }
+        }
+
+    private:
+        float varying_;
+        tensor<float, Shape> fixed_;
+    };
+};
+
+} // namespace simulation
+} // namespace tactnet
