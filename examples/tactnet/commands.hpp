@@ -16,3 +16,4 @@ command add_evaluate(CLI::App& program);
 command add_classify(CLI::App& program);
 command add_export(CLI::App& program);
 command add_list(CLI::App& program);
+command add_simulate(CLI::App& program);

@@ -1,5 +1,5 @@
 // tactnet: trains the networks of the library on a folder of tactile images, evaluates them, recognises
-// images, and writes networks as C++ headers.
+// images, writes networks as C++ headers, and simulates images.
 //
 // Exit status: 0, 1 (a training diverged), 2 (bad input or arguments), 130 (interrupted).
 
@@ -21,7 +21,7 @@ int main(int count, char** arguments) {
     CLI::App program("Recognises touched objects from the pressure images of tactile arrays", "tactnet");
     program.require_subcommand(1);
     std::vector<std::pair<CLI::App*, command>> commands;
-    for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list}) {
+    for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate}) {
         command run = add(program);
         commands.emplace_back(program.get_subcommands({}).back(), std::move(run));
     }

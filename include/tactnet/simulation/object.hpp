@@ -40,9 +40,9 @@ struct roughness {
 /// Where an object lies: turned about its origin, then moved. The origin of places is the middle of the
 /// array.
 struct pose {
-    point position;
+    point position{};
     double angle = 0;
-    point slope; ///< rise of the object along x and y, in metres a metre
+    point slope{}; ///< rise of the object along x and y, in metres a metre
 };
 
 /// The underside of an object: whatever of its parts is lowest.

@@ -45,13 +45,14 @@ inline constexpr std::array<object_family, 22> paper_objects{{
     {"tube", objects::tube},
 }};
 
-/// Touch `number` of a family: the same wherever it is drawn.
-[[nodiscard]] inline touch draw_touch(const object_family& family, std::uint64_t seed, std::uint32_t number) {
+/// Touch `number` of a class, which is an index of paper_objects: the same wherever it is drawn.
+[[nodiscard]] inline touch draw_touch(std::size_t label, std::uint64_t seed, std::uint32_t number) {
     const auto stream = [&](random_use use) {
-        return random_stream(seed, draw::touch, number, static_cast<std::uint32_t>(use));
+        return random_stream(seed, draw::touch, number,
+                             static_cast<std::uint32_t>(label) * 64 + static_cast<std::uint32_t>(use));
     };
     drawing draw(stream(random_use::shape), stream(random_use::pose), stream(random_use::force));
-    return family.draw(draw);
+    return paper_objects.at(label).draw(draw);
 }
 
 } // namespace simulation

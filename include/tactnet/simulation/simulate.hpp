@@ -1,0 +1,36 @@
+#pragma once
+
+#include <tactnet/simulation/paper_objects.hpp>
+#include <tactnet/simulation/scene.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tactnet::inline TACTNET_ARCH {
+namespace simulation {
+
+/// One frame of a touch through a scene, with the memory that the scene has of earlier frames.
+template <class Scene>
+void simulate(Scene& scene, const touch& some, const moment& now, typename Scene::frames& result) {
+    tensor<float, Scene::surface> heights;
+    lay<Scene::surface>(some.shape, some.at, scene.cell(), heights.view());
+    scene.touch(heights.view(), some.press, now, result);
+}
+
+/// Touch `number` of one of the paper's classes, on a sensor of its own: a network that learns from many
+/// sensors of a make does not learn the flaws of one. The same bits wherever it is made.
+template <class Scene>
+[[nodiscard]] typename Scene::frames simulate_paper_touch(std::size_t label, std::uint64_t seed,
+                                                          std::uint32_t number) {
+    const auto mixed =
+        philox({number, static_cast<std::uint32_t>(label), 0, static_cast<std::uint32_t>(draw::sensor)},
+               {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+    const std::uint64_t own = std::uint64_t{mixed[0]} << 32 | mixed[1];
+    Scene scene({}, sensor_unit{own});
+    typename Scene::frames result;
+    simulate(scene, draw_touch(label, seed, number), {.seed = own, .frame = number}, result);
+    return result;
+}
+
+} // namespace simulation
+} // namespace tactnet
