@@ -1,6 +1,8 @@
 // Shows one tactile image at the paper's resolutions and after each augmentation, in one PNG file. Takes an
 // image, or a folder with one subfolder of images a class, of which it shows the one with the most to see.
 
+#include "sheet.hpp"
+
 #include <tactnet/image.hpp>
 #include <tactnet/io/image_folder.hpp>
 
@@ -20,34 +22,6 @@ using tactnet::shape;
 
 constexpr shape full{28, 50};
 using frame = tactnet::tensor<float, full>;
-
-/// Pictures in a grid on white.
-class sheet {
-public:
-    sheet(std::size_t rows, std::size_t columns) : rows_(rows), columns_(columns) {
-        pixels_.assign(height() * width(), 255);
-    }
-    [[nodiscard]] std::size_t height() const { return rows_ * (cell_height + gap) + gap; }
-    [[nodiscard]] std::size_t width() const { return columns_ * (cell_width + gap) + gap; }
-    [[nodiscard]] const std::vector<std::uint8_t>& pixels() const { return pixels_; }
-
-    /// Any size is drawn as large as the others, tactel by tactel; contact in dark, light touches lifted.
-    template <shape Shape>
-    void show(std::size_t row, std::size_t column, const tactnet::tensor<float, Shape>& counts) {
-        for (std::size_t y = 0; y < cell_height; ++y)
-            for (std::size_t x = 0; x < cell_width; ++x) {
-                const float count = counts(y * Shape.rows / cell_height, x * Shape.columns / cell_width);
-                pixels_[(gap + row * (cell_height + gap) + y) * width() + gap + column * (cell_width + gap) +
-                        x] = static_cast<std::uint8_t>(240 - tactnet::to_count(count) * 240 / 255);
-            }
-    }
-
-private:
-    static constexpr std::size_t zoom = 4, gap = 8, cell_height = full.rows * zoom,
-                                 cell_width = full.columns * zoom;
-    std::size_t rows_, columns_;
-    std::vector<std::uint8_t> pixels_;
-};
 
 /// The image as it is, or brought to the size of the paper's sensor.
 frame load(const std::filesystem::path& file) {

@@ -63,6 +63,17 @@ public:
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
     [[nodiscard]] const data_split& split() const { return split_; }
 
+    /// Begins with the parameters and statistics of another network, for example one that was trained on
+    /// simulated images, in place of random ones. Throws std::logic_error after the first epoch.
+    void start_from(const Network& other) {
+        if (!history().empty())
+            throw std::logic_error("trainer: a training that has begun cannot start from another network");
+        const double epsilon = network_.epsilon;
+        network_ = other;
+        network_.epsilon = epsilon;
+        averaged_ = best_ = network_;
+    }
+
     /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
     /// that leaves numbers which are not finite, or when the validation loss is not.
     const epoch_report& run_epoch() {

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <tactnet/simulation/array.hpp>
+#include <tactnet/simulation/contact.hpp>
+#include <tactnet/simulation/effect.hpp>
+#include <tactnet/simulation/film_texture.hpp>
+#include <tactnet/simulation/object.hpp>
+#include <tactnet/simulation/objects/bars.hpp>
+#include <tactnet/simulation/objects/bodies.hpp>
+#include <tactnet/simulation/objects/drawing.hpp>
+#include <tactnet/simulation/objects/solids.hpp>
+#include <tactnet/simulation/objects/tools.hpp>
+#include <tactnet/simulation/paper_objects.hpp>
+#include <tactnet/simulation/paper_scene.hpp>
+#include <tactnet/simulation/part.hpp>
+#include <tactnet/simulation/quantisation.hpp>
+#include <tactnet/simulation/saturation.hpp>
+#include <tactnet/simulation/scene.hpp>
+#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/tactel_average.hpp>
+#include <tactnet/simulation/winkler.hpp>
