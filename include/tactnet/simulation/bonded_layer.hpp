@@ -20,10 +20,10 @@ namespace simulation {
 ///     F / (π E* h) ∫₀^∞ (1 − M(x)) J₀(x r / h) dx.
 class layer_influence {
 public:
-    /// Thickness in metres, zero or more. What is thinner than a thousandth of a cell counts as that.
+    /// Thickness in metres, zero or more. What is thinner than a hundredth of a cell counts as that.
     layer_influence(double thickness, double poisson, double cell)
         : cell_(cell),
-          thickness_(std::max(thickness / cell, 1e-3)),
+          thickness_(std::max(thickness / cell, 1e-2)),
           held_back_([=](double x) { return layer_stiffening(x, poisson); }, 16) {}
 
     /// Metres under 1 Pa on a cell so many cells away, for E / (1 − ν²) = 1 Pa.
