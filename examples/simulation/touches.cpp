@@ -42,9 +42,13 @@ struct likeness {
 };
 
 std::vector<frame> simulated(std::size_t label, std::size_t count) {
+    paper_scene scene;
+    paper_scene::frames frames;
     std::vector<frame> images;
-    for (std::uint32_t number = 0; number < count; ++number)
-        images.push_back(simulate_paper_touch<paper_scene>(label, 1, number).measured);
+    for (std::uint32_t number = 0; number < count; ++number) {
+        simulate_paper_touch(scene, label, 1, number, frames);
+        images.push_back(frames.measured);
+    }
     return images;
 }
 

@@ -9,17 +9,25 @@
 namespace {
 
 template <class Scene>
-simulated_image image(std::size_t family, std::uint64_t seed, std::uint32_t number) {
-    const auto frames = tactnet::simulation::simulate_paper_touch<Scene>(family, seed, number);
-    simulated_image result{std::vector<std::uint8_t>(Scene::output.size()), frames.contact.converged};
-    std::ranges::transform(frames.measured, result.counts.begin(),
-                           [](float count) { return static_cast<std::uint8_t>(count); });
-    return result;
-}
+class scene_simulator final : public simulator {
+public:
+    simulated_image image(std::size_t label, std::uint64_t seed, std::uint32_t number) override {
+        tactnet::simulation::simulate_paper_touch(scene_, label, seed, number, frames_);
+        simulated_image result{std::vector<std::uint8_t>(Scene::output.size()), frames_.contact.converged};
+        std::ranges::transform(frames_.measured, result.counts.begin(),
+                               [](float count) { return static_cast<std::uint8_t>(count); });
+        return result;
+    }
+
+private:
+    Scene scene_;
+    typename Scene::frames frames_;
+};
 
 template <class Scene>
 constexpr simulated_scene named(std::string_view name, std::string_view says) {
-    return {name, says, Scene::output.rows, Scene::output.columns, &image<Scene>};
+    return {name, says, Scene::output.rows, Scene::output.columns,
+            []() -> std::unique_ptr<simulator> { return std::make_unique<scene_simulator<Scene>>(); }};
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -14,12 +15,19 @@ struct simulated_image {
     bool settled = true;              ///< whether the contact was found
 };
 
+/// A scene at work, for one thread.
+class simulator {
+public:
+    virtual ~simulator() = default;
+    /// Touch `number` of a class, which is an index of simulation::paper_objects: the same bits wherever it
+    /// is made.
+    virtual simulated_image image(std::size_t label, std::uint64_t seed, std::uint32_t number) = 0;
+};
+
 struct simulated_scene {
     std::string_view name, says;
     std::size_t rows, columns;
-    /// Touch `number` of a class, which is an index of simulation::paper_objects: the same bits wherever it
-    /// is made.
-    simulated_image (*image)(std::size_t family, std::uint64_t seed, std::uint32_t number);
+    std::unique_ptr<simulator> (*make)();
 };
 
 std::span<const simulated_scene> simulated_scenes();

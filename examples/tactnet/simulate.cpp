@@ -83,13 +83,13 @@ int simulate(const simulate_options& o) {
     std::size_t done = 0, unsettled = 0;
     std::atomic<bool> stop = false;
     const std::size_t all = o.per_class * paper_objects.size();
-    const auto make = [&](std::size_t index) {
+    const auto make = [&](simulator& simulates, std::size_t index) {
         const std::size_t family = index % paper_objects.size(), number = index / paper_objects.size();
         const auto file =
             std::filesystem::path(o.out) / paper_objects[family].name / fmt::format("{:05}.png", number + 1);
         bool settled = true;
         if (!std::filesystem::exists(file)) {
-            const simulated_image image = scene.image(family, o.seed, static_cast<std::uint32_t>(number));
+            const simulated_image image = simulates.image(family, o.seed, static_cast<std::uint32_t>(number));
             write_png(file, scene.rows, scene.columns, image.counts);
             settled = image.settled;
         }
@@ -101,11 +101,12 @@ int simulate(const simulate_options& o) {
                                              static_cast<double>(all - done))),
                    done == all);
     };
-    threads.for_each(all, [&](std::size_t index) {
-        if (stop || interrupted())
-            return;
+    threads.on_each_thread([&](auto share) {
         try {
-            make(index);
+            const auto simulates = scene.make();
+            for (std::size_t index = share.begin(all); index < share.end(all) && !stop && !interrupted();
+                 ++index)
+                make(*simulates, index);
         } catch (...) {
             const std::lock_guard lock(mutex);
             problem = std::current_exception();

@@ -18,11 +18,15 @@ using namespace tactnet::simulation;
 std::vector<float> images_of(std::size_t count, std::size_t threads) {
     std::vector<float> all(count * paper_scene::output.size());
     tactnet::thread_pool pool(threads);
-    pool.for_each(count, [&](std::size_t index) {
-        const auto frames = simulate_paper_touch<paper_scene>(
-            index % paper_objects.size(), 3, static_cast<std::uint32_t>(index / paper_objects.size()));
-        std::copy(frames.measured.begin(), frames.measured.end(),
-                  all.begin() + static_cast<std::ptrdiff_t>(index * paper_scene::output.size()));
+    pool.on_each_thread([&](auto share) {
+        paper_scene scene;
+        paper_scene::frames frames;
+        for (std::size_t index = share.begin(count); index < share.end(count); ++index) {
+            simulate_paper_touch(scene, index % paper_objects.size(), 3,
+                                 static_cast<std::uint32_t>(index / paper_objects.size()), frames);
+            std::copy(frames.measured.begin(), frames.measured.end(),
+                      all.begin() + static_cast<std::ptrdiff_t>(index * paper_scene::output.size()));
+        }
     });
     return all;
 }
@@ -33,12 +37,14 @@ TEST_CASE("the classes are those of the paper, in the order of a folder") {
 }
 
 TEST_CASE("every draw of every class touches the array, with whole counts and a force that is met") {
+    paper_scene scene;
+    paper_scene::frames frames;
     for (std::size_t label = 0; label < paper_objects.size(); ++label) {
         CAPTURE(paper_objects[label].name);
         for (std::uint32_t number = 0; number < 100; ++number) {
             CAPTURE(number);
             const touch drawn = draw_touch(label, 5, number);
-            const auto frames = simulate_paper_touch<paper_scene>(label, 5, number);
+            simulate_paper_touch(scene, label, 5, number, frames);
             CHECK(frames.contact.converged);
             CHECK(frames.contact.force == doctest::Approx(drawn.press.amount).epsilon(1e-3));
             const auto touched =
@@ -68,8 +74,10 @@ TEST_CASE("soft bodies are broad and faint, tools sharp") {
         const auto found = std::ranges::find(paper_objects, name, &object_family::name);
         const auto label = static_cast<std::size_t>(found - paper_objects.begin());
         std::vector<double> highest, touched;
+        ideal_scene scene;
+        ideal_scene::frames frames;
         for (std::uint32_t number = 0; number < 40; ++number) {
-            const auto frames = simulate_paper_touch<ideal_scene>(label, 9, number);
+            simulate_paper_touch(scene, label, 9, number, frames);
             highest.push_back(static_cast<double>(std::ranges::max(frames.measured)));
             touched.push_back(
                 static_cast<double>(std::ranges::count_if(frames.measured, [](float c) { return c > 0; })));

@@ -57,6 +57,9 @@ struct moment {
     }
 };
 
+// Beside `apply` an effect bound to a shape may have `void reset()`, to forget earlier frames, and
+// `void use(sensor_unit)`, to become that of another sensor.
+
 /// Values that an effect may change in place: pascals, or counts from the converter on.
 template <shape Shape>
 using signal = tensor_view<float, Shape>;

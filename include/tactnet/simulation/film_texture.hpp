@@ -24,10 +24,13 @@ struct film_texture {
     class bound {
     public:
         bound(const film_texture& effect, const mounting& where)
-            : varying_(static_cast<float>(effect.varying)) {
-            random_stream random = where.unit.random(random_use::gain);
+            : deviation_(effect.fixed), varying_(static_cast<float>(effect.varying)) {
+            use(where.unit);
+        }
+        void use(sensor_unit unit) noexcept {
+            random_stream random = unit.random(random_use::gain);
             for (float& texture : fixed_)
-                texture = static_cast<float>(effect.fixed * random.normal());
+                texture = static_cast<float>(deviation_ * random.normal());
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
             random_stream random = now.random(random_use::gain);
@@ -40,6 +43,7 @@ struct film_texture {
         }
 
     private:
+        double deviation_;
         float varying_;
         tensor<float, Shape> fixed_;
     };

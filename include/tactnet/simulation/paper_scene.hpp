@@ -1,6 +1,8 @@
 #pragma once
 
 #include <tactnet/simulation/film_texture.hpp>
+#include <tactnet/simulation/jpeg_storage.hpp>
+#include <tactnet/simulation/pad.hpp>
 #include <tactnet/simulation/quantisation.hpp>
 #include <tactnet/simulation/saturation.hpp>
 #include <tactnet/simulation/scene.hpp>
@@ -11,7 +13,8 @@ namespace simulation {
 
 /// What the paper's images call for, and no more: the effects without which simulated images are told from
 /// them at a glance. On the 28 × 50 array of the paper, as 8-bit counts that went through a JPEG file.
-using paper_scene = scene<array<28, 50>, contact<winkler>, film_texture, saturation, quantisation<8>>;
+using paper_scene = scene<array<28, 50>, contact<winkler>, elastic_pad, film_texture, saturation,
+                          quantisation<8>, jpeg_storage>;
 
 /// The same touches as an ideal array would show them.
 using ideal_scene = scene<array<28, 50>, contact<winkler>, saturation, quantisation<8>>;
