@@ -10,12 +10,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace {
@@ -24,15 +20,6 @@ struct classify_options {
     weight_options weights;
     std::vector<std::string> images;
 };
-
-/// The likeliest class and its probability, by a softmax in double.
-std::pair<std::size_t, double> recognise(std::span<const float> logits) {
-    const auto best = std::max_element(logits.begin(), logits.end());
-    double sum = 0;
-    for (const float logit : logits)
-        sum += std::exp(static_cast<double>(logit) - static_cast<double>(*best));
-    return {static_cast<std::size_t>(best - logits.begin()), 1 / sum};
-}
 
 int classify(const classify_options& o) {
     const loaded_weights weights = load_weights(o.weights);
@@ -44,12 +31,11 @@ int classify(const classify_options& o) {
         pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
     }
     tactnet::thread_pool threads;
-    const std::vector<float> logits = weights.trained->logits(pixels, threads);
-    const std::size_t classes = weights.classes.size();
+    const std::vector<recognition> recognised = weights.trained->recognise(pixels, threads);
     for (std::size_t i = 0; i < o.images.size(); ++i) {
-        const auto [index, probability] = recognise(std::span(logits).subspan(i * classes, classes));
-        fmt::print("{},{},{},{:.6f}\n", csv_field(o.images[i]), index, csv_field(weights.classes[index]),
-                   probability);
+        const auto& [label, score] = recognised[i];
+        fmt::print("{},{},{},{:.6f}\n", csv_field(o.images[i]), label, csv_field(weights.classes[label]),
+                   score);
     }
     return success;
 }
@@ -58,7 +44,9 @@ int classify(const classify_options& o) {
 
 command add_classify(CLI::App& program) {
     auto* app = program.add_subcommand(
-        "classify", "Recognise images: prints path,class_index,class_name,probability for each");
+        "classify",
+        "Recognise images: prints path,class_index,class_name,probability for each (support vector "
+        "machines know none: in its place their decision value, for which see the README)");
     auto o = std::make_shared<classify_options>();
     add_weight_options(*app, o->weights);
     app->add_option("IMAGE", o->images, "8-bit grey JPEG or PNG images")->required();

@@ -62,7 +62,7 @@ std::optional<training_result> run(const task& t) {
     while (!training->finished()) {
         if (interrupted())
             return std::nullopt;
-        training->run_epoch();
+        training->advance();
     }
     training_result result;
     result.seconds = watch.seconds();
@@ -71,9 +71,11 @@ std::optional<training_result> run(const task& t) {
     result.confusion = best->evaluate(data.view(), training->split().test, alone).confusion;
     result.validation_accuracy =
         best->evaluate(data.view(), training->split().validation, alone).confusion.accuracy();
-    result.epochs = training->history().size();
-    result.images_per_second =
-        static_cast<double>(training->images_per_epoch() * result.epochs) / result.seconds;
+    const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
+    result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
+    const std::size_t images =
+        by_epochs != nullptr ? by_epochs->images_per_epoch() : training->split().training.size();
+    result.images_per_second = static_cast<double>(images * result.epochs) / result.seconds;
     return result;
 }
 
@@ -259,9 +261,8 @@ int evaluate(const evaluate_options& o) {
     for (std::uint64_t seed = o.first_seed; seed < o.first_seed + o.splits; ++seed)
         for (const candidate& c : candidates)
             for (const tactnet::split_rule rule : rules)
-                all.push_back(
-                    {&c, rule, seed,
-                     describe_training(c.network->name, c.training, rule, seed, c.data->fingerprint)});
+                all.push_back({&c, rule, seed,
+                               describe_training(*c.network, c.training, rule, seed, c.data->fingerprint)});
     for (const task& t : all)
         if (results.find(t.settings) == nullptr)
             to_do.push_back(t);

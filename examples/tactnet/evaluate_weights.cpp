@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <numeric>
 #include <system_error>
 
@@ -93,15 +94,15 @@ int evaluate_weights(const evaluate_options& o) {
     const network_costs costs = network.costs(classes.size());
     const frame_times times = network.time_frames();
     plot_confusion(stem, o.weights.weights, result.confusion, classes);
-    fmt::print(
-        "{}",
-        table({{"network", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
-                "on pixels", "bytes", "µs/frame", "µs in 64"},
-               {network.name, fmt::format("{}x{}", network.rows, network.columns),
-                fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
-                fmt::format("{:.2f}", 100 * result.confusion.accuracy()), fmt::format("{:.4f}", result.loss),
-                grouped(costs.parameters), grouped(costs.multiply_adds),
-                grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
-                fmt::format("{:.1f}", times.alone), fmt::format("{:.1f}", times.in_batch)}}));
+    fmt::print("{}",
+               table({{"network", "size", "images", "right", "accuracy, %", "loss", "parameters",
+                       "multiply-adds", "on pixels", "bytes", "µs/frame", "µs in 64"},
+                      {network.name, fmt::format("{}x{}", network.rows, network.columns),
+                       fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
+                       fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
+                       std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss),
+                       grouped(costs.parameters), grouped(costs.multiply_adds),
+                       grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
+                       fmt::format("{:.1f}", times.alone), fmt::format("{:.1f}", times.in_batch)}}));
     return success;
 }

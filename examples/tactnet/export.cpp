@@ -45,13 +45,18 @@ int export_header(const export_options& o) {
                                       "found {}",
                                       tactnet::in_quotes(o.namespace_name)));
     const loaded_weights weights = load_weights(o.weights);
+    const auto* network = dynamic_cast<const trained_network*>(weights.trained.get());
+    if (network == nullptr)
+        throw usage_error(fmt::format("{}: expected a network, found the support vector machine {}, which "
+                                      "cannot be written as a header",
+                                      o.weights.weights, weights.network->name));
     tactnet::header_description says{
         .network = weights.network->name, .namespace_name = o.namespace_name, .classes = weights.classes};
     if (!o.packing.empty())
         says.when = o.packing == "at-start" ? tactnet::packing::at_start : tactnet::packing::when_compiling;
     std::string text;
     try {
-        text = weights.trained->header(says, selftest_frame(o.weights.weights, *weights.network));
+        text = network->header(says, selftest_frame(o.weights.weights, *weights.network));
     } catch (const std::invalid_argument& error) { // variances below zero, numbers without end
         throw usage_error(fmt::format("{}: {}", o.weights.weights, error.what()));
     }

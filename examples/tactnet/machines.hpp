@@ -1,9 +1,11 @@
 #pragma once
 
 // Support vector machines among the program's methods: on pixels, and behind histograms of SURF words as in
-// the paper's baseline. `evaluate` trains and tests them on the same splits as the networks.
+// the paper's baseline.
 
 #include "method.hpp"
+
+#include <tactnet/io/safetensors_writer.hpp>
 
 #include <cstddef>
 #include <memory>
@@ -21,12 +23,22 @@ public:
     virtual std::size_t multiply_adds() const = 0;
     /// Numbers that are learnt.
     virtual std::size_t parameters() const = 0;
+    /// How they are computed. A weight file says the same, or it is for others.
+    virtual tactnet::file_metadata form() const = 0;
+    /// All else that decides what is learnt from some images.
+    virtual tactnet::file_metadata fit_settings() const = 0;
+    /// The part of the largest decision value by which values of the same image may differ where sums are
+    /// rounded otherwise: on another processor.
+    virtual double rounding() const = 0;
     /// Learns from the chosen images.
     virtual void fit(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                      tactnet::thread_pool& threads) = 0;
     /// A row for each of the chosen images.
     virtual std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                                     tactnet::thread_pool& threads) const = 0;
+    /// What was learnt, into a weight file and from one. `load` throws tactnet::file_error.
+    virtual void save(tactnet::safetensors_writer& writer) const = 0;
+    virtual void load(const tactnet::safetensors& file) = 0;
 };
 
 /// Whether a method is one of these, and not a network.

@@ -1,8 +1,8 @@
 #pragma once
 
-// What the program knows of a network: names and virtual functions. The templates behind it are compiled once
-// for each network and size, in units of their own (see network_unit.cpp.in); everything else is built
-// without them.
+// What the program knows of a network or a support vector machine: names and virtual functions. The templates
+// behind it are compiled once for each network and size, in units of their own (see network_unit.cpp.in);
+// everything else is built without them. What only networks can do is in interfaces of their own.
 
 #include <tactnet/deployment/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
@@ -36,19 +36,33 @@ struct frame_times {
     double in_batch = 0; ///< 64 frames at once
 };
 
-/// A network with its weights.
-class trained_network {
+/// What an image was taken for.
+struct recognition {
+    std::size_t label = 0;
+    /// Of a network: the probability. Of a machine: by how much it decided so, which has no upper bound and
+    /// is above 0 unless it would rather have said "none of them".
+    double score = 0;
+};
+
+/// What a training leaves: a network with its weights, or a machine with its features.
+class trained_method {
 public:
-    virtual ~trained_network() = default;
+    virtual ~trained_method() = default;
     virtual const std::vector<std::string>& classes() const = 0;
+    /// The loss of a machine is NaN.
     virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
                                          std::span<const std::size_t> chosen,
                                          tactnet::thread_pool& threads) const = 0;
-    /// A row of logits for each of the images, which are stored one after the other.
-    virtual std::vector<float> logits(std::span<const std::uint8_t> images,
-                                      tactnet::thread_pool& threads) const = 0;
+    /// Of images that are stored one after the other.
+    virtual std::vector<recognition> recognise(std::span<const std::uint8_t> images,
+                                               tactnet::thread_pool& threads) const = 0;
     virtual void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
                       std::span<const std::uint8_t> selftest) const = 0;
+};
+
+/// One that becomes a C++ header.
+class trained_network : public trained_method {
+public:
     /// The text of a C++ header that holds the deployed network, with a frame to test it. Throws
     /// std::invalid_argument for weights that cannot be deployed.
     virtual std::string header(const tactnet::header_description& says,
@@ -60,19 +74,25 @@ class training_run {
 public:
     virtual ~training_run() = default;
     virtual bool finished() const = 0;
-    virtual const tactnet::epoch_report& run_epoch() = 0;
+    /// One epoch of a network, all of a machine.
+    virtual void advance() = 0;
+    virtual const tactnet::data_split& split() const = 0;
+    /// The best so far.
+    virtual std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const = 0;
+};
+
+/// One by epochs, which can be stopped and gone on with.
+class network_training : public training_run {
+public:
     virtual const std::vector<tactnet::epoch_report>& history() const = 0;
     virtual std::size_t images_per_epoch() const = 0;
-    virtual const tactnet::data_split& split() const = 0;
     virtual void save_checkpoint(const std::filesystem::path& path,
                                  const tactnet::file_metadata& settings) = 0;
     virtual void load_checkpoint(const std::filesystem::path& path,
                                  const tactnet::file_metadata& settings) = 0;
-    /// The best network so far.
-    virtual std::unique_ptr<trained_network> best(const std::vector<std::string>& classes) const = 0;
 };
 
-/// A network at one size.
+/// A network or a machine at one size.
 class method {
 public:
     method(std::string_view name_, std::size_t rows_, std::size_t columns_, std::size_t capacity_)
@@ -83,13 +103,16 @@ public:
     const std::size_t rows, columns;
     const std::size_t capacity; ///< the most classes it can tell apart
 
+    /// All that decides what comes of a training, apart from images, split and seed.
+    virtual tactnet::file_metadata describe(const tactnet::recipe& recipe) const = 0;
     virtual network_costs costs(std::size_t classes) const = 0;
     virtual frame_times time_frames() const = 0;
-    /// The images must outlive the training.
+    /// The images must outlive the training. Machines have settings of their own, and no use for the recipe.
     virtual std::unique_ptr<training_run> train(const tactnet::recipe& recipe,
                                                 const tactnet::labelled_images& images,
                                                 tactnet::data_split split, std::uint64_t seed,
                                                 tactnet::thread_pool& threads) const = 0;
-    virtual std::unique_ptr<trained_network> load(const tactnet::safetensors& file,
-                                                  std::optional<double> epsilon) const = 0;
+    /// `epsilon` of batch norms, where there are any, goes before the file's. Throws tactnet::file_error.
+    virtual std::unique_ptr<trained_method> load(const tactnet::safetensors& file,
+                                                 std::optional<double> epsilon) const = 0;
 };

@@ -3,6 +3,7 @@
 // Puts a network type behind the interface of method.hpp. Included only by the generated units.
 
 #include "method.hpp"
+#include "settings.hpp"
 #include "stopwatch.hpp"
 
 #include <tactnet/deployment.hpp>
@@ -11,6 +12,7 @@
 #include <tactnet/training/trainer.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <utility>
@@ -25,18 +27,17 @@ public:
                                  tactnet::thread_pool& threads) const override {
         return tactnet::evaluate(model_.network, model_.normalise, images, chosen, threads);
     }
-    std::vector<float> logits(std::span<const std::uint8_t> images,
-                              tactnet::thread_pool& threads) const override {
+    std::vector<recognition> recognise(std::span<const std::uint8_t> images,
+                                       tactnet::thread_pool& threads) const override {
         const auto deployed = tactnet::deploy(model_);
-        const std::size_t count = images.size() / Network::input_shape.size(), names = classes().size();
-        std::vector<float> all(count * Network::outputs), result;
-        if (deployed(threads, images, std::span(all)) != tactnet::frame_status::recognised)
+        const std::size_t count = images.size() / Network::input_shape.size();
+        std::vector<float> logits(count * Network::outputs);
+        if (deployed(threads, images, std::span(logits)) != tactnet::frame_status::recognised)
             throw std::runtime_error(
                 "expected finite logits, found some that are not: the weights are broken");
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto first = all.begin() + static_cast<std::ptrdiff_t>(i * Network::outputs);
-            result.insert(result.end(), first, first + static_cast<std::ptrdiff_t>(names));
-        }
+        std::vector<recognition> result;
+        for (std::size_t i = 0; i < count; ++i)
+            result.push_back(likeliest(std::span(logits).subspan(i * Network::outputs, classes().size())));
         return result;
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
@@ -50,18 +51,27 @@ public:
     }
 
 private:
+    /// The class of the largest logit and its probability, by a softmax in double.
+    static recognition likeliest(std::span<const float> logits) {
+        const auto best = std::max_element(logits.begin(), logits.end());
+        double sum = 0;
+        for (const float logit : logits)
+            sum += std::exp(static_cast<double>(logit) - static_cast<double>(*best));
+        return {static_cast<std::size_t>(best - logits.begin()), 1 / sum};
+    }
+
     tactnet::model<Network> model_;
 };
 
 template <class Network>
-class registered_training final : public training_run {
+class registered_training final : public network_training {
 public:
     template <class... Arguments>
     explicit registered_training(Arguments&&... arguments)
         : trainer_(std::forward<Arguments>(arguments)...) {}
 
     bool finished() const override { return trainer_.finished(); }
-    const tactnet::epoch_report& run_epoch() override { return trainer_.run_epoch(); }
+    void advance() override { trainer_.run_epoch(); }
     const std::vector<tactnet::epoch_report>& history() const override { return trainer_.history(); }
     std::size_t images_per_epoch() const override { return trainer_.images_per_epoch(); }
     const tactnet::data_split& split() const override { return trainer_.split(); }
@@ -71,7 +81,7 @@ public:
     void load_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
         tactnet::load_checkpoint(path, trainer_, settings);
     }
-    std::unique_ptr<trained_network> best(const std::vector<std::string>& classes) const override {
+    std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
         return std::make_unique<registered_network<Network>>(
             tactnet::model<Network>{trainer_.best(), trainer_.input_normalisation(), classes});
     }
@@ -87,6 +97,10 @@ class registration final : public method {
 public:
     explicit registration(std::string_view network_name)
         : method(network_name, input.rows, input.columns, Network::outputs) {}
+
+    tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
+        return describe_recipe(recipe);
+    }
 
     network_costs costs(std::size_t classes) const override {
         // Outputs that stand for no class are no part of the network.
@@ -110,8 +124,8 @@ public:
                                                               threads);
     }
 
-    std::unique_ptr<trained_network> load(const tactnet::safetensors& file,
-                                          std::optional<double> epsilon) const override {
+    std::unique_ptr<trained_method> load(const tactnet::safetensors& file,
+                                         std::optional<double> epsilon) const override {
         return std::make_unique<registered_network<Network>>(tactnet::load_model<Network>(file, epsilon));
     }
 

@@ -151,19 +151,8 @@ tactnet::recipe recipe_for(std::string_view network, const training_settings& s)
     return r;
 }
 
-tactnet::file_metadata describe_training(std::string_view network, const training_settings& s,
-                                         tactnet::split_rule rule, std::uint64_t seed,
-                                         std::string_view data) {
-    const tactnet::recipe r = recipe_for(network, s);
+tactnet::file_metadata describe_recipe(const tactnet::recipe& r) {
     return {
-        {"network", std::string(network)},
-        {"rows", fmt::to_string(s.rows)},
-        {"columns", fmt::to_string(s.columns)},
-        {"data", std::string(data)},
-        {"split", std::string(name_of(rule))},
-        {"seed", fmt::to_string(seed)},
-        {"validation_share", fmt::to_string(s.shares.validation)},
-        {"test_share", fmt::to_string(s.shares.test)},
         {"recipe", std::string(r.name)},
         {"epochs", fmt::to_string(r.epochs)},
         {"batch", fmt::to_string(r.batch)},
@@ -180,8 +169,25 @@ tactnet::file_metadata describe_training(std::string_view network, const trainin
         {"epsilon", fmt::to_string(r.epsilon)},
         {"validate_every", fmt::to_string(r.validate_every)},
         {"patience", fmt::to_string(r.patience)},
+    };
+}
+
+tactnet::file_metadata describe_training(const method& what, const training_settings& s,
+                                         tactnet::split_rule rule, std::uint64_t seed,
+                                         std::string_view data) {
+    tactnet::file_metadata all{
+        {"network", what.name},
+        {"rows", fmt::to_string(what.rows)},
+        {"columns", fmt::to_string(what.columns)},
+        {"data", std::string(data)},
+        {"split", std::string(name_of(rule))},
+        {"seed", fmt::to_string(seed)},
+        {"validation_share", fmt::to_string(s.shares.validation)},
+        {"test_share", fmt::to_string(s.shares.test)},
         {"library",
          fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR, TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)},
         {"instruction_set", std::string(instruction_set)},
     };
+    all.merge(what.describe(recipe_for(what.name, s)));
+    return all;
 }

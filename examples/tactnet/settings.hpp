@@ -2,6 +2,8 @@
 
 // What a user may choose about a training, and what becomes of it.
 
+#include "method.hpp"
+
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/training/recipe.hpp>
 #include <tactnet/training/split.hpp>
@@ -36,7 +38,10 @@ std::string_view name_of(tactnet::split_rule rule);
 /// The recipe for a network, with the user's changes. Throws usage_error.
 tactnet::recipe recipe_for(std::string_view network, const training_settings& settings);
 
+/// A recipe as text.
+tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe);
+
 /// Everything that decides the result of a training, as text: two trainings with the same description give
 /// the same bits. Goes into weight files, checkpoints and lists of results.
-tactnet::file_metadata describe_training(std::string_view network, const training_settings& settings,
+tactnet::file_metadata describe_training(const method& what, const training_settings& settings,
                                          tactnet::split_rule rule, std::uint64_t seed, std::string_view data);

@@ -1,4 +1,4 @@
-// tactnet train: one network on one split of a folder of images.
+// tactnet train: one network or machine on one split of a folder of images.
 
 #include "commands.hpp"
 #include "data.hpp"
@@ -21,6 +21,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <system_error>
 
 namespace {
@@ -54,7 +55,7 @@ std::vector<std::uint8_t> selftest_images(std::size_t count, std::size_t rows, s
 }
 
 /// Trains until done or interrupted; tells whether it is done.
-bool run(training_run& training, std::size_t epochs, const std::filesystem::path& checkpoint,
+bool run(network_training& training, std::size_t epochs, const std::filesystem::path& checkpoint,
          const tactnet::file_metadata& settings, double checkpoint_minutes) {
     progress line;
     const stopwatch watch;
@@ -65,11 +66,12 @@ bool run(training_run& training, std::size_t epochs, const std::filesystem::path
             line.end_line();
             return false;
         }
-        const tactnet::epoch_report& e = training.run_epoch();
+        training.advance();
+        const auto& history = training.history();
+        const tactnet::epoch_report& e = history.back();
         const double seconds = watch.seconds(), done = static_cast<double>(e.epoch - before);
         const double left = seconds / done * static_cast<double>(epochs - e.epoch);
         std::string text = fmt::format("epoch {} of {}, loss {:.4f}", e.epoch, epochs, e.loss);
-        const auto& history = training.history();
         const auto validated = std::find_if(history.rbegin(), history.rend(), [](const auto& past) {
             return !std::isnan(past.validation_accuracy);
         });
@@ -98,11 +100,33 @@ void check_no_checkpoint(const std::filesystem::path& path) {
                                       path.string()));
 }
 
+/// A network by epochs, with checkpoints. Tells whether it is done.
+bool run_epochs(network_training& training, const train_options& o, std::size_t epochs,
+                const std::filesystem::path& checkpoint, const tactnet::file_metadata& settings) {
+    if (o.resume)
+        training.load_checkpoint(checkpoint, settings);
+    catch_interrupts();
+    if (run(training, epochs, checkpoint, settings, o.checkpoint_minutes))
+        return true;
+    make_folder_of(checkpoint);
+    training.save_checkpoint(checkpoint, settings);
+    fmt::print(stderr, "stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
+               training.history().size(), epochs, checkpoint.string());
+    return false;
+}
+
+/// A machine, all at once: Ctrl-C ends the program, and leaves nothing.
+void run_once(training_run& training, const std::string& data) {
+    try {
+        training.advance();
+    } catch (const std::invalid_argument& error) { // nothing to tell apart, nothing to describe
+        throw usage_error(fmt::format("{}: {}", data, error.what()));
+    }
+}
+
 int train(const train_options& o) {
-    if (is_machine(o.network))
-        throw usage_error(fmt::format(
-            "--network: expected a network, found {}: `evaluate` trains and tests it", o.network));
-    const method& network = find_method(o.network, o.training.rows, o.training.columns);
+    const method& what = find_method(o.network, o.training.rows, o.training.columns);
+    const bool by_epochs = !is_machine(o.network);
     const tactnet::recipe recipe = recipe_for(o.network, o.training);
     const std::filesystem::path output = o.output;
     const std::filesystem::path checkpoint = o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint;
@@ -110,67 +134,70 @@ int train(const train_options& o) {
         o.plots.empty() ? output.parent_path() : std::filesystem::path(o.plots);
     const std::string stem = output.stem().string();
     check_writable(output);
-    check_writable(checkpoint);
-    if (!o.resume && !o.afresh)
-        check_no_checkpoint(checkpoint);
-    check_writable(folder / (stem + ".learning.csv"));
+    if (by_epochs) {
+        check_writable(checkpoint);
+        if (!o.resume && !o.afresh)
+            check_no_checkpoint(checkpoint);
+    } else if (o.resume) {
+        throw usage_error(
+            fmt::format("--resume: expected a network, found {}, which is trained in one go", o.network));
+    }
+    check_writable(folder / (stem + ".confusion.csv"));
 
     const image_data data = load_data(o.data, o.training.rows, o.training.columns, o.training.resize);
     const std::vector<std::string>& classes = data.images.classes;
-    check_capacity(network, o.data, classes.size());
+    check_capacity(what, o.data, classes.size());
     const tactnet::split_rule rule = split_rule_of(o.split);
     tactnet::data_split split =
         tactnet::split_data(data.images.labels, classes.size(), rule, o.seed, o.training.shares);
     const tactnet::file_metadata settings =
-        describe_training(o.network, o.training, rule, o.seed, data.fingerprint);
+        describe_training(what, o.training, rule, o.seed, data.fingerprint);
 
     tactnet::thread_pool threads(o.threads);
-    const auto training = network.train(recipe, data.view(), std::move(split), o.seed, threads);
-    if (o.resume)
-        training->load_checkpoint(checkpoint, settings);
-    fmt::print(stderr,
-               "{} {}x{}, {} classes, {} parameters: {} images to train, {} to validate, {} to test\n",
-               o.network, network.rows, network.columns, classes.size(),
-               grouped(network.costs(classes.size()).parameters), training->split().training.size(),
+    const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads);
+    auto* const epochs = dynamic_cast<network_training*>(training.get());
+    const std::string size =
+        epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.costs(classes.size()).parameters))
+                          : "";
+    fmt::print(stderr, "{} {}x{}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.network,
+               what.rows, what.columns, classes.size(), size, training->split().training.size(),
                training->split().validation.size(), training->split().test.size());
 
-    catch_interrupts();
     const stopwatch watch;
-    if (!run(*training, recipe.epochs, checkpoint, settings, o.checkpoint_minutes)) {
-        make_folder_of(checkpoint);
-        training->save_checkpoint(checkpoint, settings);
-        fmt::print(stderr, "stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
-                   training->history().size(), recipe.epochs, checkpoint.string());
+    if (epochs == nullptr)
+        run_once(*training, o.data);
+    else if (!run_epochs(*epochs, o, recipe.epochs, checkpoint, settings))
         return interrupted_by_user;
-    }
     const double seconds = watch.seconds();
 
     const auto best = training->best(classes);
     const tactnet::evaluation test = best->evaluate(data.view(), training->split().test, threads);
     const tactnet::evaluation validation = best->evaluate(data.view(), training->split().validation, threads);
     tactnet::file_metadata metadata = settings;
-    metadata["trained_epochs"] = fmt::to_string(training->history().size());
+    if (epochs != nullptr)
+        metadata["trained_epochs"] = fmt::to_string(epochs->history().size());
     if (test.confusion.total() > 0)
         metadata["test_accuracy"] = fmt::to_string(test.confusion.accuracy());
     if (validation.confusion.total() > 0)
         metadata["validation_accuracy"] = fmt::to_string(validation.confusion.accuracy());
 
     make_folder_of(output);
-    best->save(output, metadata, selftest_images(o.selftest, network.rows, network.columns));
+    best->save(output, metadata, selftest_images(o.selftest, what.rows, what.columns));
     make_folder_of(folder / stem);
-    tactnet::write_file(folder / (stem + ".learning.jsonl"), learning_curve_json_lines(training->history()));
-    plot_learning_curve(
-        folder / (stem + ".learning"),
-        fmt::format("{} {}x{}, {} recipe", o.network, network.rows, network.columns, o.training.recipe),
-        training->history());
+    const std::string title = fmt::format("{} {}x{}", o.network, what.rows, what.columns);
+    if (epochs != nullptr) {
+        tactnet::write_file(folder / (stem + ".learning.jsonl"),
+                            learning_curve_json_lines(epochs->history()));
+        plot_learning_curve(folder / (stem + ".learning"),
+                            fmt::format("{}, {} recipe", title, o.training.recipe), epochs->history());
+    }
     if (test.confusion.total() > 0)
-        plot_confusion(
-            folder / (stem + ".confusion"),
-            fmt::format("{} {}x{}, {} split {}", o.network, network.rows, network.columns, o.split, o.seed),
-            test.confusion, classes);
-    std::error_code ignored;
-    std::filesystem::remove(checkpoint,
-                            ignored); // of this training: a finished one has nothing to go on with
+        plot_confusion(folder / (stem + ".confusion"), fmt::format("{}, {} split {}", title, o.split, o.seed),
+                       test.confusion, classes);
+    if (epochs != nullptr) { // a finished training has nothing to go on with
+        std::error_code ignored;
+        std::filesystem::remove(checkpoint, ignored);
+    }
 
     fmt::print("{}: trained in {:.1f} s", output.string(), seconds);
     if (test.confusion.total() > 0)
@@ -183,13 +210,14 @@ int train(const train_options& o) {
 } // namespace
 
 command add_train(CLI::App& program) {
-    auto* app = program.add_subcommand("train", "Train a network on a folder of images and save it");
+    auto* app = program.add_subcommand(
+        "train", "Train a network or a support vector machine on a folder of images and save it");
     auto o = std::make_shared<train_options>();
     app->add_option("--data", o->data,
                     "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
         ->type_name("FOLDER")
         ->required();
-    app->add_option("--network", o->network, "One of " + network_names())
+    app->add_option("--network,--method", o->network, "One of " + method_names())
         ->type_name("NAME")
         ->capture_default_str();
     app->add_option("--output", o->output, "Weight file to write; curves and confusion matrix go beside it")
@@ -224,8 +252,9 @@ command add_train(CLI::App& program) {
     app->add_option("--plots", o->plots,
                     "Folder for curves and confusion matrix (default: that of the weight file)")
         ->type_name("FOLDER");
-    app->add_option("--self-test", o->selftest,
-                    "Made-up images kept in the weight file with their logits, 0 to 100; loading checks them")
+    app->add_option(
+           "--self-test", o->selftest,
+           "Made-up images kept in the weight file with what came of them, 0 to 100; loading checks them")
         ->type_name("N")
         ->check(CLI::Range(0, 100))
         ->capture_default_str();

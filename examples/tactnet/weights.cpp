@@ -1,6 +1,7 @@
 #include "weights.hpp"
 
 #include "data.hpp"
+#include "machines.hpp"
 #include "registry.hpp"
 #include "usage_error.hpp"
 
@@ -13,7 +14,7 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
         ->required(required);
     if (required) { // elsewhere these exist already, for other purposes too
         command
-            .add_option("--network", o.network,
+            .add_option("--network,--method", o.network,
                         "For weight files that do not say it: one of " + network_names())
             ->type_name("NAME");
         command.add_option("--rows", o.rows, "Likewise: rows of the network's input, tactels")
@@ -50,6 +51,9 @@ loaded_weights load_weights(const weight_options& o) {
     if (!says.network.empty() && says.network != name)
         throw usage_error(fmt::format("{}: expected weights of {} as --network says, found those of {}",
                                       o.weights, name, says.network));
+    if (is_machine(name) && o.epsilon)
+        throw usage_error(
+            fmt::format("--epsilon: expected a network, found {}, which has no batch norms", name));
     loaded_weights result{&find_method(name, *rows, *columns),
                           nullptr,
                           {},

@@ -23,7 +23,7 @@ struct weight_options {
 
 struct loaded_weights {
     const method* network;
-    std::unique_ptr<trained_network> trained;
+    std::unique_ptr<trained_method> trained;
     std::vector<std::string> classes;
     bool named; ///< whether anyone said what the classes are called
     tactnet::file_metadata metadata;

@@ -2,6 +2,7 @@
 // What was read can be written, and reads as the same again.
 
 #include "fuzz_target.hpp"
+#include "safetensors_input.hpp"
 
 #include <tactnet/io/safetensors.hpp>
 
@@ -10,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
@@ -65,44 +65,16 @@ void check(std::vector<std::byte> bytes) {
     }
 }
 
-std::vector<std::uint8_t> as_input(const std::vector<std::byte>& bytes) {
-    std::vector<std::uint8_t> input(bytes.size());
-    std::memcpy(input.data(), bytes.data(), bytes.size());
-    return input;
-}
-
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const auto input = std::as_bytes(std::span(data, size));
-    check({input.begin(), input.end()});
-
-    // Once more with what stands before the first byte 0xFF, which is never part of text, as the header and
-    // the rest as the data: so the length in front, which few mutations get right, is out of the way.
-    const std::size_t header =
-        static_cast<std::size_t>(std::find(data, data + size, std::uint8_t{0xFF}) - data);
-    const std::uint64_t length = header;
-    std::vector<std::byte> framed(sizeof(length));
-    std::memcpy(framed.data(), &length, sizeof(length));
-    framed.insert(framed.end(), input.begin(), input.begin() + static_cast<std::ptrdiff_t>(header));
-    if (header < size)
-        framed.insert(framed.end(), input.begin() + static_cast<std::ptrdiff_t>(header) + 1, input.end());
-    check(std::move(framed));
+    check_both_forms(data, size, check);
     return 0;
 }
 
 std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
     std::vector<std::vector<std::uint8_t>> seeds;
-    const auto add = [&](const tactnet::safetensors_writer& writer) {
-        const auto bytes = writer.to_bytes();
-        seeds.push_back(as_input(bytes));
-        // And in the second form.
-        std::uint64_t length = 0;
-        std::memcpy(&length, bytes.data(), sizeof(length));
-        auto framed = as_input({bytes.begin() + 8, bytes.end()});
-        framed.insert(framed.begin() + static_cast<std::ptrdiff_t>(length), 0xFF);
-        seeds.push_back(std::move(framed));
-    };
+    const auto add = [&](const tactnet::safetensors_writer& writer) { add_seeds(seeds, writer); };
     tactnet::safetensors_writer empty;
     add(empty);
 

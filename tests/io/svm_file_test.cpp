@@ -99,10 +99,39 @@ TEST_SUITE("io/svm_file") {
             save_machine(folder.path() / "linear.safetensors", machine);
             const auto loaded = load_linear_machine<4>(folder.path() / "linear.safetensors");
             CHECK(loaded.decision_values(s.rows()) == machine.decision_values(s.rows()));
-            CHECK_THROWS_AS((void)load_linear_machine<5>(folder.path() / "linear.safetensors"), file_error);
-            CHECK_THROWS_WITH_AS((void)load_kernel_machine<rbf_kernel>(safetensors::parse(
-                                     read_file(folder.path() / "linear.safetensors"), "file")),
+            const auto file = safetensors::parse(read_file(folder.path() / "linear.safetensors"), "file");
+            CHECK_THROWS_WITH_AS((void)load_linear_machine<5>(file), "file: expected 5 features, found 4",
+                                 file_error);
+            CHECK_THROWS_WITH_AS((void)load_kernel_machine<rbf_kernel>(file),
                                  "file: metadata 'machine': expected 'kernel', found 'linear'", file_error);
+        }
+    }
+
+    TEST_CASE("a machine beside other arrays; standardisation by nothing is refused") {
+        linear_machine_parameters parts;
+        parts.features = 2;
+        parts.labels = {0, 1};
+        parts.weights = {1, 2, 3, 4};
+        parts.offsets = {5, 6};
+        for (const float deviation : {0.5F, 0.0F, -1.0F}) {
+            parts.standardise = standardisation{{0, 0}, {1, deviation}};
+            safetensors_writer writer;
+            writer.metadata["classes"] = "[]";
+            writer.add("own", {1}, std::vector<float>{7});
+            add_machine(writer, linear_machine<>(parts));
+            CHECK(writer.metadata.at("classes") == "[]");
+            const auto file = safetensors::parse(writer.to_bytes(), "file");
+            CHECK(file.values<float>("own") == std::vector<float>{7});
+            if (deviation > 0)
+                CHECK(load_linear_machine<2>(file).parameters().standardise->deviation[1] == deviation);
+            else
+                CHECK_THROWS_WITH_AS(
+                    (void)load_linear_machine<2>(file),
+                    ("file: tensor 'standardise.deviation': expected positive numbers, found " +
+                     std::to_string(deviation))
+                        .c_str(),
+                    file_error);
+            CHECK_THROWS_AS(add_machine(writer, linear_machine<>(parts)), std::invalid_argument);
         }
     }
 
@@ -132,6 +161,12 @@ TEST_SUITE("io/svm_file") {
         has(error_of([](auto&, auto& p) { p.labels = {8, 3}; }), "parts that fit each other");
         has(error_of([](auto&, auto& p) { p.labels.pop_back(); }), "two classes or more");
         has(error_of([](auto&, auto& p) { p.counts = {2, 1}; }), "parts that fit each other");
+        has(error_of([](auto&, auto& p) {
+                p.vectors.clear();
+                p.coefficients.clear();
+                p.counts = {0, 0};
+            }),
+            "support vectors, at least: expected 1, found 0");
         has(error_of([](auto&, auto& p) { p.coefficients.push_back(1); }), "tensor 'coefficients'");
     }
 }

@@ -91,6 +91,21 @@ TEST_SUITE("svm/grid_search") {
               0); // one class left in each part
     }
 
+    TEST_CASE("of equal ones the first is the best; a limit of iterations is reported") {
+        const support::samples s = support::blobs(60, 3, 2, 0.02);
+        thread_pool alone;
+        const search_grid<rbf_kernel> grid{{{0.5}, {1.0}}, {3, 1, 10}, 3};
+        const auto found = grid_search(grid, s.rows(), s.labels, {}, alone);
+        CHECK(found.accuracies == std::vector<double>(6, 1.0));
+        CHECK(found.cost == 3);
+        CHECK(*found.kernel.gamma == 0.5);
+        CHECK(found.converged);
+        const support::samples wide = support::blobs(60, 3, 2, 1);
+        kernel_training_options<rbf_kernel> hurried;
+        hurried.solver.iteration_limit = 1;
+        CHECK_FALSE(grid_search(grid, wide.rows(), wide.labels, hurried, alone).converged);
+    }
+
     TEST_CASE("a grid without anything to try is refused") {
         const support::samples s = support::blobs(20, 3, 2, 1);
         thread_pool alone;

@@ -145,6 +145,16 @@ TEST_SUITE("svm/kernel_machine") {
             CHECK(std::abs(claimed - right) < 3 * 0.5 / std::sqrt(3000.0) + 3 * 0.5 / std::sqrt(600.0));
             CHECK(right > 0.6);
         }
+        // Two classes are not coupled: the likelier one is still the one that is recognised.
+        const support::samples pair = support::blobs(100, 4, 2, 0.1);
+        for (const multiclass scheme : schemes) {
+            const auto machine = train<rbf_kernel>(pair, {.scheme = scheme, .probability_folds = 5}).machine;
+            const std::vector<double> p = machine.probabilities(pair.rows(), alone);
+            for (std::size_t i = 0; i < pair.labels.size(); ++i) {
+                CHECK(p[2 * i + pair.labels[i]] > 0.7);
+                CHECK(p[2 * i] + p[2 * i + 1] == doctest::Approx(1));
+            }
+        }
         CHECK_THROWS_AS((void)train<rbf_kernel>(s, {.probability_folds = 1}), std::invalid_argument);
         CHECK_THROWS_AS((void)train<rbf_kernel>(s, {}).machine.probabilities(s.rows(), alone),
                         std::logic_error);
@@ -198,7 +208,7 @@ TEST_SUITE("svm/kernel_machine") {
         CHECK(accuracy(train<rbf_kernel>(all_constant, {.standardise = true}).machine, all_constant) ==
               doctest::Approx(1.0 / 3));
         for (const double cost : {1e-9, 1e9})
-            for (const double gamma : {0.0, 1e-9, 1e9}) {
+            for (const double gamma : {0.0, 1e-9, 1e9, 1e300}) {
                 CAPTURE(cost);
                 CAPTURE(gamma);
                 kernel_training_options<rbf_kernel> options{.kernel = {gamma}, .cost = cost};
@@ -207,7 +217,7 @@ TEST_SUITE("svm/kernel_machine") {
                 thread_pool alone;
                 for (const double value : result.machine.decision_values(s.rows(), alone))
                     REQUIRE(std::isfinite(value));
-                if (gamma == 1e9 && cost == 1e9)
+                if (gamma >= 1e9 && cost == 1e9)
                     CHECK(accuracy(result.machine, s) == 1);
             }
     }
@@ -260,7 +270,15 @@ TEST_SUITE("svm/kernel_machine") {
         refused([](auto& p) { p.labels[1] = p.labels[0]; });
         refused([](auto& p) { p.labels.resize(1); });
         refused([](auto& p) { p.sigmoids.resize(1); });
+        refused([](auto& p) { p.standardise = standardisation{{0, 0}, {1, 1, 1}}; });
+        refused([](auto& p) { p.standardise = standardisation{{0, 0, 0}, {1, 1}}; });
         refused([](auto& p) { p.features = 0; });
+        refused([](auto& p) {
+            p.support_vectors.clear();
+            p.coefficients.clear();
+            p.support_counts.assign(4, 0);
+            p.features = std::size_t{1} << 60;
+        });
         CHECK_THROWS_AS((kernel_machine<rbf_kernel, 4>{good}), std::invalid_argument);
     }
 }

@@ -124,7 +124,9 @@ TEST_SUITE("svm/kernel_space") {
         const support::samples constant{2, {4, 4, 4, 4}, {0, 1}};
         CHECK(*rbf_kernel{}.fitted(constant.rows()).gamma == 1);
         CHECK(*rbf_kernel{0.25}.fitted(s.rows()).gamma == 0.25);
-        CHECK_THROWS_AS((void)rbf_kernel{-1.0}.fitted(s.rows()), std::invalid_argument);
+        for (const double gamma :
+             {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+            CHECK_THROWS_AS((void)rbf_kernel{gamma}.fitted(s.rows()), std::invalid_argument);
     }
 }
 

@@ -97,6 +97,28 @@ TEST_SUITE("svm/linear_machine") {
                 }
     }
 
+    TEST_CASE("the offset is the weight of the constant feature times that feature") {
+        const support::samples s = support::blobs(100, 5, 2, 0.5);
+        for (const double bias : {0.5, 10.0}) {
+            const problem p = first_against_rest(s, 1, bias);
+            const descent_solution solution = coordinate_descent(p.rows, p.sides, p.costs, {}, 0).solve();
+            CHECK(train(s, {.bias = bias}).machine.parameters().offsets[0] == solution.weights[5] * bias);
+        }
+    }
+
+    TEST_CASE("a class weight moves the border towards the others") {
+        const support::samples s = support::blobs(400, 2, 2, 1.5);
+        const auto of_first = [&](double weight) {
+            linear_training_options options;
+            options.class_weights = {{0, weight}};
+            const std::vector<std::size_t> found = train(s, options).machine.predict(s.rows());
+            return std::count(found.begin(), found.end(), std::size_t{0});
+        };
+        CHECK(of_first(0.1) < of_first(1));
+        CHECK(of_first(1) < of_first(10));
+        CHECK_THROWS_AS((void)of_first(0), std::invalid_argument);
+    }
+
     TEST_CASE("decision values are weights times features plus offset") {
         const support::samples s = support::blobs(90, 7, 3, 0.5);
         const auto machine = train(s, {}).machine;
@@ -185,8 +207,27 @@ TEST_SUITE("svm/linear_machine") {
         std::fill(s.labels.begin(), s.labels.end(), std::size_t{4});
         CHECK_THROWS_WITH_AS((void)train(s, {}), "labels: expected two classes or more, found only class 4",
                              std::invalid_argument);
-        auto parts = train(support::blobs(20, 3, 2, 1), {}).machine.parameters();
-        parts.weights.pop_back();
-        CHECK_THROWS_AS(linear_machine<>{parts}, std::invalid_argument);
+        const auto machine = train(support::blobs(20, 3, 2, 1), {}).machine;
+        const std::vector<float> broken{1, std::numeric_limits<float>::quiet_NaN(), 1};
+        CHECK_THROWS_WITH_AS((void)machine.predict(feature_rows<>(broken, 3)),
+                             "features: row 0, column 1: expected a finite number, found nan",
+                             std::invalid_argument);
+        CHECK_THROWS_WITH_AS((void)machine.predict(feature_rows<>(broken, 1)),
+                             "linear machine: expected rows of 3 features, found 1", std::invalid_argument);
+    }
+
+    TEST_CASE("parameters that do not fit each other are refused") {
+        const auto good = train(support::blobs(20, 3, 2, 1), {.standardise = true}).machine.parameters();
+        const auto refused = [&](auto&& change) {
+            auto parts = good;
+            change(parts);
+            CHECK_THROWS_AS(linear_machine<>{parts}, std::invalid_argument);
+        };
+        refused([](auto& p) { p.weights.pop_back(); });
+        refused([](auto& p) { p.offsets.pop_back(); });
+        refused([](auto& p) { p.labels[1] = p.labels[0]; });
+        refused([](auto& p) { p.standardise->mean.pop_back(); });
+        refused([](auto& p) { p.standardise->deviation.pop_back(); });
+        CHECK_THROWS_AS(linear_machine<4>{good}, std::invalid_argument);
     }
 }

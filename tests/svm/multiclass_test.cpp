@@ -53,6 +53,11 @@ TEST_SUITE("svm/multiclass") {
                 CHECK(count >= 2);
                 CHECK(count <= 3);
             }
+        for (std::size_t f = 0; f < 4; ++f) { // and of all: the next class goes on where the last one ended
+            const auto count = std::count(folds.begin(), folds.end(), f);
+            CHECK(count >= 7);
+            CHECK(count <= 8);
+        }
         CHECK(folds == deal_folds(classes, 31, 4, 1));
         CHECK(folds != deal_folds(classes, 31, 4, 2));
     }

@@ -119,6 +119,9 @@ TEST_CASE("mean_and_deviation") {
     CHECK(m.deviation == doctest::Approx(std::sqrt(8.0 / 3)));
     CHECK(mean_and_deviation::of(std::array{3.0}).deviation == 0);
     CHECK(mean_and_deviation::of({}).mean == 0);
+    // Twenty evaluations without a mistake are no better than that.
+    CHECK(mean_and_deviation::of(std::vector<double>(20, 1.0)).mean == 1);
+    CHECK(mean_and_deviation::of(std::vector<double>(20, 1.0)).deviation == 0);
 }
 
 TEST_CASE("recipe::published: as in the paper") {

@@ -121,15 +121,12 @@ Machine machine_of(const safetensors& file, Parameters parts, std::size_t featur
 
 } // namespace detail
 
-/// Writes a machine, all or nothing. `metadata` may say more, such as the names of the classes. Throws
-/// file_error.
+/// Adds a machine to a file that may hold more, such as what makes its features. Throws std::invalid_argument
+/// when the name of one of its arrays is taken.
 template <svm_kernel Kernel, std::size_t Features>
-void save_machine(const std::filesystem::path& path, const kernel_machine<Kernel, Features>& machine,
-                  decltype(safetensors_writer::metadata) metadata = {}) {
+void add_machine(safetensors_writer& writer, const kernel_machine<Kernel, Features>& machine) {
     const kernel_machine_parameters<Kernel>& parts = machine.parameters();
     const std::size_t vectors = machine.support_vectors();
-    safetensors_writer writer;
-    writer.metadata = std::move(metadata);
     detail::describe_machine(writer, "kernel");
     writer.metadata["kernel"] = Kernel::name;
     if constexpr (std::same_as<Kernel, rbf_kernel>)
@@ -148,20 +145,25 @@ void save_machine(const std::filesystem::path& path, const kernel_machine<Kernel
     if (!sigmoids.empty())
         writer.add("sigmoids", {parts.sigmoids.size(), 2}, std::span<const double>(sigmoids));
     detail::add_standardisation(writer, parts.standardise);
-    writer.write(path);
 }
-
 template <std::size_t Features>
-void save_machine(const std::filesystem::path& path, const linear_machine<Features>& machine,
-                  decltype(safetensors_writer::metadata) metadata = {}) {
+void add_machine(safetensors_writer& writer, const linear_machine<Features>& machine) {
     const linear_machine_parameters& parts = machine.parameters();
-    safetensors_writer writer;
-    writer.metadata = std::move(metadata);
     detail::describe_machine(writer, "linear");
     detail::add_counts(writer, "labels", parts.labels);
     writer.add("weights", {parts.labels.size(), parts.features}, std::span<const float>(parts.weights));
     writer.add("offsets", {parts.offsets.size()}, std::span<const double>(parts.offsets));
     detail::add_standardisation(writer, parts.standardise);
+}
+
+/// Writes a machine of either kind, all or nothing. `metadata` may say more, such as the names of the
+/// classes. Throws file_error.
+template <class Machine>
+void save_machine(const std::filesystem::path& path, const Machine& machine,
+                  decltype(safetensors_writer::metadata) metadata = {}) {
+    safetensors_writer writer;
+    writer.metadata = std::move(metadata);
+    add_machine(writer, machine);
     writer.write(path);
 }
 

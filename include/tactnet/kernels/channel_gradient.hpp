@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/kernels/lane_products.hpp>
+#include <tactnet/kernels/sized_vector.hpp>
 #include <tactnet/kernels/unroll.hpp>
 #include <tactnet/kernels/vector.hpp>
-#include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
@@ -89,11 +89,7 @@ template <sliding_window W, std::size_t Filters, std::size_t Vectors, class T>
             }
             unroll<Filters>([&](auto f) {
                 unroll<Vectors>([&](auto v) {
-                    alignas(alignment) std::array<T, lanes<T>> flat;
-                    store(flat.data(), sums[f][v]);
-                    double* to = totals + plan::place(f, v * lanes<T>, row, column);
-                    for (std::size_t lane = 0; lane < lanes<T>; ++lane)
-                        to[lane] += static_cast<double>(flat[lane]);
+                    add_each_lane<T>(totals + plan::place(f, v * lanes<T>, row, column), sums[f][v]);
                 });
             });
         }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/vector.hpp>
+#include <tactnet/kernels/sized_vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -27,10 +27,7 @@ namespace tactnet::inline TACTNET_ARCH {
                 sums[c] = multiply_add(load(a + i + c * width), load(b + i + c * width), sums[c]);
         for (; i < end; i += width)
             sums[0] = multiply_add(load(a + i), load(b + i), sums[0]);
-        alignas(alignment) std::array<float, width> flat;
-        store(flat.data(), (sums[0] + sums[1]) + (sums[2] + sums[3]));
-        for (const float lane : flat)
-            total += static_cast<double>(lane);
+        total = add_lanes<float, width>((sums[0] + sums[1]) + (sums[2] + sums[3]), total);
     }
     return total;
 }

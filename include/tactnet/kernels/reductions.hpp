@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/vector.hpp>
+#include <tactnet/kernels/sized_vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -18,8 +18,7 @@ inline constexpr std::size_t run_length = 16;
 /// `Sums` sums over the vectors 0 … count − 1, all lanes together: term(i) returns one vector for each sum.
 template <std::size_t Sums, class T, class Term>
 [[nodiscard]] std::array<double, Sums> sum_terms(std::size_t count, Term&& term) {
-    constexpr std::size_t width = lanes<T>;
-    std::array<std::array<double, width>, Sums> totals{};
+    std::array<std::array<double, lanes<T>>, Sums> totals{};
     for (std::size_t first = 0; first < count; first += run_length) {
         std::array<vector<T>, Sums> run = term(first);
         const std::size_t end = std::min(first + run_length, count);
@@ -28,12 +27,8 @@ template <std::size_t Sums, class T, class Term>
             for (std::size_t s = 0; s < Sums; ++s)
                 run[s] += next[s];
         }
-        for (std::size_t s = 0; s < Sums; ++s) {
-            alignas(alignment) std::array<T, width> flat;
-            store(flat.data(), run[s]);
-            for (std::size_t lane = 0; lane < width; ++lane)
-                totals[s][lane] += static_cast<double>(flat[lane]);
-        }
+        for (std::size_t s = 0; s < Sums; ++s)
+            add_each_lane<T>(totals[s].data(), run[s]);
     }
     std::array<double, Sums> result{};
     for (std::size_t s = 0; s < Sums; ++s)

@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/unroll.hpp>
 #include <tactnet/kernels/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <array>
 #include <cstddef>
@@ -63,6 +64,24 @@ template <class T>
     while (width > count && width > fewest_lanes<T>)
         width /= 2;
     return width;
+}
+
+/// start + the lanes of a vector, from the first to the last. `Lanes` are those of `Vector`.
+template <class T, std::size_t Lanes, class Sum = T, class Vector>
+[[nodiscard]] inline Sum add_lanes(const Vector& values, Sum start = Sum{}) {
+    alignas(alignment) std::array<T, Lanes> flat;
+    store_as(flat.data(), values);
+    for (const T lane : flat)
+        start += static_cast<Sum>(lane);
+    return start;
+}
+/// totals[i] += lane i, in double.
+template <class T>
+inline void add_each_lane(double* totals, const vector<T>& values) {
+    alignas(alignment) std::array<T, lanes<T>> flat;
+    store(flat.data(), values);
+    for (std::size_t lane = 0; lane < lanes<T>; ++lane)
+        totals[lane] += static_cast<double>(flat[lane]);
 }
 
 /// Rows × columns × vectors of accumulators that stay in registers.

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/vector.hpp>
-#include <tactnet/tensor/alignment.hpp>
+#include <tactnet/kernels/sized_vector.hpp>
 
-#include <array>
 #include <cstddef>
 
 namespace tactnet::inline TACTNET_ARCH {
@@ -18,12 +16,7 @@ template <std::size_t Length>
         const vector<float> difference = load(a + i) - load(b + i);
         squares = multiply_add(difference, difference, squares);
     }
-    alignas(alignment) std::array<float, lanes<float>> flat;
-    store(flat.data(), squares);
-    float sum = 0;
-    for (const float square : flat)
-        sum += square;
-    return sum;
+    return add_lanes<float, lanes<float>>(squares);
 }
 
 } // namespace tactnet

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/sized_vector.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -38,12 +36,7 @@ template <std::size_t Length>
         const wide v = load_as<wide>(values + i);
         squares = fused_multiply_add(v, v, squares);
     }
-    alignas(alignment) std::array<float, width> flat;
-    store_as(flat.data(), squares);
-    float sum = 0;
-    for (const float square : flat)
-        sum += square;
-    return std::sqrt(sum);
+    return std::sqrt(add_lanes<float, width>(squares));
 }
 
 /// values[i] *= factor, for Length values, aligned; whole vectors of them.

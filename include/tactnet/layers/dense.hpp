@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/lane_products.hpp>
 #include <tactnet/kernels/reductions.hpp>
+#include <tactnet/kernels/sized_vector.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <algorithm>
@@ -103,12 +104,8 @@ struct dense {
             alignas(alignment) std::array<T, lanes<T> * lanes<T>> turned;
             turn_lanes(in, count, turned.data());
             lane_product<Outputs, lanes<T>, matrix_layout{lanes<T>, 1}>(
-                out_gradient, turned.data(), [&](std::size_t o, const vector<T>& sum) {
-                    alignas(alignment) std::array<T, lanes<T>> flat;
-                    store(flat.data(), sum);
-                    for (std::size_t lane = 0; lane < lanes<T>; ++lane)
-                        totals[o * lanes<T> + lane] += static_cast<double>(flat[lane]);
-                });
+                out_gradient, turned.data(),
+                [&](std::size_t o, const vector<T>& sum) { add_each_lane<T>(totals + o * lanes<T>, sum); });
         }
     };
 };

@@ -55,7 +55,9 @@ private:
 
 struct descent_options {
     linear_loss loss = linear_loss::squared_hinge;
-    double tolerance = 0.1;             ///< largest difference of projected gradients
+    /// Largest difference of projected gradients. LIBLINEAR's is 0.1, ten times as much, where 0.7 % of the
+    /// answers on raw pixels are not those of the optimum; here 0.05 %.
+    double tolerance = 0.01;
     std::size_t iteration_limit = 1000; ///< passes over the samples
     std::uint64_t seed = 1;             ///< of the order of the samples
 };

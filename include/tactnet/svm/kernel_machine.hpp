@@ -221,6 +221,7 @@ void kernel_machine_parameters<Kernel>::check() const {
             "distinct labels in rising order", k, 0);
     require_same("counts of support vectors", k, support_counts.size());
     const std::size_t vectors = support_vectors.size() / features;
+    require(vectors >= 1, "support vectors, at least", 1, vectors); // none hold any number of features
     require_same("values of support vectors", vectors * features, support_vectors.size());
     std::size_t counted = 0;
     for (const std::size_t count : support_counts) {

@@ -50,8 +50,9 @@ struct rbf_kernel {
     std::optional<double> gamma;
 
     [[nodiscard]] rbf_kernel fitted(feature_rows<> rows) const {
-        if (gamma && !(*gamma >= 0))
-            throw std::invalid_argument("gamma: expected 0 or more, found " + std::to_string(*gamma));
+        if (gamma && !(*gamma >= 0 && *gamma <= std::numeric_limits<double>::max()))
+            throw std::invalid_argument("gamma: expected a finite number of 0 or more, found " +
+                                        std::to_string(*gamma));
         if (gamma)
             return *this;
         const double variance = variance_of_all(rows);

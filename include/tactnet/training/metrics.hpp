@@ -53,8 +53,11 @@ struct mean_and_deviation {
 
     [[nodiscard]] static mean_and_deviation of(std::span<const double> values) {
         mean_and_deviation m;
-        for (const double v : values)
-            m.mean += v / static_cast<double>(values.size());
+        if (values.empty())
+            return m;
+        for (const double v : values) // divided at the end: the mean of equal numbers is that number
+            m.mean += v;
+        m.mean /= static_cast<double>(values.size());
         for (const double v : values)
             m.deviation += (v - m.mean) * (v - m.mean);
         m.deviation = values.size() > 1 ? std::sqrt(m.deviation / static_cast<double>(values.size() - 1)) : 0;
