@@ -65,6 +65,13 @@ image_data load_data(const std::filesystem::path& folder, std::size_t rows, std:
     return data;
 }
 
+std::string file_fingerprint(const std::filesystem::path& path) {
+    const auto bytes = tactnet::read_file(path);
+    fingerprint print;
+    print.add(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    return print.text();
+}
+
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
                                bool resize) {
     tactnet::grey_image image = decode_image(path);

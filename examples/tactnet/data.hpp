@@ -22,6 +22,9 @@ struct image_data {
 /// refused. Throws tactnet::file_error.
 image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns, bool resize);
 
+/// Differs when any byte of a file differs. Throws tactnet::file_error.
+std::string file_fingerprint(const std::filesystem::path& path);
+
 /// One image to recognise, of the size asked for.
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
                                bool resize);

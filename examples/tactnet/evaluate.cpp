@@ -39,6 +39,7 @@ struct candidate {
     const method* network;
     training_settings training;
     const image_data* data;
+    std::shared_ptr<const trained_method> start{};
 };
 
 /// One training to do.
@@ -58,6 +59,7 @@ std::optional<training_result> run(const task& t) {
         recipe_for(t.what->network->name, t.what->training), data.view(),
         tactnet::split_data(data.images.labels, classes.size(), t.rule, t.seed, t.what->training.shares),
         t.seed, alone);
+    start(*training, t.what->start.get());
     const stopwatch watch;
     while (!training->finished()) {
         if (interrupted())
@@ -249,6 +251,7 @@ int evaluate(const evaluate_options& o) {
             data.emplace(size, load_data(o.data, size.first, size.second, o.training.resize));
         c.data = &data.at(size);
         check_capacity(*c.network, o.data, c.data->images.classes.size());
+        c.start = load_start(*c.network, c.training, c.data->images.classes);
     }
     if (o.afresh) {
         std::error_code ignored;

@@ -86,6 +86,9 @@ class network_training : public training_run {
 public:
     virtual const std::vector<tactnet::epoch_report>& history() const = 0;
     virtual std::size_t images_per_epoch() const = 0;
+    /// Before the first epoch: begins with a network that the same method has loaded, in place of random
+    /// weights.
+    virtual void start_from(const trained_method& other) = 0;
     virtual void save_checkpoint(const std::filesystem::path& path,
                                  const tactnet::file_metadata& settings) = 0;
     virtual void load_checkpoint(const std::filesystem::path& path,

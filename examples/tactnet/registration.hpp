@@ -22,6 +22,7 @@ class registered_network final : public trained_network {
 public:
     explicit registered_network(tactnet::model<Network> model) : model_(std::move(model)) {}
 
+    const tactnet::model<Network>& model() const { return model_; }
     const std::vector<std::string>& classes() const override { return model_.classes; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads) const override {
@@ -74,6 +75,9 @@ public:
     void advance() override { trainer_.run_epoch(); }
     const std::vector<tactnet::epoch_report>& history() const override { return trainer_.history(); }
     std::size_t images_per_epoch() const override { return trainer_.images_per_epoch(); }
+    void start_from(const trained_method& other) override {
+        trainer_.start_from(dynamic_cast<const registered_network<Network>&>(other).model().network);
+    }
     const tactnet::data_split& split() const override { return trainer_.split(); }
     void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
         tactnet::save_checkpoint(path, trainer_, settings);

@@ -25,6 +25,7 @@ struct training_settings {
     std::optional<std::size_t> epochs, batch;
     std::optional<double> rate;
     std::optional<std::string> input, augmentation;
+    std::string start; ///< weight file to begin with; empty for random weights
     tactnet::split_shares shares;
 };
 

@@ -10,6 +10,7 @@
 #include "report.hpp"
 #include "settings.hpp"
 #include "usage_error.hpp"
+#include "weights.hpp"
 
 #include <tactnet/io/file.hpp>
 #include <tactnet/kernels/random.hpp>
@@ -153,8 +154,11 @@ int train(const train_options& o) {
     const tactnet::file_metadata settings =
         describe_training(what, o.training, rule, o.seed, data.fingerprint);
 
+    const auto from = load_start(what, o.training, classes);
+
     tactnet::thread_pool threads(o.threads);
     const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads);
+    start(*training, from.get());
     auto* const epochs = dynamic_cast<network_training*>(training.get());
     const std::string size =
         epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.costs(classes.size()).parameters))

@@ -71,3 +71,30 @@ loaded_weights load_weights(const weight_options& o) {
     }
     return result;
 }
+
+std::shared_ptr<const trained_method> load_start(const method& what, const training_settings& settings,
+                                                 const std::vector<std::string>& classes) {
+    if (settings.start.empty())
+        return nullptr;
+    weight_options options;
+    options.weights = settings.start, options.network = what.name;
+    options.rows = what.rows, options.columns = what.columns;
+    loaded_weights loaded = load_weights(options);
+    if (loaded.classes != classes)
+        throw tactnet::file_error(
+            settings.start, "",
+            fmt::format("the {} classes of the images, by the same names", classes.size()),
+            fmt::format("{} classes, or other names", loaded.classes.size()));
+    const auto says = loaded.metadata.find("input");
+    const std::string wanted = what.describe(recipe_for(what.name, settings)).at("input");
+    if (says != loaded.metadata.end() && says->second != wanted)
+        throw usage_error(
+            fmt::format("--start: expected a network of inputs by '{}', found one by '{}'; see --input",
+                        wanted, says->second));
+    return std::move(loaded.trained);
+}
+
+void start(training_run& training, const trained_method* from) {
+    if (from != nullptr)
+        dynamic_cast<network_training&>(training).start_from(*from);
+}

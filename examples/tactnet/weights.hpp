@@ -3,6 +3,7 @@
 // A weight file, and what the user says about it where it does not do so itself.
 
 #include "method.hpp"
+#include "settings.hpp"
 
 #include <cstddef>
 #include <memory>
@@ -33,3 +34,10 @@ void add_weight_options(CLI::App& command, weight_options& options, bool require
 
 /// Throws tactnet::file_error and usage_error.
 loaded_weights load_weights(const weight_options& options);
+
+/// What a training of these classes begins with: nothing if `settings` name no file. Throws
+/// tactnet::file_error and usage_error, also for weights of other classes or of inputs that are meant
+/// otherwise.
+std::shared_ptr<const trained_method> load_start(const method& what, const training_settings& settings,
+                                                 const std::vector<std::string>& classes);
+void start(training_run& training, const trained_method* from);

@@ -52,8 +52,8 @@ private:
 struct elastic_pad {
     static constexpr stage place = stage::pad;
 
-    double thickness = 1e-3; ///< metres
-    double poisson = 0.48;   ///< ν of soft rubber, more than −1 and at most ½
+    double thickness = 1.6e-3; ///< metres; by default what makes imprints as wide as the paper's
+    double poisson = 0.48;     ///< ν of soft rubber, more than −1 and at most ½
 
     template <shape Shape>
     class bound {

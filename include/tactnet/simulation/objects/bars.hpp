@@ -28,7 +28,7 @@ namespace simulation::objects {
                            bend{start + leg * along, radius, faint / 2}});
     }
     return {shape, draw.somewhere({{0, -14 * mm}, {28 * mm, 8 * mm}, -35 * degrees, 35 * degrees, 4e-3}),
-            draw.pressed(7, 13)};
+            draw.pressed(8, 14.5)};
 }
 
 /// An L of hexagonal bar.
@@ -46,8 +46,7 @@ namespace simulation::objects {
     bends.push_back({{0, side * bow}, radius, 0});
     bends.push_back({{draw.within(-2, 2) * mm, side * shorter}, radius, draw.within(0, 0.2) * mm});
     add_bar(shape.parts, bends);
-    return {shape, draw.somewhere({{0, 0}, {26 * mm, 13 * mm}, 0, 360 * degrees, 3e-3}),
-            draw.pressed(5.5, 10)};
+    return {shape, draw.somewhere({{0, 0}, {26 * mm, 13 * mm}, 0, 360 * degrees, 3e-3}), draw.pressed(7, 13)};
 }
 
 /// A stick: it tapers, bends a little, and its bark is rough.
@@ -68,7 +67,7 @@ namespace simulation::objects {
     pose at = draw.somewhere({{0, 0}, {36 * mm, 6 * mm}, 0, 0, 4e-3});
     at.angle = (draw.chance(0.5) ? angle : angle + 180) * degrees;
     at.position = at.position - (at.angle > 180 * degrees ? -1.0 : 1.0) * half;
-    return {shape, at, draw.pressed(8, 14)};
+    return {shape, at, draw.pressed(10, 17)};
 }
 
 /// Turns of a coiled cable.
@@ -85,7 +84,7 @@ namespace simulation::objects {
     // So that the middle turn passes near the middle of the array.
     pose at = draw.somewhere({{0, 0}, {20 * mm, 10 * mm}, 0, 360 * degrees, 5e-3});
     at.position = at.position - (radius - draw.within(18, 30) * mm) * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(6, 13)};
+    return {shape, at, draw.pressed(8, 17)};
 }
 
 /// A corrugated pipe: short bars across its axis.
@@ -103,7 +102,7 @@ namespace simulation::objects {
         shape.parts.push_back(rod{centre - across, centre + across, radius, radius, lift, lift});
     }
     return {shape, draw.somewhere({{0, 0}, {22 * mm, 6 * mm}, 35 * degrees, 150 * degrees, 6e-3}),
-            draw.pressed(8, 13)};
+            draw.pressed(9.5, 15.5)};
 }
 
 namespace detail {
@@ -119,13 +118,13 @@ namespace detail {
 } // namespace detail
 
 [[nodiscard]] inline touch can(drawing& draw) {
-    return detail::straight(draw, draw.within(26, 36) * mm, 3e-3, draw.pressed(8, 14));
+    return detail::straight(draw, draw.within(26, 36) * mm, 3e-3, draw.pressed(10, 18));
 }
 [[nodiscard]] inline touch pen(drawing& draw) {
-    return detail::straight(draw, draw.within(4, 5.5) * mm, 1.5e-3, draw.pressed(3, 6));
+    return detail::straight(draw, draw.within(4, 5.5) * mm, 1.5e-3, draw.pressed(3.3, 6.7));
 }
 [[nodiscard]] inline touch tube(drawing& draw) {
-    return detail::straight(draw, draw.within(8, 12) * mm, 1.5e-3, draw.pressed(4, 7));
+    return detail::straight(draw, draw.within(8, 12) * mm, 1.5e-3, draw.pressed(4.4, 7.8));
 }
 
 } // namespace simulation::objects

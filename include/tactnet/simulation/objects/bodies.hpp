@@ -75,7 +75,7 @@ namespace detail {
     }
     shape.surface = draw.rough(1.6 * mm, 9 * mm);
     touch result{shape, draw.somewhere({{0, 0}, {20 * mm, 9 * mm}, 0, 360 * degrees, 2e-2}),
-                 draw.pressed(4.5, 9)};
+                 draw.pressed(4.4, 8.7)};
     return detail::soft(std::move(result), 12e3, 22 * mm);
 }
 

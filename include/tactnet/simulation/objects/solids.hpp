@@ -13,7 +13,7 @@ namespace simulation::objects {
 [[nodiscard]] inline touch ball(drawing& draw) {
     return {{{rod::sphere({}, draw.within(18, 32) * mm)}, {}},
             draw.somewhere({{0, 0}, {38 * mm, 18 * mm}, 0, 0, 1e-3}),
-            draw.pressed(1.2, 2.6)};
+            draw.pressed(1.25, 2.7)};
 }
 
 /// A ribbed bottle: a row of bulges, some of them dented.
@@ -37,7 +37,7 @@ namespace simulation::objects {
     }
     shape.surface = draw.rough(0.45 * mm, 5 * mm);
     return {shape, draw.somewhere({{0, 0}, {28 * mm, 4 * mm}, 65 * degrees, 120 * degrees, 5e-3}),
-            draw.pressed(9, 14)};
+            draw.pressed(11, 17.5)};
 }
 
 /// A carton: its edges bear, its side gives way.
@@ -54,7 +54,7 @@ namespace simulation::objects {
     shape.surface = draw.rough(0.2 * mm, 7 * mm);
     pose at = draw.somewhere({{0, 0}, {26 * mm, 8 * mm}, 0, 360 * degrees, 5e-3});
     at.position = at.position - 12 * mm * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(5.5, 12)};
+    return {shape, at, draw.pressed(7, 15.5)};
 }
 
 /// What of a stone sticks out: a few blobs.
@@ -71,7 +71,8 @@ namespace simulation::objects {
             rod{centre - along, centre + along, size, size * draw.within(0.7, 1.2), lift, lift});
         angle += draw.within(35, 75) * degrees;
     }
-    return {shape, draw.somewhere({{0, 0}, {30 * mm, 10 * mm}, 0, 360 * degrees, 8e-3}), draw.pressed(7, 12)};
+    return {shape, draw.somewhere({{0, 0}, {30 * mm, 10 * mm}, 0, 360 * degrees, 8e-3}),
+            draw.pressed(8, 13.5)};
 }
 
 /// A flat square eraser, soft.
@@ -85,7 +86,7 @@ namespace simulation::objects {
                                 .rim = draw.within(1, 3) * mm});
     shape.surface = draw.rough(0.1 * mm, 5 * mm);
     touch result{shape, draw.somewhere({{0, 0}, {30 * mm, 12 * mm}, 0, 90 * degrees, 2e-3}),
-                 draw.pressed(6, 17)};
+                 draw.pressed(7.5, 21)};
     result.press.object_modulus = 2e6;
     return result;
 }

@@ -36,7 +36,7 @@ namespace simulation::objects {
     jaw(draw.sign() * gap, draw.within(0.1, 0.7) * mm);
     shape.surface = draw.rough(0.2 * mm, 5 * mm);
     return {shape, draw.somewhere({{0, 0}, {22 * mm, 14 * mm}, -60 * degrees, 60 * degrees, 8e-3}),
-            draw.pressed(6.5, 12)};
+            draw.pressed(7, 12.5)};
 }
 
 /// A flat barrel with one end in the picture.
@@ -51,7 +51,7 @@ namespace simulation::objects {
     shape.surface = draw.rough(0.15 * mm, 7 * mm);
     pose at = draw.somewhere({{0, 0}, {28 * mm, 10 * mm}, 0, 360 * degrees, 4e-3});
     at.position = at.position - 14 * mm * point::at_angle(at.angle);
-    touch result{shape, at, draw.pressed(6, 13)};
+    touch result{shape, at, draw.pressed(7, 14.5)};
     result.press.object_modulus = 2e6;
     return result;
 }
@@ -74,7 +74,7 @@ namespace simulation::objects {
     shape.surface = draw.rough(0.12 * mm, 6 * mm);
     pose at = draw.somewhere({{0, 0}, {22 * mm, 9 * mm}, 0, 360 * degrees, 4e-3});
     at.position = at.position - 0.5 * blade * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(3.5, 10)};
+    return {shape, at, draw.pressed(4.4, 12.5)};
 }
 
 /// Two curved handles that meet at the joint, and beyond it the jaws, which lie higher.
@@ -107,7 +107,7 @@ namespace simulation::objects {
     shape.surface = draw.rough(0.15 * mm, 5 * mm);
     pose at = draw.somewhere({{0, 0}, {22 * mm, 9 * mm}, 0, 360 * degrees, 7e-3});
     at.position = at.position - draw.within(0.1, 0.5) * length * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(6, 11)};
+    return {shape, at, draw.pressed(6.2, 11.3)};
 }
 
 /// The two finger holes, egg-shaped, side by side.
@@ -133,7 +133,7 @@ namespace simulation::objects {
     pose at = draw.somewhere({{0, 0}, {16 * mm, 10 * mm}, 0, 360 * degrees, 5e-3});
     if (draw.chance(0.6)) // one of them in the middle
         at.position = at.position - apart * point::at_angle(at.angle + 90 * degrees);
-    return {shape, at, draw.pressed(7, 12)};
+    return {shape, at, draw.pressed(7.7, 13.2)};
 }
 
 /// The rim of a roll of tape.
@@ -142,7 +142,7 @@ namespace simulation::objects {
     object shape{{arc{{}, radius, draw.within(7, 14) * mm}}, {}};
     shape.surface = draw.rough(0.15 * mm, 6 * mm);
     return {shape, draw.somewhere({{0, 0}, {26 * mm, 7 * mm}, 0, 360 * degrees, 5e-3}),
-            draw.pressed(6.5, 13)};
+            draw.pressed(7.4, 14.7)};
 }
 
 } // namespace simulation::objects
