@@ -78,6 +78,10 @@ public:
             std::swap(range[i - 1], range[below(static_cast<std::uint32_t>(i))]);
     }
 
+    /// What this stream puts into philox: the words of block n, four each, are those of {n, …} and the key.
+    [[nodiscard]] constexpr const std::array<std::uint32_t, 4>& next_counter() const { return counter_; }
+    [[nodiscard]] constexpr const std::array<std::uint32_t, 2>& key() const { return key_; }
+
 private:
     std::array<std::uint32_t, 2> key_;
     std::array<std::uint32_t, 4> counter_;

@@ -28,7 +28,7 @@ enum class stage : std::uint8_t {
 
 /// Whose random numbers: each effect draws from a stream of its own, so that a scene with one effect more
 /// draws the same numbers for all others.
-enum class random_use : std::uint32_t { gain, dead, noise, drift, shape, pose, force };
+enum class random_use : std::uint32_t { gain, dead, noise, drift, shape, pose, force, texture };
 
 /// One sensor of a make: what varies from one to the next is drawn from its number.
 struct sensor_unit {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/normal_numbers.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
@@ -24,27 +25,26 @@ struct film_texture {
     class bound {
     public:
         bound(const film_texture& effect, const mounting& where)
-            : deviation_(effect.fixed), varying_(static_cast<float>(effect.varying)) {
+            : deviation_(static_cast<float>(effect.fixed)), varying_(static_cast<float>(effect.varying)) {
             use(where.unit);
         }
         void use(sensor_unit unit) noexcept {
-            random_stream random = unit.random(random_use::gain);
-            for (float& texture : fixed_)
-                texture = static_cast<float>(deviation_ * random.normal());
+            normal_numbers(unit.random(random_use::texture))
+                .each(Shape.size(),
+                      [&](std::size_t i, float normal) { fixed_.data()[i] = deviation_ * normal; });
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
-            random_stream random = now.random(random_use::gain);
-            for (std::size_t i = 0; i < Shape.size(); ++i) {
-                float& pressure = pressures.data()[i];
-                const float texture = fixed_.data()[i] + varying_ * static_cast<float>(random.normal());
-                const float textured = pressure + texture * std::sqrt(pressure > 0 ? pressure : 0);
-                pressure = textured > 0 ? textured : 0;
-            }
+            normal_numbers(now.random(random_use::texture))
+                .each(Shape.size(), [&](std::size_t i, float normal) {
+                    float& pressure = pressures.data()[i];
+                    const float texture = fixed_.data()[i] + varying_ * normal;
+                    const float textured = pressure + texture * std::sqrt(pressure > 0 ? pressure : 0);
+                    pressure = textured > 0 ? textured : 0;
+                });
         }
 
     private:
-        double deviation_;
-        float varying_;
+        float deviation_, varying_;
         tensor<float, Shape> fixed_;
     };
 };

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <tactnet/kernels/normal_numbers.hpp>
+#include <tactnet/kernels/vector.hpp>
+#include <tactnet/simulation/effect.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace tactnet::inline TACTNET_ARCH {
+namespace simulation {
+
+/// Normal noise of the circuit, each tactel's and each frame's its own: of the standard deviation
+/// √(additive² + (relative · pressure)²). A reading may fall below zero; threshold and converter mend that.
+///
+/// The numbers are those of (moment.seed, moment.frame), and the noise has the same bits with every
+/// instruction set: as in kernels/normal_numbers.hpp, nothing is added to a rounded product.
+struct noise {
+    static constexpr stage place = stage::circuit;
+
+    /// Pascals; half a count of the paper's converter. Chosen: its images are single frames, which do not
+    /// show how much the same touch varies.
+    double additive = 67;
+    /// Share of the pressure: the repeatability that the maker states for single sensors of the same kind
+    /// (Tekscan, FlexiForce A201, data sheet: ±2.5 %), taken as a standard deviation.
+    double relative = 0.025;
+
+    template <shape Shape>
+    class bound {
+    public:
+        /// A deviation below zero or NaN is none.
+        bound(const noise& effect, const mounting&) {
+            const double additive = kept(effect.additive, most),
+                         relative = kept(effect.relative, most_relative);
+            none_ = additive == 0 && relative == 0;
+            variance_ = static_cast<float>(additive * additive);
+            // By a division, which no compiler fuses with a sum; infinite for none.
+            inverse_ = relative > 0 ? static_cast<float>(1 / (relative * relative))
+                                    : std::numeric_limits<float>::infinity();
+        }
+        void apply(signal<Shape> pressures, const moment& now) const noexcept {
+            if (none_)
+                return;
+            constexpr std::size_t group = normal_numbers::group_size;
+            const normal_numbers random(now.random(random_use::noise));
+            alignas(64) std::array<float, group> numbers, values{};
+            for (std::size_t first = 0; first < Shape.size(); first += group) {
+                float* const from = pressures.data() + first;
+                const std::size_t count = std::min(group, Shape.size() - first);
+                random.group(static_cast<std::uint32_t>(first / group), numbers.data());
+                std::copy_n(from, count, values.begin());
+                for (std::size_t i = 0; i < group; i += lanes<float>)
+                    store<float>(values.data() + i, noisy(load(values.data() + i), load(numbers.data() + i)));
+                std::copy_n(values.begin(), count, from);
+            }
+        }
+
+    private:
+        // Deviations and pressures beyond this count as this, so that no square overflows.
+        static constexpr double most = 1e15, most_relative = 1e3;
+
+        static double kept(double deviation, double limit) {
+            return deviation > 0 ? std::min(deviation, limit) : 0;
+        }
+
+        [[nodiscard]] vector<float> noisy(const vector<float>& value, const vector<float>& number) const {
+            using v = vector<float>;
+            const v large(static_cast<float>(most)), small(-static_cast<float>(most));
+            const v size = choose<float>(value < large, choose<float>(value > small, value, small), large);
+            const v variance = v(variance_) + (size * size) / v(inverse_);
+            return value + number / square_root<float>(v(1) / variance);
+        }
+
+        bool none_;
+        float variance_, inverse_;
+    };
+};
+
+} // namespace simulation
+} // namespace tactnet
