@@ -33,15 +33,14 @@ struct winkler {
             const double lowest = lowest_of(heights);
             contact_report report;
             double level = lowest; // of the object's lowest point below the untouched surface
-            if (!(lowest < no_object)) {
-                report.converged = !(press.amount > 0); // nothing there to press
-            } else if (press.until == pressing::goal::depth) {
+            if (!(lowest < no_object) || !(press.amount < no_object))
+                report.converged = !(press.amount > 0); // nothing there to press, or no end to it
+            else if (press.until == pressing::goal::depth)
                 level += std::max(press.amount, 0.0);
-            } else {
+            else
                 level = level_for(heights, lowest, press.amount / (stiffness * area_), report);
-            }
             report.depth = lowest < no_object ? level - lowest : 0;
-            report.force = press_to(heights, level, stiffness, pressures, report.cells) * area_;
+            report.force = press_to(heights, lowest, level, stiffness, pressures, report.cells) * area_;
             return report;
         }
 
@@ -54,7 +53,8 @@ struct winkler {
             lowest.fill(std::numeric_limits<float>::infinity());
             for_lanes([&](std::size_t i, std::size_t lane) {
                 const float height = heights.data()[i];
-                lowest[lane] = height < lowest[lane] ? height : lowest[lane];
+                const bool lower = height < lowest[lane] && height >= -std::numeric_limits<float>::max();
+                lowest[lane] = lower ? height : lowest[lane];
             });
             return static_cast<double>(*std::min_element(lowest.begin(), lowest.end()));
         }
@@ -68,7 +68,7 @@ struct winkler {
                 std::array<double, lanes> relative{}, counts{};
                 for_lanes([&](std::size_t i, std::size_t lane) {
                     const double height = static_cast<double>(heights.data()[i]);
-                    const bool touches = height < level;
+                    const bool touches = height < level && height >= lowest;
                     relative[lane] += touches ? height - lowest : 0;
                     counts[lane] += touches ? 1 : 0;
                 });
@@ -85,12 +85,12 @@ struct winkler {
         }
 
         /// Returns the sum of the pressures.
-        static double press_to(tensor_view<const float, Shape> heights, double level, double stiffness,
-                               signal<Shape> pressures, std::size_t& cells) {
+        static double press_to(tensor_view<const float, Shape> heights, double lowest, double level,
+                               double stiffness, signal<Shape> pressures, std::size_t& cells) {
             std::array<double, lanes> sums{}, counts{};
             for_lanes([&](std::size_t i, std::size_t lane) {
-                const double depth = level - static_cast<double>(heights.data()[i]);
-                const double pressure = depth > 0 ? stiffness * depth : 0;
+                const double height = static_cast<double>(heights.data()[i]), depth = level - height;
+                const double pressure = depth > 0 && height >= lowest ? stiffness * depth : 0;
                 pressures.data()[i] = static_cast<float>(pressure);
                 sums[lane] += pressure;
                 counts[lane] += pressure > 0 ? 1 : 0;
