@@ -36,6 +36,7 @@ std::span<const simulated_scene> simulated_scenes() {
     using namespace tactnet::simulation;
     static constexpr std::array list{
         named<paper_scene>("paper", "as the paper's sensor and files show it"),
+        named<layered_scene>("layered", "the same with an elastic layer in place of springs, slower"),
         named<ideal_scene>("ideal", "as an array without faults would"),
     };
     return list;

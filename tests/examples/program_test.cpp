@@ -628,6 +628,88 @@ TEST_SUITE("program") {
               std::string::npos);
     }
 
+    TEST_CASE("simulate: a folder that a training takes, from a seed, on any number of threads") {
+        const workshop shop;
+        const auto simulate = [&](const char* out, std::vector<std::string> more) {
+            more.insert(more.begin(), {"simulate", "--out", out, "--per-class", "2"});
+            return shop.run(more);
+        };
+        const outcome made = simulate("one", {"--threads", "1"});
+        CHECK(made.status == 0);
+        CHECK(made.out.find("44 images of 22 classes") != std::string::npos);
+        REQUIRE(simulate("three", {"--threads", "3"}).status == 0);
+        REQUIRE(simulate("other", {"--seed", "2"}).status == 0);
+        REQUIRE(simulate("ideal", {"--scene", "ideal"}).status == 0);
+        std::size_t files = 0, same = 0;
+        for (const auto& entry : fs::recursive_directory_iterator(shop / "one"))
+            if (entry.path().extension() == ".png") {
+                const fs::path inside = fs::relative(entry.path(), shop / "one");
+                const tactnet::grey_image image = decode_image(entry.path());
+                CHECK((image.rows == 28 && image.columns == 50));
+                CHECK(image.pixels == decode_image(shop / "three" / inside).pixels);
+                same += image.pixels == decode_image(shop / "other" / inside).pixels;
+                same += image.pixels == decode_image(shop / "ideal" / inside).pixels;
+                ++files;
+            }
+        CHECK(files == 44);
+        CHECK(same == 0);
+
+        // A folder begun with these settings is gone on with, any other left alone.
+        fs::remove(shop / "one" / "rock" / "00002.png");
+        CHECK(simulate("one", {}).status == 0);
+        CHECK(text_of(shop / "one" / "rock" / "00002.png") == text_of(shop / "three" / "rock" / "00002.png"));
+        shop.refuses({"simulate", "--out", "one", "--per-class", "3"},
+                     "expected images of the same simulation");
+        shop.refuses({"simulate", "--out", shop.data().string()}, "expected a new folder, an empty one");
+    }
+
+    TEST_CASE("a training starts from a weight file") {
+        const workshop shop;
+        REQUIRE(shop.train({"--output", "first.safetensors"}).status == 0);
+        const auto again = [&](const std::vector<std::string>& more) {
+            std::vector<std::string> all{"--start", "first.safetensors", "--epochs", "1", "--seed", "6"};
+            all.insert(all.end(), more.begin(), more.end());
+            return shop.train(all);
+        };
+        REQUIRE(again({"--output", "second.safetensors"}).status == 0);
+        REQUIRE(again({"--output", "third.safetensors"}).status == 0);
+        REQUIRE(shop.train({"--epochs", "1", "--seed", "6", "--output", "fresh.safetensors"}).status == 0);
+        const auto second = tactnet::safetensors::read(shop / "second.safetensors"),
+                   third = tactnet::safetensors::read(shop / "third.safetensors"),
+                   fresh = tactnet::safetensors::read(shop / "fresh.safetensors"),
+                   first = tactnet::safetensors::read(shop / "first.safetensors");
+        const auto weights = [](const tactnet::safetensors& file) {
+            return file.values<float>("conv1.weight");
+        };
+        CHECK(weights(second) == weights(third));
+        CHECK(second.metadata().contains("start"));
+        CHECK(!fresh.metadata().contains("start"));
+        const auto distance = [&](const tactnet::safetensors& file) {
+            double sum = 0;
+            for (std::size_t i = 0; i < weights(file).size(); ++i)
+                sum += std::abs(static_cast<double>(weights(file)[i] - weights(first)[i]));
+            return sum;
+        };
+        CHECK(distance(second) > 0);
+        CHECK(distance(second) < 0.2 * distance(fresh)); // one epoch does not lead far
+        CHECK(shop.run({"evaluate", "--data", shop.data().string(), "--network", "tactnet4", "--rows", "7",
+                        "--columns", "13", "--start", "first.safetensors", "--epochs", "1", "--splits", "1",
+                        "--results", "results"})
+                  .status == 0);
+
+        shop.refuses(shop.train_arguments({"--start", "none.safetensors", "--output", "x.safetensors"}),
+                     "none.safetensors");
+        shop.refuses(shop.train_arguments(
+                         {"--start", "first.safetensors", "--output", "x.safetensors", "--input", "scale"}),
+                     "expected a network of inputs by 'scale'");
+        shop.refuses(
+            shop.train_arguments({"--start", "first.safetensors", "--network", "svm-rbf", "--output", "x"}),
+            "expected a network, found svm-rbf");
+        fs::rename(shop.data() / "left", shop.data() / "leftmost");
+        shop.refuses(shop.train_arguments({"--start", "first.safetensors", "--output", "x.safetensors"}),
+                     "the 3 classes of the images");
+    }
+
     TEST_CASE("diverging training: says so, writes nothing") {
         const workshop shop;
         const outcome result =
