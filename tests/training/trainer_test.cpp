@@ -176,6 +176,25 @@ TEST_CASE("trainer: progress that no training with its recipe has is refused, an
     refused(longer, "4");
 }
 
+TEST_CASE("trainer: starts from another network, with its own epsilon and normalisation") {
+    const support::toy_task task(60);
+    thread_pool threads;
+    recipe r = quick();
+    training taught(r, task.images(), split_of(task), 1, threads);
+    run(taught, 100);
+
+    r.epsilon = 2e-5;
+    training fresh(r, task.images(), split_of(task), 2, threads),
+        started(r, task.images(), split_of(task), 2, threads);
+    started.start_from(taught.best());
+    CHECK(std::ranges::equal(started.latest().learnable_values(), taught.best().learnable_values()));
+    CHECK(std::ranges::equal(started.best().running_statistics(), taught.best().running_statistics()));
+    CHECK(started.latest().epsilon == 2e-5);
+    run(fresh, 1), run(started, 1);
+    CHECK(started.history().front().loss < 0.8 * fresh.history().front().loss);
+    CHECK_THROWS_AS(started.start_from(taught.best()), std::logic_error);
+}
+
 TEST_CASE("trainer: a training that diverges stops and says so") {
     const support::toy_task task(20);
     thread_pool threads;
