@@ -39,8 +39,8 @@ struct frame_times {
 /// What an image was taken for.
 struct recognition {
     std::size_t label = 0;
-    /// Of a network: the probability. Of a machine: by how much it decided so, which has no upper bound and
-    /// is above 0 unless it would rather have said "none of them".
+    /// Of a network: the probability. Of a machine: the smallest decision value in favour of the class, which
+    /// has no upper bound and is above 0 where no decision went against it.
     double score = 0;
 };
 

@@ -125,26 +125,53 @@ void run_once(training_run& training, const std::string& data) {
     }
 }
 
-int train(const train_options& o) {
-    const method& what = find_method(o.network, o.training.rows, o.training.columns);
-    const bool by_epochs = !is_machine(o.network);
-    const tactnet::recipe recipe = recipe_for(o.network, o.training);
-    const std::filesystem::path output = o.output;
-    const std::filesystem::path checkpoint = o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint;
+/// What a training leaves.
+struct output_files {
+    std::filesystem::path weights, checkpoint;
+    std::filesystem::path reports; ///< how their names begin
+};
+
+/// Throws usage_error where they cannot be written, or should not.
+output_files files_for(const train_options& o) {
+    const std::filesystem::path weights = o.output;
     const std::filesystem::path folder =
-        o.plots.empty() ? output.parent_path() : std::filesystem::path(o.plots);
-    const std::string stem = output.stem().string();
-    check_writable(output);
-    if (by_epochs) {
-        check_writable(checkpoint);
+        o.plots.empty() ? weights.parent_path() : std::filesystem::path(o.plots);
+    output_files files{weights, o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint,
+                       folder / weights.stem()};
+    check_writable(files.weights);
+    if (!is_machine(o.network)) {
+        check_writable(files.checkpoint);
         if (!o.resume && !o.afresh)
-            check_no_checkpoint(checkpoint);
+            check_no_checkpoint(files.checkpoint);
     } else if (o.resume) {
         throw usage_error(
             fmt::format("--resume: expected a network, found {}, which is trained in one go", o.network));
     }
-    check_writable(folder / (stem + ".confusion.csv"));
+    check_writable(files.reports.string() + ".confusion.csv");
+    return files;
+}
 
+/// `training`: nothing for a machine, which has no learning curve.
+void write_reports(const train_options& o, const std::filesystem::path& reports,
+                   const network_training* training, const tactnet::confusion_matrix& test,
+                   const std::vector<std::string>& classes) {
+    const std::string title = fmt::format("{} {}x{}", o.network, o.training.rows, o.training.columns);
+    make_folder_of(reports);
+    if (training != nullptr) {
+        tactnet::write_file(reports.string() + ".learning.jsonl",
+                            learning_curve_json_lines(training->history()));
+        plot_learning_curve(reports.string() + ".learning",
+                            fmt::format("{}, {} recipe", title, o.training.recipe), training->history());
+    }
+    if (test.total() > 0)
+        plot_confusion(reports.string() + ".confusion",
+                       fmt::format("{}, {} split {}", title, o.split, o.seed), test, classes);
+}
+
+int train(const train_options& o) {
+    const method& what = find_method(o.network, o.training.rows, o.training.columns);
+    const tactnet::recipe recipe = recipe_for(o.network, o.training);
+    const output_files files = files_for(o);
     const image_data data = load_data(o.data, o.training.rows, o.training.columns, o.training.resize);
     const std::vector<std::string>& classes = data.images.classes;
     check_capacity(what, o.data, classes.size());
@@ -170,7 +197,7 @@ int train(const train_options& o) {
     const stopwatch watch;
     if (epochs == nullptr)
         run_once(*training, o.data);
-    else if (!run_epochs(*epochs, o, recipe.epochs, checkpoint, settings))
+    else if (!run_epochs(*epochs, o, recipe.epochs, files.checkpoint, settings))
         return interrupted_by_user;
     const double seconds = watch.seconds();
 
@@ -185,25 +212,15 @@ int train(const train_options& o) {
     if (validation.confusion.total() > 0)
         metadata["validation_accuracy"] = fmt::to_string(validation.confusion.accuracy());
 
-    make_folder_of(output);
-    best->save(output, metadata, selftest_images(o.selftest, what.rows, what.columns));
-    make_folder_of(folder / stem);
-    const std::string title = fmt::format("{} {}x{}", o.network, what.rows, what.columns);
-    if (epochs != nullptr) {
-        tactnet::write_file(folder / (stem + ".learning.jsonl"),
-                            learning_curve_json_lines(epochs->history()));
-        plot_learning_curve(folder / (stem + ".learning"),
-                            fmt::format("{}, {} recipe", title, o.training.recipe), epochs->history());
-    }
-    if (test.confusion.total() > 0)
-        plot_confusion(folder / (stem + ".confusion"), fmt::format("{}, {} split {}", title, o.split, o.seed),
-                       test.confusion, classes);
+    make_folder_of(files.weights);
+    best->save(files.weights, metadata, selftest_images(o.selftest, what.rows, what.columns));
+    write_reports(o, files.reports, epochs, test.confusion, classes);
     if (epochs != nullptr) { // a finished training has nothing to go on with
         std::error_code ignored;
-        std::filesystem::remove(checkpoint, ignored);
+        std::filesystem::remove(files.checkpoint, ignored);
     }
 
-    fmt::print("{}: trained in {:.1f} s", output.string(), seconds);
+    fmt::print("{}: trained in {:.1f} s", files.weights.string(), seconds);
     if (test.confusion.total() > 0)
         fmt::print(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
                    test.confusion.correct(), test.confusion.total());

@@ -90,7 +90,7 @@ TEST_CASE("fit_surf_words: fewer descriptors than words") {
         CHECK(histogram[w] == 0);
 }
 
-TEST_CASE("fit_surf_words: the seed and the number of descriptors matter") {
+TEST_CASE("fit_surf_words: the seed, the descriptors and the iterations matter") {
     const std::vector<std::uint8_t> images = some_images<std::uint8_t>(8);
     thread_pool one(1);
     const auto words_with = [&](const surf_settings& settings) {
@@ -101,6 +101,7 @@ TEST_CASE("fit_surf_words: the seed and the number of descriptors matter") {
     CHECK(words_with({.most_descriptors = 300}) == expected);
     CHECK(words_with({.most_descriptors = 400}) != expected);
     CHECK(words_with({.most_descriptors = 300, .seed = 2}) != expected);
+    CHECK(words_with({.most_descriptors = 300, .most_iterations = 1}) != expected);
 }
 
 TEST_CASE("fit_surf_words: what it refuses, and what it says") {

@@ -9,12 +9,13 @@ using namespace tactnet;
 
 namespace {
 
-/// Numbers whose sum depends on the order: large ones that cancel, among small ones.
+/// Numbers whose sum depends on the order: one so large that those behind are lost in it one by one, but not
+/// together.
 template <std::size_t Lanes>
 void check_order() {
     aligned_vector<float> values(Lanes);
     for (std::size_t i = 0; i < Lanes; ++i)
-        values[i] = i % 3 == 0 ? 1.5e7F : (i % 3 == 1 ? 1.25F : -1.5e7F + 1);
+        values[i] = i == 0 ? 0x1p24F : 1.0F;
     float in_float = 0;
     double in_double = 3;
     for (const float value : values) {

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -31,6 +32,7 @@ std::vector<double> kernel_matrix(feature_rows<> rows, double gamma) {
 
 struct optimality {
     double violation = 0, objective = 0, sum = 0;
+    double offset_error = 0; ///< how far the offset is from what the gradients allow
     bool within_bounds = true;
 };
 
@@ -55,6 +57,7 @@ optimality conditions(const binary_problem& problem, const binary_solution& solu
             lowest = std::min(lowest, gradient);
     }
     result.violation = std::max(highest - lowest, 0.0);
+    result.offset_error = std::max({highest - solution.offset, solution.offset - lowest, 0.0});
     return result;
 }
 
@@ -96,6 +99,7 @@ TEST_SUITE("svm/dual_solver") {
             // Kernel values are single precision: each shifts a gradient by up to its error times its cost.
             const double rounding = 300 * cost * 0x1p-20;
             CHECK(o.violation <= 1e-3 + rounding);
+            CHECK(o.offset_error <= 1e-3 + rounding);
             CHECK(solution.report.objective == doctest::Approx(o.objective).epsilon(1e-4));
         }
     }

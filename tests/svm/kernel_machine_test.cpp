@@ -160,6 +160,19 @@ TEST_SUITE("svm/kernel_machine") {
                         std::logic_error);
     }
 
+    TEST_CASE("probabilities of samples that were learnt by heart are no higher than of others") {
+        support::samples s = support::blobs(200, 4, 2, 1);
+        random_stream random(5, draw::order);
+        for (std::size_t& label : s.labels)
+            label = random.below(2); // nothing to be learnt
+        thread_pool alone;
+        const auto machine =
+            train<rbf_kernel>(s, {.kernel = {10.0}, .cost = 10, .probability_folds = 5}).machine;
+        REQUIRE(accuracy(machine, s) == 1);
+        for (const double p : machine.probabilities(s.rows(), alone))
+            CHECK(std::abs(p - 0.5) < 0.3);
+    }
+
     TEST_CASE("a class weight moves the border towards the others") {
         const support::samples s = support::blobs(400, 2, 2, 1.5);
         const auto of_first = [&](double weight) {
