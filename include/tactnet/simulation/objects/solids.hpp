@@ -20,22 +20,22 @@ namespace simulation::objects {
 [[nodiscard]] inline touch bottle(drawing& draw) {
     const double pitch = draw.within(14, 19) * mm, bow = draw.around(0, 3e-3),
                  start = draw.within(0, 1) * pitch;
-    const double half_width = draw.within(8, 12.5) * mm, half_length = draw.within(5, 7) * mm;
+    const double half_width = draw.within(9.5, 13) * mm, half_length = draw.within(6, 8) * mm;
     const bool dented = draw.chance(0.5);
     object shape;
     for (int rib = -5; rib <= 5; ++rib) {
-        const double along = rib * pitch + start, size = draw.within(0.75, 1.1);
+        const double along = rib * pitch + start, size = draw.within(0.85, 1.1);
         plate bulge{.centre = {along, bow * along * along / mm + draw.around(0, 1.5) * mm},
-                    .half_length = half_length * draw.within(0.85, 1.1),
+                    .half_length = half_length * draw.within(0.9, 1.1),
                     .half_width = half_width * size};
         bulge.corner = 0.95 * std::min(bulge.half_length, bulge.half_width);
         bulge.rim = 4 * mm;
-        bulge.hollow = dented && draw.chance(0.7) ? draw.within(0.2, 0.7) * mm : 0;
+        bulge.hollow = dented && draw.chance(0.7) ? draw.within(0.3, 0.8) * mm : 0;
         bulge.hollow_width = draw.within(4, 6) * mm;
         bulge.lift = draw.within(0, 0.3) * mm;
         shape.parts.push_back(bulge);
     }
-    shape.surface = draw.rough(0.45 * mm, 5 * mm);
+    shape.surface = draw.rough(0.6 * mm, 5 * mm);
     return {shape, draw.somewhere({{0, 0}, {28 * mm, 4 * mm}, 65 * degrees, 120 * degrees, 5e-3}),
             draw.pressed(11, 17.5)};
 }
@@ -49,7 +49,7 @@ namespace simulation::objects {
                                 .half_width = half_width,
                                 .corner = 2 * mm,
                                 .rim = draw.within(1.5, 3) * mm,
-                                .hollow = draw.within(0.2, 0.55) * mm,
+                                .hollow = draw.within(0.3, 0.75) * mm,
                                 .hollow_width = draw.within(5, 8) * mm});
     shape.surface = draw.rough(0.2 * mm, 7 * mm);
     pose at = draw.somewhere({{0, 0}, {26 * mm, 8 * mm}, 0, 360 * degrees, 5e-3});
