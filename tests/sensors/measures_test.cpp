@@ -53,6 +53,12 @@ TEST_SUITE("measures") {
             CHECK(!tactnet::scan_measure(text));
         CHECK(tactnet::unit_size(tactnet::pressure_units, "KPA") == 1000.0);
         CHECK(!tactnet::unit_size(tactnet::pressure_units, ""));
+        for (const char* unit : {"kg/cm2", "Kg/cm^2", "kg/cm\xC2\xB2", "KG/CM\xB2", "(kg/cm\xB2)"})
+            CHECK(tactnet::unit_size(tactnet::pressure_units, unit) == 98066.5);
+        for (const char* unit : {"mm2", "mm^2", "mm\xC2\xB2", "mm\xB2", "sq mm"})
+            CHECK(tactnet::unit_size(tactnet::area_units, unit) == 1e-6);
+        for (const char* unit : {"mm", "mm^", "mm\xC2", "mm22", "2", "\xB2"})
+            CHECK(!tactnet::unit_size(tactnet::area_units, unit));
     }
 
     TEST_CASE("the fewest digits") {
