@@ -35,8 +35,22 @@ TEST_SUITE("any_recording") {
         check(map, "Tekscan map", 0);
         check("\"ROWS 1\",\n\"COLS 2\",\n\"ASCII_DATA @@\",\n1,2\n", "Tekscan ASCII", 1);
         check("ROWS 1\nCOLS 2\n ASCII_DATA @@\n1,2\n", "Tekscan ASCII", 1);
-        // Only the start of a line counts.
-        check("FILENAME x.ASCII_DATA\n" + binary, "Tekscan binary", 1);
+        // Only a line of its own counts.
+        for (const std::string line :
+             {"FILENAME x.ASCII_DATA", "COMMENTS seen as ASCII_DATA @@", "ASCII_DATA_VERSION 3",
+              "SENSOR_MAP_FILE a.mp", "COMMENTS:\nASCII_DATA by hand\nSENSOR_MAP lost", "MARK \xBB\xBA"}) {
+            CAPTURE(line);
+            check(line + "\n" + binary, "Tekscan binary", 1);
+            check(line + "\r\n" + text, "Tekscan ASCII", 2);
+            check(line + "\n" + map, "Tekscan map", 0);
+        }
+    }
+
+    TEST_CASE("a header that nothing follows is told by its last line") {
+        for (const std::string end : {"", "\n", "\r"})
+            CHECK(sensors_test::decode(any_recording(), bytes_of("ROWS 1\nCOLS 2\nASCII_DATA @@" + end))
+                      .error.find("expected 1 frames, found 0 before the end of the data") !=
+                  std::string::npos);
     }
 
     TEST_CASE("a map's mask goes to binary recordings") {

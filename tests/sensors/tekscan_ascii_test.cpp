@@ -213,6 +213,15 @@ TEST_SUITE("tekscan_ascii") {
         }
         CHECK(with_line("COMMENTS:\nwalking, slowly").description.header.back().second == "walking, slowly");
         CHECK(with_line("COMMENTS:\nfirst line\nUNITS bananas").status == decode_status::damaged);
+        // Free text may speak of what ends a header.
+        check_both(with_line("COMMENTS:\nASCII_DATA by hand\nSENSOR_MAP was lost"));
+        // What may be free text or a line of the header is never taken for the one where there is another.
+        for (const std::string line : {"ROWS 77", "UNITS KPa", "END_FRAME 3"}) {
+            CAPTURE(line);
+            CHECK(decode("COMMENTS:\n" + line + "\n" + recording).error.find("expected one line '") !=
+                  std::string::npos);
+        }
+        check_both(decode("COMMENTS:\nROWS 2\n" + recording));
         // Without a comment the header goes on.
         CHECK((with_line("COMMENTS:\nUNITS KPa").description.unit == tactnet::pressure_unit::pascal));
     }

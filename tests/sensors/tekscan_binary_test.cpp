@@ -60,6 +60,7 @@ TEST_SUITE("tekscan_binary") {
         CHECK(found.description.version == "Tek API");
         // The unit is one for showing; a length without a unit is none.
         CHECK((found.description.unit == tactnet::pressure_unit::raw));
+        CHECK(decode(replaced(recording, "UNITS PSI", "UNITS bananas")).frames == found.frames);
         CHECK(!decode(replaced(recording, "UNITS", "ROW_SPACING 1\nUNITS")).description.row_spacing);
         CHECK(decode(replaced(recording, "ROWS 3\n", "ROWS 3\r\n")).frames == found.frames);
     }

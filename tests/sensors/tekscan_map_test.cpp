@@ -38,6 +38,7 @@ TEST_SUITE("tekscan_map") {
             CHECK(found.frames.empty());
             CHECK(found.description.mask == std::vector<std::uint8_t>(6, 1));
         }
+        CHECK(decode("UNITS bananas\n" + header + "0,1,2,3,4,5\n@@\n").status == decode_status::finished);
         tekscan_map map;
         const std::string text = header + "7, -1, 4\nB, 65535, 0\n@@\n";
         map.push(bytes_of(text), tactnet::ignore_frames{});
