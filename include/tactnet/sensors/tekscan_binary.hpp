@@ -43,10 +43,10 @@ public:
                 fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
                 break;
             }
-            const std::size_t taken = part_ == part::header        ? take_header(bytes)
-                                      : part_ == part::run_cells   ? take_run(bytes)
-                                      : part_ == part::record_data ? take_record(bytes)
-                                                                   : take_number(bytes, sink);
+            const std::size_t taken = part_ == part::header      ? take_header(bytes)
+                                      : part_ == part::run_cells ? take_run(bytes)
+                                      : part_ == part::data      ? take_record(bytes)
+                                                                 : take_number(bytes, sink);
             byte_ += taken;
             bytes = bytes.subspan(taken);
         }
@@ -64,15 +64,7 @@ public:
     }
 
 private:
-    enum class part : std::uint8_t {
-        header,
-        run_cell,
-        run_count,
-        run_cells,
-        record_tag,
-        record_length,
-        record_data
-    };
+    enum class part : std::uint8_t { header, run_cell, run_count, run_cells, tag, length, data };
     static constexpr std::uint16_t end_of_list = 0xFFFF, end_of_recording = 0xFEFF;
     static_assert(tekscan_binary_header::largest_cells <= end_of_recording);
 
@@ -120,7 +112,7 @@ private:
         const auto value = little_endian<std::uint16_t>(bytes);
         if (part_ == part::run_cell)
             begin_run(value);
-        else if (part_ == part::record_tag)
+        else if (part_ == part::tag)
             begin_record(value, sink);
         else
             record_length(value);
@@ -128,7 +120,7 @@ private:
 
     void begin_run(std::uint16_t value) {
         if (value == end_of_list) {
-            part_ = part::record_tag;
+            part_ = part::tag;
             in_frame_ = true;
         } else if (value == end_of_recording && !in_frame_) {
             end();
@@ -174,7 +166,7 @@ private:
         if (value == end_of_list)
             return end_frame(sink);
         tag_ = value;
-        part_ = part::record_length;
+        part_ = part::length;
     }
 
     void record_length(std::uint16_t value) {
@@ -185,7 +177,7 @@ private:
                            std::to_string(value));
         count_ = value;
         gathered_ = 0;
-        part_ = count_ > 0 ? part::record_data : part::record_tag;
+        part_ = count_ > 0 ? part::data : part::tag;
     }
 
     /// Records with unknown tags are passed over.
@@ -203,7 +195,7 @@ private:
         else if (tag_ == microseconds)
             microseconds_ = little_endian<std::uint64_t>(small_);
         gathered_ = 0;
-        part_ = part::record_tag;
+        part_ = part::tag;
         return taken;
     }
 
