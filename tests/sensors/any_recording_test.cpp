@@ -60,7 +60,8 @@ TEST_SUITE("any_recording") {
     }
 
     TEST_CASE("anything else is refused, with no more of it kept than a header") {
-        for (const std::string& bytes : {""s, "x"s, "ROWS 1\nCOLS 2\nASCII"s, std::string(1'000'000, 'x')}) {
+        for (const std::string& bytes :
+             {""s, "x"s, "\xBB\xBA\xFF\xFE"s, "ROWS 1\nCOLS 2\nASCII"s, std::string(1'000'000, 'x')}) {
             const auto found = sensors_test::decode(any_recording(), bytes_of(bytes));
             CHECK(found.status == decode_status::damaged);
             CHECK(found.error.find("expected a Tekscan recording or map") != std::string::npos);

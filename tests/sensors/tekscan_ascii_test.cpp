@@ -80,6 +80,7 @@ TEST_SUITE("tekscan_ascii") {
         check_both(decode(replaced(recording, "\nB", "\r\nB"))); // both in one file
         check_both(decode("\xEF\xBB\xBF" + recording));
         check_both(decode("\xEF\xBB\xBF" + recording.substr(recording.find("ROWS"))));
+        CHECK(decode(replaced(recording, "1,2,0", "\xEF\xBB\xBF" + std::string("1,2,0"))).frames.size() == 1);
         check_both(decode(replaced(recording, "\n\n", "\n")));
         check_both(decode(replaced(recording, "\n", "\n\n")));
         check_both(decode(replaced(recording, "\n\n", "\n,,,,,,,,\n")));
@@ -222,6 +223,11 @@ TEST_SUITE("tekscan_ascii") {
         }
         CHECK(with_line("COMMENTS:\nwalking, slowly").description.header.back().second == "walking, slowly");
         CHECK(with_line("COMMENTS:\nfirst line\nUNITS bananas").status == decode_status::damaged);
+        const auto prose = with_line("COMMENTS:\nfirst line\nUNITS were wrong\nUNITS raw");
+        check_both(prose);
+        CHECK(prose.description.header[4].second == "first line\nUNITS were wrong");
+        CHECK(with_line("COMMENT @@\n\tROWS 3\n\nUNITS KPa\n@@").description.header.back().second ==
+              "ROWS 3\n\nUNITS KPa");
         // Free text may speak of what ends a header.
         check_both(with_line("COMMENTS:\nASCII_DATA by hand\nSENSOR_MAP was lost"));
         // What may be free text or a line of the header is never taken for the one where there is another.
@@ -252,6 +258,7 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(frames("Frame 1 , 0.0 ms", "Frame 2 , 10.0 ms") == tenth);
         CHECK(frames("Frame 1, 0 ms,,,", "Frame 2, 10 msec") == tenth);
         CHECK(frames("Frame 1, 0, ms", "Frame 2, 10, ms") == tenth);
+        CHECK(frames("Frame 1, 0 ms, 5", "Frame 2, 10 ms, 6") == tenth);
         CHECK(frames("Frame 1 0 ms", "Frame 2 10 ms") == tenth);
         CHECK(frames("Frame 1: 0 s", "Frame 2: 0.01 s") == tenth);
         CHECK(frames("Frame 1, 0 (ms)", "Frame 2, 10 (ms)") == tenth);
@@ -268,6 +275,7 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(frames("Frame 1, 10.0", "Frame 2, 10.01") == std::vector<double>{10, 10.01});
         // Sums.
         CHECK(frames("Frame 1, 0,,,,,Raw Sum=3", "Frame 2, 0.01,,,,,Raw Sum=,7.0") == tenth);
+        CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,3,,99", "Frame 2, 0.01,,,,,Raw Sum=7,,99") == tenth);
         CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,", "Frame 2, 0.01,,,,,raw sum = 7") == tenth);
         const auto none = decode("ROWS 1\nCOLS 1\nASCII_DATA @@\nFrame 1\n1\n");
         REQUIRE(none.frames.size() == 1);
@@ -482,6 +490,7 @@ TEST_SUITE("tekscan_ascii") {
         const std::string line(tactnet::largest_header_bytes + 1, 'x');
         CHECK(decode(line).error ==
               "byte 0, line 1: expected a line of at most 262144 bytes, found a longer one");
+        CHECK(decode(line.substr(1)).error.find("expected a header of at most") != std::string::npos);
         const std::string sentence =
             "expected a header of at most 262144 bytes and 8192 lines, found a longer one";
         for (const std::string& each :

@@ -128,6 +128,14 @@ TEST_SUITE("weiss_packet") {
             CHECK(decoder.error().place() == "byte 25, frame 2");
             CHECK(decoder.error().expected.find("a checksum of") == 0);
         }
+        // A size that reaches into the packets behind.
+        bytes longer = good;
+        longer[4] += 20;
+        weiss_wts reached(array);
+        CHECK(reached.push(span_of(longer + good), tactnet::ignore_frames{}) == decode_status::damaged);
+        CHECK(reached.frames() == 1);
+        CHECK(reached.push(span_of(good), tactnet::ignore_frames{}) == decode_status::reading);
+        CHECK(reached.frames() == 2);
         const auto refused = [](const bytes& payload) {
             const auto found = sensors_test::decode(weiss_wts(array), span_of(packet(0, payload, 0)));
             CHECK(found.frames.empty());

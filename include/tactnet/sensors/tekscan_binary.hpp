@@ -121,7 +121,6 @@ private:
     void begin_run(std::uint16_t value) {
         if (value == end_of_list) {
             part_ = part::tag;
-            in_frame_ = true;
         } else if (value == end_of_recording && !in_frame_) {
             end();
         } else if (value >= description().cells() || value < cell_) {
@@ -201,7 +200,7 @@ private:
 
     template <class Sink>
     void end_frame(Sink& sink) {
-        const std::uint64_t number = number_.value_or(frames() > 0 ? last_number_ + 1 : 1);
+        const std::uint64_t number = number_.value_or(last_number_ + 1);
         if (frames() > 0 && number <= last_number_)
             return fail_at(number_byte_, "a frame after number " + std::to_string(last_number_),
                            "number " + std::to_string(number));
@@ -246,7 +245,7 @@ private:
     std::array<std::byte, 8> small_{};       ///< a number that arrives in pieces
     std::size_t gathered_ = 0, cell_ = 0, count_ = 0;
     std::uint16_t tag_ = 0;
-    bool in_frame_ = false;
+    bool in_frame_ = false; ///< between the first run of a frame and its end
     std::optional<std::uint64_t> number_, microseconds_;
     std::uint64_t first_number_ = 0, last_number_ = 0;
 };

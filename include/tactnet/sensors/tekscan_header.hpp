@@ -124,9 +124,12 @@ private:
             to.header.back().second = text;
             return std::nullopt;
         }
-        const bool prose = comment_ && value.find(' ') != std::string_view::npos;
-        if (how != understanding::done && how != understanding::not_needed && !prose)
-            return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
+        if (how != understanding::done && how != understanding::not_needed) {
+            if (!comment_ || value.find(' ') == std::string_view::npos)
+                return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
+            to.header[*comment_].second.append("\n").append(text);
+            return std::nullopt;
+        }
         if (how == understanding::done && known && before->second != value)
             return text_problem{"one line " + in_quotes(key),
                                 in_quotes(before->second) + " and " + in_quotes(value)};
