@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <support/allocations.hpp>
 
 using sensors_test::bytes_of;
 using tactnet::any_recording;
@@ -66,5 +67,10 @@ TEST_SUITE("any_recording") {
             CHECK(found.status == decode_status::damaged);
             CHECK(found.error.find("expected a Tekscan recording or map") != std::string::npos);
         }
+        const std::string large(10'000'000, 'x');
+        any_recording decoder;
+        const std::size_t before = support::bytes_allocated();
+        CHECK(decoder.push(bytes_of(large), tactnet::ignore_frames{}) == decode_status::damaged);
+        CHECK(support::bytes_allocated() - before < 2 * tactnet::largest_header_bytes);
     }
 }

@@ -264,6 +264,10 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(frames("Frame 1, 0 (ms)", "Frame 2, 10 (ms)") == tenth);
         CHECK(frames("\tFrame\t1\t0\t\t6:21PM", "Frame\t2\t0.01") == tenth);
         CHECK(frames("Frame 1; 0; ; 6:21", "Frame 2; 0.01") == tenth);
+        CHECK(frames("Frame 1, -0.1,, 6:21", "Frame 2, 0.0") == std::vector<double>{-0.1, 0});
+        CHECK(frames("Frame 1, -100 ms", "Frame 2, -90 ms") == std::vector<double>{-0.1, -0.09});
+        CHECK(frames("Frame 1, -100", "Frame 2, -90")[1] == -0.09);
+        CHECK(frames("Frame 1, -", "Frame 2, -x") == tenth);
         CHECK(frames("Frame 1, 10:26:16.001 a.m.", "Frame 2, 10:26:16.011 a.m.") == tenth);
         CHECK(frames("Frame 1, 0,,2019-12-02 6:21", "Frame 2, 0.01,,2019-12-02 6:21") == tenth);
         // Without a unit SECONDS_PER_FRAME tells milliseconds from seconds.

@@ -111,7 +111,9 @@ struct tekscan_frame_line {
             after_sum = true;
             field = trimmed(field.substr(std::min(field.find('=') + 1, field.size())));
         }
-        const auto found = scan_measure(field);
+        // Frames from before a trigger may have times below zero.
+        const bool below_zero = !after_sum && field.front() == '-';
+        const auto found = scan_measure(field.substr(below_zero ? 1 : 0));
         if (after_sum) {
             if (found && found->unit.empty() && !result.raw_sum)
                 result.raw_sum = found->number;
@@ -119,7 +121,7 @@ struct tekscan_frame_line {
             const auto unit = unit_size(time_units, found->unit);
             if (!unit && !found->unit.empty())
                 continue; // a date
-            result.stamp = found->number;
+            result.stamp = below_zero ? -found->number : found->number;
             result.stamp_unit = unit;
             after_stamp = !unit;
         } else if (after_stamp) {
