@@ -451,7 +451,8 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(sensors_test::only_whole_frames_when_cut(tekscan_ascii(), bytes_of(bare)));
         CHECK(decode(bare.substr(0, bare.size() - 1)).error ==
               "byte " + std::to_string(bare.size() - 1) +
-                  ", line 10, frame 2: expected the end of the line, found the end of the data "
+                  ", line 10, frame 2: expected a line end behind the last number, or it may be cut, found "
+                  "the end of the data "
                   "(1 announced frames are missing)");
         CHECK(decode(recording.substr(0, recording.find("B,250"))).error ==
               "byte " + std::to_string(recording.find("B,250") - 1) +
