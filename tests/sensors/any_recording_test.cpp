@@ -36,6 +36,7 @@ TEST_SUITE("any_recording") {
         check(map, "Tekscan map", 0);
         check("\"ROWS 1\",\n\"COLS 2\",\n\"ASCII_DATA @@\",\n1,2\n", "Tekscan ASCII", 1);
         check("ROWS 1\nCOLS 2\n ASCII_DATA @@\n1,2\n", "Tekscan ASCII", 1);
+        check("ROWS 1\r\nCOLS 2\r\nASCII_DATA\r\n1,2\r\n", "Tekscan ASCII", 1);
         // Only a line of its own counts.
         for (const std::string line :
              {"FILENAME x.ASCII_DATA", "COMMENTS seen as ASCII_DATA @@", "ASCII_DATA_VERSION 3",

@@ -60,6 +60,7 @@ TEST_SUITE("measures") {
             CHECK(tactnet::unit_size(tactnet::area_units, unit) == 1e-6);
         for (const char* unit : {"mm", "mm^", "mm\xC2", "mm22", "2", "\xB2"})
             CHECK(!tactnet::unit_size(tactnet::area_units, unit));
+        CHECK(!tactnet::unit_size(tactnet::length_units, "m^2"));
     }
 
     TEST_CASE("units agree with each other, and with what defines them") {

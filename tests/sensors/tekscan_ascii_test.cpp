@@ -228,6 +228,7 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(prose.description.header[4].second == "first line\nUNITS were wrong");
         CHECK(with_line("COMMENT @@\n\tROWS 3\n\nUNITS KPa\n@@").description.header.back().second ==
               "ROWS 3\n\nUNITS KPa");
+        CHECK(with_line("COMMENT @@\ntext\n@@\nUNITS two bananas").status == decode_status::damaged);
         // Free text may speak of what ends a header.
         check_both(with_line("COMMENTS:\nASCII_DATA by hand\nSENSOR_MAP was lost"));
         // What may be free text or a line of the header is never taken for the one where there is another.
@@ -279,6 +280,7 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(frames("Frame 1, 10.0", "Frame 2, 10.01") == std::vector<double>{10, 10.01});
         // Sums.
         CHECK(frames("Frame 1, 0,,,,,Raw Sum=3", "Frame 2, 0.01,,,,,Raw Sum=,7.0") == tenth);
+        CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,-99", "Frame 2, 0.01") == tenth);
         CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,3,,99", "Frame 2, 0.01,,,,,Raw Sum=7,,99") == tenth);
         CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,", "Frame 2, 0.01,,,,,raw sum = 7") == tenth);
         const auto none = decode("ROWS 1\nCOLS 1\nASCII_DATA @@\nFrame 1\n1\n");

@@ -84,6 +84,17 @@ TEST_SUITE("weiss_packet") {
         CHECK(found.description.format == "Weiss WTS");
     }
 
+    TEST_CASE("the largest packet") {
+        constexpr std::size_t cells = (0xFFFF - 5) / 2;
+        bytes payload(5 + 2 * cells, 0);
+        payload.back() = 1;
+        const auto found = sensors_test::decode(weiss_wts({.rows = 5, .columns = cells / 5}),
+                                                span_of(packet(0, payload, 0)));
+        CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+        REQUIRE(found.frames.size() == 1);
+        CHECK(found.frames[0].cells.back() == 256);
+    }
+
     TEST_CASE("frames of a DSACON32m: runs, preamble not under the checksum") {
         const auto found = sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 3)));
         CHECK_MESSAGE(found.status == decode_status::finished, found.error);
