@@ -146,8 +146,8 @@ private:
     std::variant<detail::unknown_recording, tekscan_ascii, tekscan_binary, tekscan_map> decoder_;
     std::vector<std::uint8_t> mask_;
     std::vector<std::byte> begun_;
-    std::size_t line_ = 0,
-                searched_ = 0; ///< where the line that has not ended starts, and how far it is known
+    std::size_t line_ = 0;     ///< where the line that has not ended starts
+    std::size_t searched_ = 0; ///< up to where its end has been looked for
     bool known_ = false;
 };
 
