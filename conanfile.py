@@ -17,8 +17,9 @@ class TactnetConan(ConanFile):
     topics = ("tactile-sensing", "neural-networks", "header-only")
     package_type = "header-library"
     settings = "os", "arch", "compiler", "build_type"
-    options = {"simd": [True, False]}
-    default_options = {"simd": True}
+    # Without networks only the component sensors is left, which needs no other library.
+    options = {"networks": [True, False], "simd": [True, False]}
+    default_options = {"networks": True, "simd": True}
     exports_sources = "include/*", "LICENSE"
     no_copy_source = True
 
@@ -27,11 +28,16 @@ class TactnetConan(ConanFile):
         parts = [re.search(rf"#define TACTNET_VERSION_{part} (\d+)", header) for part in ("MAJOR", "MINOR", "PATCH")]
         self.version = ".".join(part.group(1) for part in parts)
 
+    def configure(self):
+        if not self.options.networks:
+            del self.options.simd
+
     def requirements(self):
         # The versions that the library is tested with.
-        self.requires("eigen/3.4.0", transitive_headers=True)
-        if self.options.simd:
-            self.requires("xsimd/8.1.0", transitive_headers=True)
+        if self.options.networks:
+            self.requires("eigen/3.4.0", transitive_headers=True)
+            if self.options.simd:
+                self.requires("xsimd/8.1.0", transitive_headers=True)
 
     def validate(self):
         check_min_cppstd(self, 20)
@@ -45,11 +51,26 @@ class TactnetConan(ConanFile):
         self.info.clear()
 
     def package_info(self):
-        self.cpp_info.bindirs = []
-        self.cpp_info.libdirs = []
+        # The same package, components and targets as CMake's.
         self.cpp_info.set_property("cmake_file_name", "tactnet")
+        self._component("sensors", "tactnet::sensors")
+        if not self.options.networks:
+            self.cpp_info.set_property("cmake_target_name", "tactnet::sensors")
+            return
         self.cpp_info.set_property("cmake_target_name", "tactnet::tactnet")
-        if not self.options.simd:
-            self.cpp_info.defines = ["TACTNET_NO_SIMD"]
+        core = self._component("core", "tactnet::tactnet")
+        core.requires = ["eigen::eigen"]
+        if self.options.simd:
+            core.requires.append("xsimd::xsimd")
+        else:
+            core.defines = ["TACTNET_NO_SIMD"]
         if self.settings.os in ("Linux", "FreeBSD"):
-            self.cpp_info.system_libs = ["pthread"]
+            core.system_libs = ["pthread"]
+
+    def _component(self, name, target):
+        component = self.cpp_info.components[name]
+        component.set_property("cmake_target_name", target)
+        component.set_property("cmake_components", [name])
+        component.bindirs = []
+        component.libdirs = []
+        return component

@@ -23,7 +23,7 @@ inline constexpr const char* usage =
     "Prints what is in a Tekscan recording (.csv, .asf, .fsx) or map (.mp); its content tells which.\n"
     "  --csv               every frame: a line frame,NUMBER,SECONDS and its rows, with B where no tactel is\n"
     "  --picture N OUT.png draws the frame with the number N\n"
-    "  --map FILE.mp       the map of the sensor of an .fsx recording: which cells have a tactel\n";
+    "  --map FILE.mp       the map of the sensor, which says which cells have a tactel: .fsx does not tell\n";
 
 /// Something in the command line that cannot be.
 struct usage_error : std::runtime_error {

@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -85,12 +86,21 @@ void draw_frame(const arguments& asked, const tactnet::frame_view& frame, tactne
 #endif
 }
 
+/// Which cells the user's map gives a tactel; empty without a map.
+std::vector<std::uint8_t> read_mask(const std::filesystem::path& map) {
+    if (map.empty())
+        return {};
+    tactnet::recording_description description = tactnet::read_recording(map).description;
+    if (description.mask.empty())
+        throw tactnet::file_error(map.string(), "", "a map of a sensor",
+                                  "a recording without one (" + description.format + ")");
+    return std::move(description.mask);
+}
+
 void decode(const arguments& asked) {
-    std::vector<std::uint8_t> mask;
-    if (!asked.map.empty())
-        mask = tactnet::read_recording(asked.map).description.mask;
+    const std::vector<std::uint8_t> mask = read_mask(asked.map);
     const std::vector<std::byte> bytes = tactnet::read_file(asked.file);
-    tactnet::any_recording decoder(std::move(mask));
+    tactnet::any_recording decoder(mask);
     span_of_time time;
     bool drawn = false;
     const auto take = [&](const tactnet::frame_view& frame) {
@@ -112,6 +122,8 @@ void decode(const arguments& asked) {
     if (damaged)
         throw tactnet::file_error(asked.file.string(), decoder.error().place(), decoder.error().expected,
                                   decoder.error().outcome());
+    if (!mask.empty() && decoder.description().mask != mask)
+        throw tactnet::file_error(asked.file.string(), "", "tactels in the cells of the map", "others");
     if (asked.picture && !drawn)
         throw tactnet::file_error(asked.file.string(), "",
                                   "a frame with number " + std::to_string(*asked.picture),

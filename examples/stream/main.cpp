@@ -5,7 +5,8 @@
 // WEIGHTS is of a TactNet-6 for 28 x 50 counts, such as `tactnet train` writes. The stream comes from
 // standard input: frames of 1400 bytes one after the other, or packets of the device in own_device.hpp. Each
 // frame makes a line of number, label, probability and the microseconds that recognising it took, with tabs
-// between them. Exit status: 0, or 2 (bad input, damage in the stream, or output that cannot be written).
+// between them. Exit status: 0, or 2 (bad input, damage in the stream, no frame in it, or output that cannot
+// be written).
 
 #include "own_device.hpp"
 
@@ -89,10 +90,12 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
                      error.expected.c_str(), error.found.c_str());
         all_well = false;
     };
+    std::size_t total = 0;
     std::array<std::byte, 4096> bytes;
     ssize_t got = 0;
     // Returns with what there is, so that a frame is not kept waiting for the next.
     while ((got = ::read(STDIN_FILENO, bytes.data(), bytes.size())) > 0) {
+        total += static_cast<std::size_t>(got);
         note(decoder.push(std::span(bytes).first(static_cast<std::size_t>(got)), take));
         if (std::fflush(stdout) != 0) {
             std::fprintf(stderr, "tactnet_stream: cannot write the output: %s\n", std::strerror(errno));
@@ -104,6 +107,11 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
         return false;
     }
     note(decoder.finish(take));
+    // Bytes in front of the first packet are passed over, so that all of another device's stream would be.
+    if (all_well && decoder.frames() == 0) {
+        std::fprintf(stderr, "tactnet_stream: expected frames, found none in %zu bytes\n", total);
+        return false;
+    }
     return all_well;
 }
 

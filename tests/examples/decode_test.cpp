@@ -111,7 +111,28 @@ TEST_SUITE("decode") {
         CHECK(run_program(program + " --help").status == 0);
     }
 
-    TEST_CASE("a binary recording with the map of its sensor") {
+    TEST_CASE("a map says which cells have a tactel") {
+        using namespace std::string_literals;
+        const std::string size = "ROWS 1\nCOLS 3\n";
+        const recording_file binary(size + "\xBB\xBA\x01\x00\x02\x07\x08\xFF\xFF\xFF\xFF\xFF\xFE"s),
+            text(size + "ASCII_DATA @@\nB,7,8\n@@\n"), map(size + "SENSOR_MAP @@\nB,0,1\n@@\n"),
+            wrong(size + "SENSOR_MAP @@\n0,B,1\n@@\n");
+        CHECK(run_program(program + " --csv" + binary.quoted()).out == "frame,1,\n0,7,8\n");
+        for (const recording_file* file : {&binary, &text}) {
+            const std::string command = program + " --csv" + file->quoted() + " --map";
+            CHECK(run_program(command + map.quoted()).status == 0);
+            CHECK(run_program(command + map.quoted()).out == "frame,1,\nB,7,8\n");
+            CHECK(run_program(command + wrong.quoted()).status == 2);
+            refuses(command + binary.quoted(), "expected a map of a sensor, found a recording without one");
+        }
+        refuses(program + " --map" + wrong.quoted() + binary.quoted(),
+                "expected counts on tactels of the map only, found one in cell 1");
+        refuses(program + " --map" + wrong.quoted() + text.quoted(),
+                "expected tactels in the cells of the map, found others");
+        refuses(program + " --map /no/such/map" + text.quoted(), "/no/such/map: expected a file");
+    }
+
+    TEST_CASE("the real recording with the map of its sensor") {
         const auto recorded = support::find_data("tekscan/MySampleRecording.fsx");
         const auto map = support::find_data("tekscan/null.mp");
         if (!recorded || !map)

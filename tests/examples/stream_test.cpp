@@ -91,6 +91,13 @@ TEST_SUITE("stream") {
         CHECK(told.status == 2);
         CHECK(labels_of(told.out).size() == 2);
         CHECK(told.error.find("byte 1404, frame 2: expected a sum of zero, found 1") != std::string::npos);
+        for (const std::string& none : {std::string(), std::string(10'000, '-')}) {
+            const auto nothing = run(" own", none);
+            CHECK(nothing.status == 2);
+            CHECK(nothing.out.empty());
+            CHECK(nothing.error.find("expected frames, found none in " + std::to_string(none.size())) !=
+                  std::string::npos);
+        }
         CHECK(run_program(program).status == 2);
         CHECK(run_program(program + " /no/such/file </dev/null").error.find("expected a file") !=
               std::string::npos);

@@ -23,6 +23,9 @@ std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
             "ASCII_DATA @@,,\n,,,\n\"Frame 7, 20 ms\"\n1.5\t2e2\n,,,\n0 0.25\nFrame 8\n1;2\n3;4,,\n"),
         fuzz::input("ROWS 1\nCOLS 4\nUNITS PSI\nCOMMENT @@\nlong\n@@\nASCII_DATA @@\n12.25, 3 "
                     ",B,999999999\n@@\n\x1A"),
+        fuzz::input(
+            "ROWS 1\nCOLS 1\nCOMMENTS:\nASCII_DATA by hand\nUNITS were wrong\nROWS 2\nUNITS kg/cm\xB2\n"
+            "ASCII_DATA @@\nFrame 1, -100 ms\n1\nFrame 2 , -90 ms, 6:21\n2\n@@\n"),
         fuzz::input("ROWS 1\nCOLS 1\nSECONDS_PER_FRAME 0.01\nASCII_DATA @@\nFrame 1,0\n1\nFrame 2,10,ms\n1\n"
                     "Frame 9 , 80.0\n255\n"),
     };

@@ -5,10 +5,17 @@
 
 #include <cstddef>
 #include <support/whole_numbers.hpp>
+#include <vector>
 
 using namespace tactnet;
 
 namespace {
+
+/// Where the sum of a weight must be: filter by filter, tap by tap, channels side by side.
+template <sliding_window W>
+std::size_t weight(std::size_t filter, std::size_t channel, std::size_t tap) {
+    return (filter * W.kernel.area() + tap) * W.input.channels + channel;
+}
 
 /// Against plain loops, all pieces and then one after the other.
 template <class T, sliding_window W, std::size_t Filters>
@@ -29,7 +36,7 @@ void compare() {
                                           x = o % W.output_columns() * W.stride.columns + column - W.left;
                         if (y < W.input.rows && x < W.input.columns)
                             for (std::size_t lane = 0; lane < width; ++lane)
-                                expected[plan::place(f, c, row, column)] += static_cast<double>(
+                                expected[weight<W>(f, c, k)] += static_cast<double>(
                                     gradient[(f * plane + o) * width + lane] *
                                     input[((c * W.input.rows + y) * W.input.columns + x) * width + lane]);
                     }
@@ -52,6 +59,23 @@ TEST_CASE_TEMPLATE("channel_gradient: against plain loops, piece by piece too", 
     compare<T, sliding_window::over({4, 20, 48}, 3, 1, valid), 2>();
     compare<T, sliding_window::over({1, 1, 64}, 3, 1, same), 1>();
 }
+
+TEST_CASE("channel_gradient: every weight has a place of its own") {
+    constexpr std::size_t filters = 5;
+    constexpr auto window = sliding_window::over({5, 3, 64}, extent{2, 3}, 2, same);
+    using plan = channel_gradient_plan<window, filters, float>;
+    std::vector<int> used(filters * window.input.channels * window.kernel.area());
+    for (std::size_t f = 0; f < filters; ++f)
+        for (std::size_t c = 0; c < window.input.channels; ++c)
+            for (std::size_t k = 0; k < window.kernel.area(); ++k) {
+                const std::size_t place =
+                    plan::place(f, c, k / window.kernel.columns, k % window.kernel.columns);
+                CHECK(place == weight<window>(f, c, k));
+                ++used.at(place);
+            }
+    CHECK(used == std::vector<int>(used.size(), 1));
+}
+
 TEST_CASE("channel_gradient: many threads have work, and wide maps are left to the other way") {
     if constexpr (lanes < float >> 1) {
         CHECK(channel_gradient_plan<sliding_window::over({2, 4, 64}, 3, 1, same), 128, float>::pieces >= 8);

@@ -69,6 +69,11 @@ TEST_SUITE("matrix_stream") {
         CHECK(joined.frames() == 2);
         CHECK(joined.skipped_bytes() == 4);
         CHECK(joined.error().expected == "the marker of a frame");
+        CHECK(joined.push(bytes_of(one), tactnet::ignore_frames{}) == decode_status::reading);
+        // One report for all bytes between two frames, with the place of the first.
+        CHECK(joined.push(bytes_of("zzz" + one), tactnet::ignore_frames{}) == decode_status::damaged);
+        CHECK(joined.error().place() == "byte 40, frame 4");
+        CHECK(joined.skipped_bytes() == 7);
         CHECK(sensors_test::same_however_split(matrix_stream(marked()), bytes_of("xMX" + one + two)));
         CHECK(sensors_test::decode(matrix_stream(marked()), bytes_of(one + "MMX_\1")).error ==
               "byte 12, frame 2: expected a whole frame of 12 bytes, found 5 bytes of it");

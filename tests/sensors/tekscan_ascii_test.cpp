@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <support/allocations.hpp>
@@ -79,6 +80,7 @@ TEST_SUITE("tekscan_ascii") {
         check_both(decode(replaced(recording, "\nB", "\r\nB"))); // both in one file
         check_both(decode("\xEF\xBB\xBF" + recording));
         check_both(decode("\xEF\xBB\xBF" + recording.substr(recording.find("ROWS"))));
+        CHECK(decode(replaced(recording, "1,2,0", "\xEF\xBB\xBF" + std::string("1,2,0"))).frames.size() == 1);
         check_both(decode(replaced(recording, "\n\n", "\n")));
         check_both(decode(replaced(recording, "\n", "\n\n")));
         check_both(decode(replaced(recording, "\n\n", "\n,,,,,,,,\n")));
@@ -113,25 +115,33 @@ TEST_SUITE("tekscan_ascii") {
     }
 
     TEST_CASE("cells: decimals and exponents, exact to the last bit") {
-        const auto found = decode("ROWS 1\nCOLS 8\nASCII_DATA @@\n"
-                                  "0.1,.5,7.,1e2,2.5E-3,16777216,123456.789012345678,b\n@@\n");
+        const auto found =
+            decode("ROWS 1\nCOLS 11\nASCII_DATA @@\n0.1,.5,7.,1e2,2.5E-3,16777216,123456.789012345678,b,"
+                   "4294967296,99999999999,340282346638528859811704183484516925440\n@@\n");
         REQUIRE_MESSAGE(found.frames.size() == 1, found.error);
-        CHECK(found.frames[0].cells ==
-              std::vector<float>{0.1F, 0.5F, 7, 100, 0.0025F, 16777216, 123456.789F, 0});
+        CHECK(found.frames[0].cells == std::vector<float>{0.1F, 0.5F, 7, 100, 0.0025F, 16777216, 123456.789F,
+                                                          0, 4294967296.F, 99999999999.F,
+                                                          std::numeric_limits<float>::max()});
         CHECK(found.description.missing_cells() == 1);
+        for (const std::string cell : {"1e39", "1e999"})
+            CHECK(decode("ROWS 1\nCOLS 1\nASCII_DATA @@\n" + cell + "\n@@\n").error ==
+                  "byte 28, line 4, frame 1: expected a number that fits in column 1 of 1, found '" + cell +
+                      "'");
+        CHECK(decode("ROWS 1\nCOLS 1\nUNITS MPa\nASCII_DATA @@\n1e33\n@@\n").status ==
+              decode_status::damaged);
     }
 
     TEST_CASE("units: cells in pascal whatever they are written in, raw counts as they are") {
-        const auto cell = [](const std::string& unit) {
+        const auto cell = [](const std::string& unit, const std::string& text = "12.3") {
             const auto found = decode("ROWS 1\nCOLS 1\nUNITS " + unit +
-                                      "\nASCII_DATA @@\nFrame 1,0,,,,Raw Sum=,,99\n"
-                                      "12.3\n@@\n");
+                                      "\nASCII_DATA @@\nFrame 1,0,,,,Raw Sum=,,99\n" + text + "\n@@\n");
             REQUIRE_MESSAGE(found.frames.size() == 1, found.error);
             CHECK((found.description.unit == tactnet::pressure_unit::pascal));
             return found.frames[0].cells[0];
         };
         CHECK(cell("KPa") == 12300);
         CHECK(cell("kPa ") == 12300);
+        CHECK(cell("kPa", "12") == 12000);
         CHECK(cell("MPa") == 12.3e6F);
         CHECK(cell("Pa") == 12.3F);
         CHECK(cell("PSI") == static_cast<float>(12.3 * 6894.757293168361));
@@ -213,6 +223,21 @@ TEST_SUITE("tekscan_ascii") {
         }
         CHECK(with_line("COMMENTS:\nwalking, slowly").description.header.back().second == "walking, slowly");
         CHECK(with_line("COMMENTS:\nfirst line\nUNITS bananas").status == decode_status::damaged);
+        const auto prose = with_line("COMMENTS:\nfirst line\nUNITS were wrong\nUNITS raw");
+        check_both(prose);
+        CHECK(prose.description.header[4].second == "first line\nUNITS were wrong");
+        CHECK(with_line("COMMENT @@\n\tROWS 3\n\nUNITS KPa\n@@").description.header.back().second ==
+              "ROWS 3\n\nUNITS KPa");
+        CHECK(with_line("COMMENT @@\ntext\n@@\nUNITS two bananas").status == decode_status::damaged);
+        // Free text may speak of what ends a header.
+        check_both(with_line("COMMENTS:\nASCII_DATA by hand\nSENSOR_MAP was lost"));
+        // What may be free text or a line of the header is never taken for the one where there is another.
+        for (const std::string line : {"ROWS 77", "UNITS KPa", "END_FRAME 3"}) {
+            CAPTURE(line);
+            CHECK(decode("COMMENTS:\n" + line + "\n" + recording).error.find("expected one line '") !=
+                  std::string::npos);
+        }
+        check_both(decode("COMMENTS:\nROWS 2\n" + recording));
         // Without a comment the header goes on.
         CHECK((with_line("COMMENTS:\nUNITS KPa").description.unit == tactnet::pressure_unit::pascal));
     }
@@ -228,25 +253,35 @@ TEST_SUITE("tekscan_ascii") {
         };
         const std::vector<double> tenth{0, 0.01};
         CHECK(frames("Frame 1", "Frame 2") == tenth);
-        CHECK(frames("Frame 8", "Frame 9") == std::vector<double>{0, 9 * 0.01 - 8 * 0.01 > 0 ? 0.01 : 0});
+        CHECK(frames("Frame 8", "Frame 9") == tenth);
         CHECK(frames("Frame 1, 0,, 2.12.2019 18:21:52,,,Raw Sum=,,3",
                      "Frame 2, 0.01,, 2.12.2019,,,Raw Sum=,,7") == tenth);
         CHECK(frames("Frame 1 , 0.0 ms", "Frame 2 , 10.0 ms") == tenth);
         CHECK(frames("Frame 1, 0 ms,,,", "Frame 2, 10 msec") == tenth);
         CHECK(frames("Frame 1, 0, ms", "Frame 2, 10, ms") == tenth);
+        CHECK(frames("Frame 1, 0 ms, 5", "Frame 2, 10 ms, 6") == tenth);
         CHECK(frames("Frame 1 0 ms", "Frame 2 10 ms") == tenth);
         CHECK(frames("Frame 1: 0 s", "Frame 2: 0.01 s") == tenth);
         CHECK(frames("Frame 1, 0 (ms)", "Frame 2, 10 (ms)") == tenth);
         CHECK(frames("\tFrame\t1\t0\t\t6:21PM", "Frame\t2\t0.01") == tenth);
         CHECK(frames("Frame 1; 0; ; 6:21", "Frame 2; 0.01") == tenth);
+        CHECK(frames("Frame 1, -0.1,, 6:21", "Frame 2, 0.0") == std::vector<double>{-0.1, 0});
+        CHECK(frames("Frame 1, -100 ms", "Frame 2, -90 ms") == std::vector<double>{-0.1, -0.09});
+        CHECK(frames("Frame 1, -100", "Frame 2, -90")[1] == -0.09);
+        CHECK(frames("Frame 1, -", "Frame 2, -x") == tenth);
         CHECK(frames("Frame 1, 10:26:16.001 a.m.", "Frame 2, 10:26:16.011 a.m.") == tenth);
         CHECK(frames("Frame 1, 0,,2019-12-02 6:21", "Frame 2, 0.01,,2019-12-02 6:21") == tenth);
         // Without a unit SECONDS_PER_FRAME tells milliseconds from seconds.
         CHECK(frames("Frame 1, 0", "Frame 2, 10") == tenth);
         CHECK(frames("Frame 1, 0", "Frame 2, 10.4")[1] == doctest::Approx(0.0104));
         CHECK(frames("Frame 1, 0", "Frame 2, 0.02")[1] == 0.02);
+        CHECK(frames("Frame 1000, 0", "Frame 1001, 10") == tenth);
+        CHECK(frames("Frame 5, 40", "Frame 6, 50") == std::vector<double>{0.04, 0.05});
+        CHECK(frames("Frame 1, 10.0", "Frame 2, 10.01") == std::vector<double>{10, 10.01});
         // Sums.
         CHECK(frames("Frame 1, 0,,,,,Raw Sum=3", "Frame 2, 0.01,,,,,Raw Sum=,7.0") == tenth);
+        CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,-99", "Frame 2, 0.01") == tenth);
+        CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,3,,99", "Frame 2, 0.01,,,,,Raw Sum=7,,99") == tenth);
         CHECK(frames("Frame 1, 0,,,,,Raw Sum=,,", "Frame 2, 0.01,,,,,raw sum = 7") == tenth);
         const auto none = decode("ROWS 1\nCOLS 1\nASCII_DATA @@\nFrame 1\n1\n");
         REQUIRE(none.frames.size() == 1);
@@ -262,6 +297,9 @@ TEST_SUITE("tekscan_ascii") {
                 CHECK(found.frames[0].cells == std::vector<float>{1, 0, 3, 4});
                 CHECK(found.frames[0].number == 1);
             }
+        CHECK(decode("ROWS 1\nCOLS 1\nASCII_DATA @@\n1\nFrame 2\n2\n@@\n")
+                  .error.find("expected the end, behind a frame without a line 'Frame', found 'Frame 2'") !=
+              std::string::npos);
     }
 
     TEST_CASE("what does not agree with the header is an error with its place") {
@@ -292,6 +330,13 @@ TEST_SUITE("tekscan_ascii") {
             ", frame 2: expected tactels in the same cells as in the first frame, found a tactel in row 1, "
             "column 1" +
                 one);
+        refuses("0\n@@", "B\n@@", "@@",
+                ", frame 2: expected tactels in the same cells as in the first frame, found none in row 2, "
+                "column 3" +
+                    one);
+        // A line that is neither row nor 'Frame' is not the end of a frame.
+        refuses("Frame 2", "Fname 2", "Fname",
+                ", frame 1: expected 2 rows in a frame, found one more" + both);
         CHECK(decode(replaced(recording, "Frame 2", "Frame 1"))
                   .error.find("expected a frame after number 1, found number 1") != std::string::npos);
         CHECK(decode(recording + "1,2,3\n")
@@ -322,6 +367,21 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(status("13", "\n@@\n") == decode_status::finished);
         CHECK(status("14", "\n@@\n") == decode_status::damaged);
         CHECK(status("12", "\n@@\n") == decode_status::damaged);
+        tekscan_ascii decoder;
+        decoder.push(bytes_of("ROWS 1\nCOLS 1\nASCII_DATA @@\nFrame 1,0,,,,Raw Sum=,,7\n7\nFrame 2\n7\n@@\n"),
+                     tactnet::ignore_frames{});
+        CHECK(decoder.frames() == 2);
+        CHECK(decoder.matching_sums() == 1);
+        // Each of ten pressed cells may be off by half a tenth; those of zero are not.
+        const auto ten = [](const std::string& sum) {
+            return decode("ROWS 1\nCOLS 20\nASCII_DATA @@\nFrame 1,0,,,,Raw Sum=,," + sum +
+                          "\n1.5 1.5 1.5 1.5 1.5 1.5 1.5 1.5 1.5 1.5 0 0 0 0 0 0 0 0 0 0\n@@\n")
+                .status;
+        };
+        CHECK(ten("16") == decode_status::finished);
+        CHECK(ten("14") == decode_status::finished);
+        CHECK(ten("16.1") == decode_status::damaged);
+        CHECK(ten("13.9") == decode_status::damaged);
         // The last number may be cut: then only the very sum will do.
         CHECK(status("12.8", "") == decode_status::damaged);
         CHECK(status("13", "") == decode_status::damaged);
@@ -364,7 +424,9 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(error("ROWS 1\nROWS 2\nCOLS 1\n") ==
               "byte 7, line 2: expected one line 'ROWS', found '1' and '2'");
         CHECK(error("ROWS 1\nCOLS 1\nROWS 1\n").empty());
-        CHECK(!error("ROWS 1\nCOLS 1\nSTART_FRAME 5\nEND_FRAME 4\n").empty());
+        for (const std::string range : {"5\nEND_FRAME 4\n", "0\nEND_FRAME 18446744073709551615\n"})
+            CHECK(error("ROWS 1\nCOLS 1\nSTART_FRAME " + range).find("expected an END_FRAME not before") !=
+                  std::string::npos);
         CHECK(decode("ROWS 1\nCOLS 1\n").error ==
               "byte 13, line 2: expected a header that ends with 'ASCII_DATA @@', found the end of the data");
         CHECK(decode("").status == decode_status::damaged);
@@ -391,7 +453,8 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(sensors_test::only_whole_frames_when_cut(tekscan_ascii(), bytes_of(bare)));
         CHECK(decode(bare.substr(0, bare.size() - 1)).error ==
               "byte " + std::to_string(bare.size() - 1) +
-                  ", line 10, frame 2: expected the end of the line, found the end of the data "
+                  ", line 10, frame 2: expected a line end behind the last number, or it may be cut, found "
+                  "the end of the data "
                   "(1 announced frames are missing)");
         CHECK(decode(recording.substr(0, recording.find("B,250"))).error ==
               "byte " + std::to_string(recording.find("B,250") - 1) +
@@ -419,12 +482,22 @@ TEST_SUITE("tekscan_ascii") {
         CHECK(decoder.frames() == 3);
 
         const std::size_t start = support::bytes_allocated();
-        CHECK(decode("ROWS 1024\nCOLS 1024\nASCII_DATA @@\n1,2\n").status == decode_status::damaged);
+        CHECK(decode("ROWS 1024\nCOLS 1024\nASCII_DATA @@\n1,2\n")
+                  .error.find("expected more cells in this row in column 3 of 1024") != std::string::npos);
         CHECK(support::bytes_allocated() - start < 100'000);
+
+        const auto with_header_of = [](std::size_t bytes) {
+            const std::string begin = "ROWS 1\nCOLS 1\nKEY ", end = "\nASCII_DATA @@\n";
+            return decode(begin + std::string(bytes - begin.size() - end.size(), 'x') + end + "1\n@@\n")
+                .status;
+        };
+        CHECK(with_header_of(tactnet::largest_header_bytes) == decode_status::finished);
+        CHECK(with_header_of(tactnet::largest_header_bytes + 1) == decode_status::damaged);
 
         const std::string line(tactnet::largest_header_bytes + 1, 'x');
         CHECK(decode(line).error ==
               "byte 0, line 1: expected a line of at most 262144 bytes, found a longer one");
+        CHECK(decode(line.substr(1)).error.find("expected a header of at most") != std::string::npos);
         const std::string sentence =
             "expected a header of at most 262144 bytes and 8192 lines, found a longer one";
         for (const std::string& each :

@@ -60,6 +60,7 @@ TEST_SUITE("tekscan_binary") {
         CHECK(found.description.version == "Tek API");
         // The unit is one for showing; a length without a unit is none.
         CHECK((found.description.unit == tactnet::pressure_unit::raw));
+        CHECK(decode(replaced(recording, "UNITS PSI", "UNITS bananas")).frames == found.frames);
         CHECK(!decode(replaced(recording, "UNITS", "ROW_SPACING 1\nUNITS")).description.row_spacing);
         CHECK(decode(replaced(recording, "ROWS 3\n", "ROWS 3\r\n")).frames == found.frames);
     }
@@ -114,8 +115,9 @@ TEST_SUITE("tekscan_binary") {
         CHECK(error("\x00\x00\x01\x01"s + closing).find("found cell 65279") != std::string::npos);
         CHECK(decode("COLS 4\n\xBB\xBA").error ==
               "byte 0, line 1: expected a line 'ROWS' in the header, found none");
-        CHECK(decode("ROWS 300\nCOLS 300\n\xBB\xBA").error ==
-              "byte 0, line 1: expected at most 65279 cells, found 300 x 300");
+        CHECK(decode("ROWS 255\nCOLS 256\n\xBB\xBA").error ==
+              "byte 0, line 1: expected at most 65279 cells, found 255 x 256");
+        CHECK(decode("ROWS 1\nCOLS 65279\n\xBB\xBA" + empty + closing).frames.at(0).cells.size() == 65279);
         CHECK(decode("ROWS x\nCOLS 4\n\xBB\xBA").status == decode_status::damaged);
     }
 

@@ -38,6 +38,7 @@ TEST_SUITE("tekscan_map") {
             CHECK(found.frames.empty());
             CHECK(found.description.mask == std::vector<std::uint8_t>(6, 1));
         }
+        CHECK(decode("UNITS bananas\n" + header + "0,1,2,3,4,5\n@@\n").status == decode_status::finished);
         tekscan_map map;
         const std::string text = header + "7, -1, 4\nB, 65535, 0\n@@\n";
         map.push(bytes_of(text), tactnet::ignore_frames{});
@@ -47,6 +48,12 @@ TEST_SUITE("tekscan_map") {
         CHECK(std::vector<std::uint16_t>(map.places().begin(), map.places().end()) ==
               std::vector<std::uint16_t>{7, 65535, 4, 65535, 65535, 0});
         CHECK(sensors_test::same_however_split(tekscan_map(), bytes_of(text)));
+        CHECK(decode(text + "MORE of its own\n").status == decode_status::finished);
+        const std::string cut = header + "7, -1";
+        CHECK(decode(cut).error ==
+              "byte " + std::to_string(cut.size()) +
+                  ", line 11: expected 6 places and a closing '@@', found the end of the "
+                  "data after 2 places");
         // Without the closing line it is cut short; cut inside it is as well.
         for (std::size_t size = 0; size < text.size() - 3; ++size)
             CHECK(decode(text.substr(0, size)).status == decode_status::damaged);

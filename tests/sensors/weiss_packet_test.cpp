@@ -84,6 +84,17 @@ TEST_SUITE("weiss_packet") {
         CHECK(found.description.format == "Weiss WTS");
     }
 
+    TEST_CASE("the largest packet") {
+        constexpr std::size_t cells = (0xFFFF - 5) / 2;
+        bytes payload(5 + 2 * cells, 0);
+        payload.back() = 1;
+        const auto found = sensors_test::decode(weiss_wts({.rows = 5, .columns = cells / 5}),
+                                                span_of(packet(0, payload, 0)));
+        CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+        REQUIRE(found.frames.size() == 1);
+        CHECK(found.frames[0].cells.back() == 256);
+    }
+
     TEST_CASE("frames of a DSACON32m: runs, preamble not under the checksum") {
         const auto found = sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 3)));
         CHECK_MESSAGE(found.status == decode_status::finished, found.error);
@@ -128,6 +139,14 @@ TEST_SUITE("weiss_packet") {
             CHECK(decoder.error().place() == "byte 25, frame 2");
             CHECK(decoder.error().expected.find("a checksum of") == 0);
         }
+        // A size that reaches into the packets behind.
+        bytes longer = good;
+        longer[4] += 20;
+        weiss_wts reached(array);
+        CHECK(reached.push(span_of(longer + good), tactnet::ignore_frames{}) == decode_status::damaged);
+        CHECK(reached.frames() == 1);
+        CHECK(reached.push(span_of(good), tactnet::ignore_frames{}) == decode_status::reading);
+        CHECK(reached.frames() == 2);
         const auto refused = [](const bytes& payload) {
             const auto found = sensors_test::decode(weiss_wts(array), span_of(packet(0, payload, 0)));
             CHECK(found.frames.empty());

@@ -99,14 +99,12 @@ struct sequence {
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
             m.make_room_for_gradients(in.groups(), p.threads.threads());
-            const output_view<T, output> result(const_cast<T*>(out.data()),
-                                                out.samples()); // only read from here on
             const T* from = out_gradient.data();
             if constexpr (size == 0) {
                 if (in_gradient.data() != nullptr)
                     copy(p, out_gradient, in_gradient);
             } else if constexpr (at<size - 1>::observes) {
-                backward_stage<size, size>(p, values, m, in, result, from, nullptr, gradients);
+                backward_stage<size, size>(p, values, m, in, out, from, nullptr, gradients);
             }
             std::size_t stages = 0;
             unroll<size>([&](auto reversed) {
@@ -114,7 +112,7 @@ struct sequence {
                 if constexpr (staged::template starts_backward<end>()) {
                     constexpr std::size_t begin = staged::template backward_begin<end>();
                     T* to = begin == 0 ? in_gradient.data() : m.stage_gradients[stages++ % 2].data();
-                    backward_stage<begin, end>(p, values, m, in, result, from, to, gradients);
+                    backward_stage<begin, end>(p, values, m, in, out, from, to, gradients);
                     from = to;
                 }
             });
@@ -157,7 +155,7 @@ struct sequence {
         /// gradients of whole batches.
         template <std::size_t Begin, std::size_t End>
         static void backward_stage(const pass& p, const T* values, memory& m, input_view<T, Input> in,
-                                   output_view<T, output> out, const T* from, T* to, T* gradients) {
+                                   input_view<T, output> out, const T* from, T* to, T* gradients) {
             for_each_part_layer<Begin, End>([&](auto i) {
                 at<i>::begin_backward(p, values + list::template parameter_offset<i>, detail::get<i>(m.inner),
                                       in.samples());
@@ -202,16 +200,16 @@ struct sequence {
             inner.depth = p.depth * 64 + static_cast<std::uint32_t>(index) + 1;
             return inner;
         }
-        template <std::size_t I>
-        static output_view<T, at<I>::output> output_of(memory& m, output_view<T, output> out) {
+        /// What layer I makes, to write or to read as `out`, what the last one makes.
+        template <std::size_t I, template <class, shape> class View>
+        static View<T, at<I>::output> output_of(memory& m, View<T, output> out) {
             if constexpr (list::template is_last<I>())
                 return {out.data(), out.samples()};
             else
                 return {m.outputs[list::template source<I>()].data(), out.samples()};
         }
-        template <std::size_t I>
-        static input_view<T, at<I>::input> input_of(memory& m, input_view<T, Input> in,
-                                                    output_view<T, output> out) {
+        template <std::size_t I, template <class, shape> class View>
+        static input_view<T, at<I>::input> input_of(memory& m, input_view<T, Input> in, View<T, output> out) {
             if constexpr (I == 0)
                 return in;
             else

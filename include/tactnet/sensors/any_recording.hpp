@@ -7,6 +7,7 @@
 #include <tactnet/sensors/tekscan_ascii.hpp>
 #include <tactnet/sensors/tekscan_binary.hpp>
 #include <tactnet/sensors/tekscan_map.hpp>
+#include <tactnet/sensors/tekscan_text.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -69,8 +70,11 @@ public:
 
     template <class Sink>
     decode_status finish(Sink&& sink) {
-        if (!known_ && start(sink) == decode_status::damaged)
-            return decode_status::damaged;
+        if (!known_) {
+            recognise_line(begun_text().substr(line_));
+            if (start(sink) == decode_status::damaged)
+                return decode_status::damaged;
+        }
         return std::visit([&](auto& decoder) { return decoder.finish(sink); }, decoder_);
     }
 
@@ -88,25 +92,35 @@ public:
     }
 
 private:
-    /// The first sign of a format decides. Signs stand at the start of a line, perhaps behind a quote or
-    /// blanks.
+    [[nodiscard]] std::string_view begun_text() const noexcept {
+        return {reinterpret_cast<const char*>(begun_.data()), begun_.size()};
+    }
+
+    /// The first line that ends a header decides.
     bool recognise() {
-        const std::string_view text(reinterpret_cast<const char*>(begun_.data()), begun_.size());
-        constexpr std::string_view before = "\n\" \t";
-        for (; searched_ < text.size(); ++searched_) {
-            if (searched_ > 0 && before.find(text[searched_ - 1]) == std::string_view::npos)
-                continue;
-            const std::string_view rest = text.substr(searched_);
-            if (rest.starts_with("ASCII_DATA"))
-                return found<tekscan_ascii>();
-            if (rest.starts_with("SENSOR_MAP"))
-                return found<tekscan_map>();
-            if (rest.starts_with("\xBB\xBA"))
+        const std::string_view text = begun_text();
+        while (true) {
+            if (line_ > 0 && text.substr(line_).starts_with("\xBB\xBA"))
                 return found<tekscan_binary>(std::move(mask_));
-            if (rest.size() < longest_sign)
-                return false; // may go on
+            const std::size_t end = text.find('\n', searched_);
+            if (end == std::string_view::npos)
+                break;
+            if (recognise_line(text.substr(line_, end - line_)))
+                return true;
+            line_ = searched_ = end + 1;
         }
+        searched_ = text.size();
         return false;
+    }
+
+    bool recognise_line(std::string_view line) {
+        while (line.ends_with('\r'))
+            line.remove_suffix(1);
+        std::string storage;
+        const tekscan_part behind = part_behind(cut_header_line(without_decoration(line, storage)));
+        return behind == tekscan_part::cells ? found<tekscan_ascii>()
+               : behind == tekscan_part::map ? found<tekscan_map>()
+                                             : false;
     }
 
     template <class Decoder, class... Arguments>
@@ -129,12 +143,11 @@ private:
         return std::visit([&](auto& decoder) { return decoder.push(bytes, sink); }, decoder_);
     }
 
-    static constexpr std::size_t longest_sign = 10;
-
     std::variant<detail::unknown_recording, tekscan_ascii, tekscan_binary, tekscan_map> decoder_;
     std::vector<std::uint8_t> mask_;
     std::vector<std::byte> begun_;
-    std::size_t searched_ = 0;
+    std::size_t line_ = 0;     ///< where the line that has not ended starts
+    std::size_t searched_ = 0; ///< up to where its end has been looked for
     bool known_ = false;
 };
 

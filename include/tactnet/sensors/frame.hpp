@@ -38,7 +38,8 @@ struct recording_description {
     std::optional<std::uint64_t> frames{}; ///< as many as the source announces
     /// One entry a cell, row by row: 1 where there is a tactel, 0 where there is none. Empty: all are there.
     std::vector<std::uint8_t> mask{};
-    /// Every line of a text header as it stands: key and value.
+    /// Every line of a text header: key and value, as they stand but for the quotes and separators that
+    /// spreadsheets add.
     std::vector<std::pair<std::string, std::string>> header{};
 
     [[nodiscard]] std::size_t cells() const noexcept { return rows * columns; }

@@ -117,7 +117,7 @@ private:
     /// Drops bytes until what is left may be the beginning of a marker.
     void find_marker() {
         while (!std::equal(packet_.begin(), packet_.end(), format_.marker.begin())) {
-            if (in_step_ && frames() > 0)
+            if (in_step_)
                 report("the marker of a frame", "other bytes");
             in_step_ = false;
             packet_.erase(packet_.begin());
@@ -172,7 +172,7 @@ private:
     std::vector<std::byte> packet_;
     std::size_t byte_ = 0;
     std::uint64_t skipped_ = 0;
-    bool in_step_ = false;
+    bool in_step_ = false; ///< behind a frame
 };
 
 } // namespace tactnet

@@ -32,12 +32,6 @@ inline constexpr measure_unit area_units[] = {
     {"m2", 1},
     {"in2", 0.00064516},
     {"inch2", 0.00064516},
-    {"mm\xC2\xB2", 1e-6},
-    {"cm\xC2\xB2", 1e-4},
-    {"mm^2", 1e-6},
-    {"cm^2", 1e-4},
-    {"m^2", 1},
-    {"in^2", 0.00064516},
     {"inches2", 0.00064516},
     {"sq mm", 1e-6},
     {"sq cm", 1e-4},
@@ -47,22 +41,13 @@ inline constexpr measure_unit area_units[] = {
 };
 /// Pascal.
 inline constexpr measure_unit pressure_units[] = {
-    {"Pa", 1},
-    {"kPa", 1e3},
-    {"MPa", 1e6},
-    {"psi", 6894.757293168361},
-    {"mbar", 100},
-    {"bar", 1e5},
-    {"N/cm2", 1e4},
-    {"N/mm2", 1e6},
-    {"kg/cm2", 98066.5},
-    {"kgf/cm2", 98066.5},
-    {"kg/cm\xC2\xB2", 98066.5},
-    {"N/cm\xC2\xB2", 1e4},
-    {"g/cm2", 98.0665},
-    {"mmHg", 133.322387415},
-    {"atm", 101325},
-    {"torr", 101325 / 760.},
+    {"Pa", 1},           {"kPa", 1e3},
+    {"MPa", 1e6},        {"psi", 6894.757293168361},
+    {"mbar", 100},       {"bar", 1e5},
+    {"N/cm2", 1e4},      {"N/mm2", 1e6},
+    {"kg/cm2", 98066.5}, {"kgf/cm2", 98066.5},
+    {"g/cm2", 98.0665},  {"mmHg", 133.322387415},
+    {"atm", 101325},     {"torr", 101325 / 760.},
 };
 /// Seconds.
 inline constexpr measure_unit time_units[] = {
@@ -71,14 +56,24 @@ inline constexpr measure_unit time_units[] = {
     {"us", 1e-6}, {"usec", 1e-6}, {"microsecond", 1e-6}, {"microseconds", 1e-6},
 };
 
-/// The size of the unit of that name in any case of its letters, in round brackets or not; nothing if
-/// unknown.
+/// Whether `text` is that unit in any case of its letters. A square may be written 2, ^2 or as a superscript,
+/// in UTF-8 or in the one byte of Windows' western code page.
+[[nodiscard]] constexpr bool is_unit(std::string_view text, std::string_view unit) noexcept {
+    if (unit.ends_with('2'))
+        for (const std::string_view square : {"^2", "\xC2\xB2", "\xB2"})
+            if (text.ends_with(square))
+                return same_letters(text.substr(0, text.size() - square.size()),
+                                    unit.substr(0, unit.size() - 1));
+    return same_letters(text, unit);
+}
+
+/// The size of the unit of that name, in round brackets or not; nothing if unknown.
 [[nodiscard]] constexpr std::optional<double> unit_size(std::span<const measure_unit> units,
                                                         std::string_view name) noexcept {
     if (name.size() > 2 && name.front() == '(' && name.back() == ')')
         name = trimmed(name.substr(1, name.size() - 2));
     for (const measure_unit& unit : units)
-        if (same_letters(unit.name, name))
+        if (is_unit(name, unit.name))
             return unit.size;
     return std::nullopt;
 }

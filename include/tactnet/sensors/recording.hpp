@@ -104,7 +104,8 @@ enum class damaged_file : std::uint8_t {
 };
 
 /// Reads a recording, or a map, of any of Tekscan's formats; its content tells which. Throws file_error when
-/// the file cannot be read or is none of these, and, unless told otherwise, when it is damaged.
+/// the file cannot be read or is none of these, and, unless told otherwise, when it is damaged or has more
+/// than default_recording_cells.
 [[nodiscard]] inline recording read_recording(const std::filesystem::path& path,
                                               damaged_file damaged = damaged_file::refuse) {
     recording result = decode_all(any_recording(), read_file(path));

@@ -130,7 +130,8 @@ private:
         // A last line that is cut inside its last number would be another number. Only a sum shows that it is
         // not.
         if (!line.ended && outcome.cut && !checks_sum())
-            return fail_at(line, line.text.size(), "the end of the line", "the end of the data");
+            return fail_at(line, line.text.size(), "a line end behind the last number, or it may be cut",
+                           "the end of the data");
         cut_ = !line.ended && outcome.cut;
         ++row_;
         return true;

@@ -43,10 +43,10 @@ public:
                 fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
                 break;
             }
-            const std::size_t taken = part_ == part::header        ? take_header(bytes)
-                                      : part_ == part::run_cells   ? take_run(bytes)
-                                      : part_ == part::record_data ? take_record(bytes)
-                                                                   : take_number(bytes, sink);
+            const std::size_t taken = part_ == part::header      ? take_header(bytes)
+                                      : part_ == part::run_cells ? take_run(bytes)
+                                      : part_ == part::data      ? take_record(bytes)
+                                                                 : take_number(bytes, sink);
             byte_ += taken;
             bytes = bytes.subspan(taken);
         }
@@ -64,15 +64,7 @@ public:
     }
 
 private:
-    enum class part : std::uint8_t {
-        header,
-        run_cell,
-        run_count,
-        run_cells,
-        record_tag,
-        record_length,
-        record_data
-    };
+    enum class part : std::uint8_t { header, run_cell, run_count, run_cells, tag, length, data };
     static constexpr std::uint16_t end_of_list = 0xFFFF, end_of_recording = 0xFEFF;
     static_assert(tekscan_binary_header::largest_cells <= end_of_recording);
 
@@ -120,7 +112,7 @@ private:
         const auto value = little_endian<std::uint16_t>(bytes);
         if (part_ == part::run_cell)
             begin_run(value);
-        else if (part_ == part::record_tag)
+        else if (part_ == part::tag)
             begin_record(value, sink);
         else
             record_length(value);
@@ -128,8 +120,7 @@ private:
 
     void begin_run(std::uint16_t value) {
         if (value == end_of_list) {
-            part_ = part::record_tag;
-            in_frame_ = true;
+            part_ = part::tag;
         } else if (value == end_of_recording && !in_frame_) {
             end();
         } else if (value >= description().cells() || value < cell_) {
@@ -174,7 +165,7 @@ private:
         if (value == end_of_list)
             return end_frame(sink);
         tag_ = value;
-        part_ = part::record_length;
+        part_ = part::length;
     }
 
     void record_length(std::uint16_t value) {
@@ -185,7 +176,7 @@ private:
                            std::to_string(value));
         count_ = value;
         gathered_ = 0;
-        part_ = count_ > 0 ? part::record_data : part::record_tag;
+        part_ = count_ > 0 ? part::data : part::tag;
     }
 
     /// Records with unknown tags are passed over.
@@ -203,13 +194,13 @@ private:
         else if (tag_ == microseconds)
             microseconds_ = little_endian<std::uint64_t>(small_);
         gathered_ = 0;
-        part_ = part::record_tag;
+        part_ = part::tag;
         return taken;
     }
 
     template <class Sink>
     void end_frame(Sink& sink) {
-        const std::uint64_t number = number_.value_or(frames() > 0 ? last_number_ + 1 : 1);
+        const std::uint64_t number = number_.value_or(last_number_ + 1);
         if (frames() > 0 && number <= last_number_)
             return fail_at(number_byte_, "a frame after number " + std::to_string(last_number_),
                            "number " + std::to_string(number));
@@ -254,7 +245,7 @@ private:
     std::array<std::byte, 8> small_{};       ///< a number that arrives in pieces
     std::size_t gathered_ = 0, cell_ = 0, count_ = 0;
     std::uint16_t tag_ = 0;
-    bool in_frame_ = false;
+    bool in_frame_ = false; ///< between the first run of a frame and its end
     std::optional<std::uint64_t> number_, microseconds_;
     std::uint64_t first_number_ = 0, last_number_ = 0;
 };

@@ -56,7 +56,7 @@ private:
     static constexpr std::string_view mark = "\n\xBB\xBA";
 
     void read(recording_description& to) {
-        tekscan_header header;
+        tekscan_header header(tekscan_header::unit_of::display);
         std::string_view rest = text_;
         for (std::size_t line = 1; !rest.empty(); ++line) {
             const std::size_t length = std::min(rest.find('\n'), rest.size());
@@ -75,8 +75,6 @@ private:
             return refuse(0, 1, {"at most " + std::to_string(largest_cells) + " cells", size});
         if (!to.mask.empty() && to.mask.size() != to.cells())
             return refuse(0, 1, {"the size of the map, " + std::to_string(to.mask.size()) + " cells", size});
-        // The header's unit is the one for showing.
-        to.unit = pressure_unit::raw;
         for (const auto& [key, value] : to.header)
             if (key == "FRAMES")
                 to.frames = whole_number(value);

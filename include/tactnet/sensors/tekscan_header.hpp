@@ -30,7 +30,11 @@ struct text_problem {
 /// Fills a description, line by line.
 class tekscan_header {
 public:
-    enum class part : std::uint8_t { header, cells, map };
+    using part = tekscan_part;
+    /// What UNITS names: the unit that cells are written in, or one for showing raw counts, which may be any.
+    enum class unit_of : std::uint8_t { cells, display };
+
+    explicit tekscan_header(unit_of unit = unit_of::cells) : unit_(unit) {}
 
     /// One line. Returns what is wrong with it, if anything.
     [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
@@ -41,14 +45,9 @@ public:
                                 "a longer one"};
         std::string storage;
         const std::string_view text = without_decoration(line, storage);
-        const std::size_t key_end = std::min(text.find_first_of(" \t,;"), text.size());
-        const std::string_view key = text.substr(0, key_end);
-        std::string_view value = text.substr(key_end);
-        while (!value.empty() && (is_separator(value.front()) || detail::is_blank(value.front())))
-            value.remove_prefix(1);
-
-        if (key == "ASCII_DATA" || key == "SENSOR_MAP")
-            return begin_data(key == "ASCII_DATA" ? part::cells : part::map, to);
+        const tekscan_header_line cut = cut_header_line(text);
+        if (const part behind = part_behind(cut); behind != part::header)
+            return begin_data(behind, to);
         if (in_block_) {
             take_block_line(text, to.header.back().second);
             return std::nullopt;
@@ -56,7 +55,7 @@ public:
         const bool may_be_comment = std::exchange(next_is_comment_, false);
         if (text.empty())
             return std::nullopt;
-        return key_and_value(text, key, value, may_be_comment, to);
+        return key_and_value(text, cut.key, cut.value, may_be_comment, to);
     }
 
     /// What comes next: more header, or the data.
@@ -106,23 +105,31 @@ private:
                                               recording_description& to) {
         if (value == end_mark || ((key == "COMMENTS:" || key == "COMMENTS") && value.empty())) {
             in_block_ = !value.empty();
-            next_is_comment_ = commented_ = value.empty();
+            next_is_comment_ = value.empty();
+            if (next_is_comment_)
+                comment_ = to.header.size();
             to.header.emplace_back(key, "");
             return std::nullopt;
         }
         // Behind an empty COMMENTS: stands free text, perhaps of several lines, unless there is none and the
-        // header just goes on. What cannot be a line of the header is text.
+        // header just goes on. What cannot be a line of the header is text, and so is what begins with a key
+        // that has come in front of it.
         const auto before = std::find_if(to.header.begin(), to.header.end(),
                                          [&](const auto& line) { return line.first == key; });
         const bool known = before != to.header.end();
-        const auto how = commented_ && known ? understanding::not_needed : understand(key, value, to);
+        const bool repeats =
+            comment_ && known && before < to.header.begin() + static_cast<std::ptrdiff_t>(*comment_);
+        const auto how = repeats ? understanding::not_needed : understand(key, value, to);
         if (may_be_comment && how != understanding::done) {
             to.header.back().second = text;
             return std::nullopt;
         }
-        const bool prose = commented_ && value.find(' ') != std::string_view::npos;
-        if (how != understanding::done && how != understanding::not_needed && !prose)
-            return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
+        if (how != understanding::done && how != understanding::not_needed) {
+            if (!comment_ || value.find(' ') == std::string_view::npos)
+                return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
+            to.header[*comment_].second.append("\n").append(text);
+            return std::nullopt;
+        }
         if (how == understanding::done && known && before->second != value)
             return text_problem{"one line " + in_quotes(key),
                                 in_quotes(before->second) + " and " + in_quotes(value)};
@@ -154,7 +161,7 @@ private:
             return to_base(value, time_units, 1, to.seconds_per_frame);
         } else if (key == "NOISE_THRESHOLD") {
             return to_base(value, {}, 1, to.noise_threshold);
-        } else if (key == "UNITS") {
+        } else if (key == "UNITS" && unit_ == unit_of::cells) {
             const auto size = unit_size(pressure_units, value);
             if (!size && !same_letters(value, "raw"))
                 return understanding::units;
@@ -197,7 +204,9 @@ private:
     std::optional<std::uint64_t> first_frame_, last_frame_;
     double cell_scale_ = 1;
     std::size_t bytes_ = 0, lines_ = 0;
-    bool in_block_ = false, next_is_comment_ = false, commented_ = false;
+    bool in_block_ = false, next_is_comment_ = false;
+    std::optional<std::size_t> comment_; ///< which line of the description is the last COMMENTS:
+    unit_of unit_;
     part part_ = part::header;
 };
 

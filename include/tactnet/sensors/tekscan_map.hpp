@@ -137,7 +137,7 @@ private:
     }
 
     line_splitter lines_;
-    tekscan_header header_;
+    tekscan_header header_{tekscan_header::unit_of::display};
     std::vector<std::uint16_t> places_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // The lines between which the cells of Tekscan's text stand: what a spreadsheet may have done to any line,
-// and the line that begins a frame.
+// lines of a header, the ones that end it, and the line that begins a frame.
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/measures.hpp>
@@ -32,6 +32,33 @@ namespace tactnet::inline TACTNET_ARCH {
     while (!line.empty() && (is_separator(line.back()) || detail::is_blank(line.back())))
         line.remove_suffix(1);
     return trimmed(line);
+}
+
+/// A line of a header.
+struct tekscan_header_line {
+    std::string_view key, value; ///< the value may be empty
+};
+
+/// Cuts a line, without decoration.
+[[nodiscard]] constexpr tekscan_header_line cut_header_line(std::string_view line) noexcept {
+    const std::size_t key_end = std::min(line.find_first_of(" \t,;"), line.size());
+    tekscan_header_line result{line.substr(0, key_end), line.substr(key_end)};
+    while (!result.value.empty() &&
+           (is_separator(result.value.front()) || detail::is_blank(result.value.front())))
+        result.value.remove_prefix(1);
+    return result;
+}
+
+/// What comes behind a line of a header.
+enum class tekscan_part : std::uint8_t { header, cells, map };
+
+/// 'ASCII_DATA @@' begins cells, 'SENSOR_MAP @@' a map. Free text may begin with the same words.
+[[nodiscard]] constexpr tekscan_part part_behind(const tekscan_header_line& line) noexcept {
+    if (!line.value.empty() && !line.value.starts_with("@@"))
+        return tekscan_part::header;
+    return line.key == "ASCII_DATA"   ? tekscan_part::cells
+           : line.key == "SENSOR_MAP" ? tekscan_part::map
+                                      : tekscan_part::header;
 }
 
 /// What the line in front of a frame says.
@@ -84,7 +111,9 @@ struct tekscan_frame_line {
             after_sum = true;
             field = trimmed(field.substr(std::min(field.find('=') + 1, field.size())));
         }
-        const auto found = scan_measure(field);
+        // Frames from before a trigger may have times below zero.
+        const bool below_zero = !after_sum && field.front() == '-';
+        const auto found = scan_measure(field.substr(below_zero ? 1 : 0));
         if (after_sum) {
             if (found && found->unit.empty() && !result.raw_sum)
                 result.raw_sum = found->number;
@@ -92,7 +121,7 @@ struct tekscan_frame_line {
             const auto unit = unit_size(time_units, found->unit);
             if (!unit && !found->unit.empty())
                 continue; // a date
-            result.stamp = found->number;
+            result.stamp = below_zero ? -found->number : found->number;
             result.stamp_unit = unit;
             after_stamp = !unit;
         } else if (after_stamp) {

@@ -64,8 +64,8 @@ enum class weiss_coverage : std::uint8_t { whole_packet, without_preamble };
 /// goes on behind it. Packets with other identifiers, answers to commands, are passed over. A push that
 /// reports damage has taken all its bytes; `error` is the last one's, `damaged_packets` counts them.
 ///
-/// Memory: one frame of four bytes a cell and one packet, two bytes a cell and 13 more, or 268 if that is
-/// more.
+/// Memory: one frame of four bytes a cell and one packet, of two bytes a cell and 13 more, but at least 263
+/// and at most 65 543.
 class weiss_decoder : public decoder_base {
 public:
     weiss_decoder(std::string format, const weiss_array& array, weiss_coverage coverage)
@@ -122,7 +122,7 @@ private:
 
     /// No more than a frame needs, or an answer to a command: a damaged size cannot keep the stream waiting.
     [[nodiscard]] std::size_t largest_payload() const {
-        return std::max<std::size_t>(stamp_and_flags + 2 * description().cells(), 255);
+        return std::clamp<std::size_t>(stamp_and_flags + 2 * description().cells(), 255, 0xFFFF);
     }
 
     /// Looks at what has arrived of a packet. True if it has changed the buffer, and must look again.

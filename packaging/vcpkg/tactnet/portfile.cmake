@@ -2,7 +2,11 @@
 #     vcpkg install tactnet --overlay-ports=packaging/vcpkg
 set(SOURCE_PATH "${CURRENT_PORT_DIR}/../../..")
 
-vcpkg_check_features(OUT_FEATURE_OPTIONS feature_options FEATURES simd TACTNET_SIMD)
+vcpkg_check_features(
+    OUT_FEATURE_OPTIONS feature_options
+    FEATURES simd TACTNET_SIMD
+    INVERTED_FEATURES networks TACTNET_SENSORS_ONLY
+)
 vcpkg_cmake_configure(
     SOURCE_PATH "${SOURCE_PATH}"
     OPTIONS ${feature_options}
