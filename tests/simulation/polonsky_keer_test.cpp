@@ -1,5 +1,6 @@
 #include "pressed.hpp"
 
+#include <tactnet/kernels/random.hpp>
 #include <tactnet/simulation/bonded_layer.hpp>
 #include <tactnet/simulation/elastic_half_space.hpp>
 
@@ -224,6 +225,33 @@ TEST_CASE("hard cases on a half space and on layers of all kinds") {
             CAPTURE(thickness);
             check_hard_cases(bonded_layer{.young = 1e5, .poisson = poisson, .thickness = thickness});
         }
+}
+
+TEST_CASE("random contacts are found in few steps") {
+    tactnet::random_stream random(3, tactnet::draw::touch);
+    for (const bonded_layer& layer : {bonded_layer{}, bonded_layer{.poisson = 0.5, .thickness = 3e-3},
+                                      bonded_layer{.poisson = 0.5, .thickness = 1}}) {
+        bonded_layer::bound<size> bound(layer, cell);
+        for (int round = 0; round < 100; ++round) {
+            // A ridge or a ring of any direction, tilt, width and roughness.
+            const double angle = random.uniform(0, 3), half_width = random.uniform(1e-3, 0.02),
+                         radius = random.uniform(2e-3, 0.1), tilt = random.uniform(-0.02, 0.02),
+                         roughness = random.uniform(0, 2e-4);
+            const map heights = heights_of<size>(cell, [&](double y, double x) {
+                const double along = std::cos(angle) * x + std::sin(angle) * y,
+                             across = std::cos(angle) * y - std::sin(angle) * x;
+                const double beyond = round % 2 == 0 ? std::max(std::abs(across) - half_width, 0.0)
+                                                     : std::hypot(along, across) - half_width;
+                return beyond * beyond / (2 * radius) + tilt * along + random.uniform(0, roughness);
+            });
+            const pressing how = round % 3 == 0 ? pressing::to_depth(random.uniform(1e-5, 2e-3))
+                                                : pressing::to_force(std::exp(random.uniform(-3, 5)));
+            support::pressed<size> found;
+            found.report = bound.solve(heights.view(), how, found.pressures.view());
+            CHECK(found.report.converged);
+            check_sane(found, 60);
+        }
+    }
 }
 
 TEST_CASE("what cannot be found in time is said to be") {

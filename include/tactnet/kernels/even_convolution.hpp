@@ -21,10 +21,10 @@ namespace tactnet::inline TACTNET_ARCH {
 template <shape Shape>
 class even_convolution {
     static constexpr std::size_t power_of_two(std::size_t least) {
-        std::size_t size = 4;
-        while (size < least)
-            size *= 2;
-        return size;
+        std::size_t power = 4;
+        while (power < least)
+            power *= 2;
+        return power;
     }
     static constexpr std::size_t width = lanes<double>;
     static constexpr std::size_t tall = power_of_two(2 * Shape.rows - 1),

@@ -5,10 +5,8 @@
 #include <tactnet/simulation/polonsky_keer.hpp>
 #include <tactnet/simulation/radial_kernel.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 
 namespace tactnet::inline TACTNET_ARCH {
@@ -23,7 +21,7 @@ public:
     /// Thickness in metres, zero or more. What is thinner than a hundredth of a cell counts as that.
     layer_influence(double thickness, double poisson, double cell)
         : cell_(cell),
-          thickness_(std::max(thickness / cell, 1e-2)),
+          thickness_(thickness > 1e-2 * cell ? thickness / cell : 1e-2),
           held_back_([=](double x) { return layer_stiffening(x, poisson); }, 16) {}
 
     /// Metres under 1 Pa on a cell so many cells away, for E / (1 − ν²) = 1 Pa.
@@ -44,6 +42,9 @@ private:
 };
 
 /// A soft layer on a rigid sensor, bonded to it: most sensors. By default 3 mm of soft rubber foam.
+///
+/// Cells should be no larger than about twice the thickness if ν is close to ½: such a layer gives way by
+/// flowing sideways, and hardly at all in the middle of a cell that is pressed evenly.
 struct bonded_layer {
     double young = 1e5;      ///< E in pascals
     double poisson = 0.3;    ///< ν, more than −1 and at most ½

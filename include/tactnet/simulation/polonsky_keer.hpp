@@ -156,7 +156,7 @@ private:
             ++report.iterations;
             turn(before > 0 ? now.squares / before : 0);
             sink(step_, answer_);
-            const double length = step_length(to_force);
+            const double length = step_length();
             const moved change = move(length);
             const double factor = to_force ? scale_to(load) : 1;
             if (change.cells_changed || !(factor > 0))
@@ -198,22 +198,16 @@ private:
             put(step_, i, only(contact, multiply_add<double>(v(share), at(step_, i), at(gap_, i))));
         });
     }
-    /// How far along the step the gaps are least. Where that cannot be told, as with a contact of one cell,
-    /// as far as a cell would go alone.
-    double step_length(bool level_is_free) const {
-        v fall(0.0), rise(0.0), steps(0.0), answers(0.0), count(0.0);
-        each([&](std::size_t i) {
-            const auto contact = at(pressure_, i) > v(0.0);
-            const v step = at(step_, i),
-                    answer = only(contact, at(answer_, i)); // no step outside the contact
-            fall += at(gap_, i) * step;
-            rise += answer * step;
-            steps += step;
-            answers += answer;
-            count += only(contact, v(1.0));
+    /// How far along the step the gaps are least. Polonsky and Keer take the mean out of the answer, where
+    /// the level is free; but with gaps that are zero in the mean so are the steps, and it has no part in
+    /// this. Where nothing can be told, as with a contact of one cell, as far as a cell would go alone.
+    double step_length() const {
+        v fall(0.0), rise(0.0);
+        each([&](std::size_t i) { // no step outside the contact
+            fall += at(gap_, i) * at(step_, i);
+            rise += at(answer_, i) * at(step_, i);
         });
-        const double along = total(rise) - (level_is_free ? total(answers) * total(steps) / total(count) : 0);
-        const double length = total(fall) / along;
+        const double length = total(fall) / total(rise);
         return length > 0 && std::isfinite(length) ? length : 1 / (own_ + softness_ * own_of_object_);
     }
 
