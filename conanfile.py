@@ -66,6 +66,7 @@ class TactnetConan(ConanFile):
             core.defines = ["TACTNET_NO_SIMD"]
         if self.settings.os in ("Linux", "FreeBSD"):
             core.system_libs = ["pthread"]
+        self._component("simulation", "tactnet::simulation").requires = ["core"]
 
     def _component(self, name, target):
         component = self.cpp_info.components[name]
