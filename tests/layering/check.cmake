@@ -21,7 +21,7 @@ set(room_sensors io tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
 set(only_sensors_io file file_error text)
 set(header_io/svm_file.hpp svm)
-set(room_simulation image io kernels tensor)
+set(room_simulation image kernels tensor)
 set(room_forward tensor)
 # The core umbrella: a user of inference never pays for training.
 set(room_tactnet forward tensor layers networks deployment)
