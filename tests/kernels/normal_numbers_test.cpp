@@ -53,7 +53,7 @@ TEST_CASE("normal_numbers: independent of each other, near and far") {
     constexpr std::size_t count = 1'000'000;
     const std::vector<double> numbers = drawn(random_stream(4, draw::frame), count);
     // 16 and 32 apart are the two numbers of one transform, and the two transforms of one block.
-    for (const std::size_t apart : {1, 2, 15, 16, 17, 32, 48, 64, 50, 1400}) {
+    for (const std::size_t apart : {1u, 2u, 15u, 16u, 17u, 32u, 48u, 64u, 50u, 1400u}) {
         CAPTURE(apart);
         double product = 0, squares = 0;
         for (std::size_t i = 0; i + apart < count; ++i) {
