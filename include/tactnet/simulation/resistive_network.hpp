@@ -25,9 +25,10 @@ struct resistive_network {
     /// Siemens of a tactel for each pascal on it, above zero; conductance is proportional to pressure in such
     /// films. Chosen: 10 kΩ at 34 kPa.
     double sensitivity = 1e-4 / 34e3;
-    /// Siemens from each line that is not being read to ground. Infinite is a circuit that grounds them all,
-    /// which has no crosstalk; below 10⁻⁹ of the best conducting line it counts as that. Chosen: 10 MΩ.
-    double grounding = 1e-7;
+    /// Siemens from each line that is not being read to ground: 0 where lines hang free, which is the worst,
+    /// and infinite where all are grounded, which has no crosstalk. Below 10⁻⁹ of the best conducting line it
+    /// counts as that. Chosen: each line is grounded through the 100 Ω of an analogue switch.
+    double grounding = 1e-2;
 
     template <shape Shape>
     class bound {
