@@ -1,4 +1,9 @@
 #include <tactnet/simulation/bonded_layer.hpp>
+#include <tactnet/simulation/dead_tactels.hpp>
+#include <tactnet/simulation/gain_map.hpp>
+#include <tactnet/simulation/hysteresis.hpp>
+#include <tactnet/simulation/noise.hpp>
+#include <tactnet/simulation/object.hpp>
 #include <tactnet/simulation/pad.hpp>
 #include <tactnet/simulation/quantisation.hpp>
 #include <tactnet/simulation/saturation.hpp>
@@ -8,6 +13,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace {
@@ -56,6 +62,25 @@ TEST_CASE("a scene with the accurate contact and a pad") {
     for (const float pressure : result.measured)
         sum += static_cast<double>(pressure);
     CHECK(sum * touch.sensor().tactel_area() == doctest::Approx(2).epsilon(1e-3));
+}
+
+TEST_CASE("a scene that goes on with another sensor is a scene of that sensor") {
+    using faulty =
+        scene<array<8, 12>, contact<winkler>, elastic_pad, gain_map, hysteresis, noise, dead_tactels>;
+    const object ball{{rod::sphere({1e-3, 2e-3}, 0.02)}, {}};
+    tactnet::tensor<float, faulty::surface> heights;
+    lay<faulty::surface>(ball, {}, 1.9e-3, heights.view());
+    const auto frame = [&](faulty& scene) {
+        faulty::frames result;
+        scene.touch(heights, pressing::to_force(2), {.frame = 3}, result);
+        return result.measured;
+    };
+    const dead_tactels dead{.single = 0.1};
+    faulty first({}, {1}, dead), second({}, {2}, dead);
+    const auto of_second = frame(second);
+    CHECK(!std::ranges::equal(frame(first), of_second));
+    first.use({2});
+    CHECK(std::ranges::equal(frame(first), of_second));
 }
 
 } // namespace

@@ -47,6 +47,7 @@ concept bound_contact_model = requires(Bound bound, tensor_view<const float, Sha
 template <class Model>
 struct contact {
     static constexpr stage place = stage::contact;
+    static constexpr bool same_in_every_sensor = true;
 
     Model model{};
 

@@ -51,6 +51,7 @@ private:
 /// (Not `pad`: that is the padding of an image, in tensor/shape.hpp.)
 struct elastic_pad {
     static constexpr stage place = stage::pad;
+    static constexpr bool same_in_every_sensor = true;
 
     double thickness = 1.6e-3; ///< metres; by default what makes imprints as wide as the paper's
     double poisson = 0.48;     ///< ν of soft rubber, more than −1 and at most ½

@@ -105,7 +105,8 @@ public:
     template <class... Given>
     explicit scene(const Array& array, sensor_unit unit, const Given&... given)
         : array_(array),
-          effects_(bind(array, unit, chosen(given...), std::index_sequence_for<Effects...>{})) {}
+          parameters_(chosen(given...)),
+          effects_(bind(array, unit, parameters_, std::index_sequence_for<Effects...>{})) {}
 
     /// Metres from cell to cell of the surface.
     [[nodiscard]] double cell() const { return array_.pitch / static_cast<double>(refinement); }
@@ -122,21 +123,15 @@ public:
     }
     /// Forgets earlier frames: the next is the first of a new touch.
     void reset() noexcept {
-        const auto forget = []<class Bound>(Bound& bound) {
-            if constexpr (requires { bound.reset(); })
-                bound.reset();
-        };
-        std::apply([&](auto&... bound) { (forget(bound), ...); }, effects_);
+        std::apply([](auto&... bound) { (forget(bound), ...); }, effects_);
     }
-    /// Goes on with another sensor of the make, and a new touch. Faster than a new scene: what does not
-    /// differ from sensor to sensor stays.
+    /// Goes on with another sensor of the make, and a new touch. Faster than a new scene: effects that are
+    /// the same in every sensor stay.
     void use(sensor_unit unit) {
-        const auto change = [&]<class Bound>(Bound& bound) {
-            if constexpr (requires { bound.use(unit); })
-                bound.use(unit);
-        };
-        std::apply([&](auto&... bound) { (change(bound), ...); }, effects_);
-        reset();
+        [&]<std::size_t... Index>(std::index_sequence<Index...>) {
+            (change<Index>(unit), ...);
+        }
+        (std::index_sequence_for<Effects...>{});
     }
 
 private:
@@ -161,11 +156,25 @@ private:
     template <std::size_t... Index>
     static auto bind(const Array& array, sensor_unit unit, const std::tuple<Effects...>& effects,
                      std::index_sequence<Index...>) {
-        const auto where = [&](std::size_t index) {
-            const double cells = index < first_unclean ? static_cast<double>(refinement) : 1;
-            return mounting{array.pitch / cells, unit};
-        };
-        return std::tuple<bound_at<Index>...>{bound_at<Index>(std::get<Index>(effects), where(Index))...};
+        return std::tuple<bound_at<Index>...>{
+            bound_at<Index>(std::get<Index>(effects), mounted<Index>(array, unit))...};
+    }
+    template <std::size_t Index>
+    static mounting mounted(const Array& array, sensor_unit unit) {
+        return {array.pitch / (Index < first_unclean ? static_cast<double>(refinement) : 1), unit};
+    }
+    template <class Bound>
+    static void forget(Bound& bound) noexcept {
+        if constexpr (requires { bound.reset(); })
+            bound.reset();
+    }
+    template <std::size_t Index>
+    void change(sensor_unit unit) {
+        if constexpr (requires { requires effect_at<Index>::same_in_every_sensor; })
+            forget(std::get<Index>(effects_));
+        else
+            std::get<Index>(effects_) =
+                bound_at<Index>(std::get<Index>(parameters_), mounted<Index>(array_, unit));
     }
     template <std::size_t Index>
     void run(tensor_view<float, shape_at<Index>> values, const moment& now, frames& result) noexcept {
@@ -189,6 +198,7 @@ private:
     }
 
     Array array_;
+    std::tuple<Effects...> parameters_;
     decltype(bind(Array{}, {}, {}, std::index_sequence_for<Effects...>{})) effects_;
 };
 
