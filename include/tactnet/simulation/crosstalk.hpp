@@ -14,15 +14,16 @@ namespace simulation {
 struct crosstalk {
     static constexpr stage place = stage::circuit;
 
-    double along_row = 0.02;    ///< share of each neighbour to the left and right; chosen. 0 or less is none
+    // Shares are 0 … ¼: less counts as 0 and is none, more as ¼, with which a tactel would read no more of
+    // its own than of its neighbours.
+    double along_row = 0.02;    ///< share of each neighbour to the left and right; chosen
     double along_column = 0.02; ///< share of each neighbour above and below
 
     template <shape Shape>
     class bound {
     public:
         bound(const crosstalk& effect, const mounting&)
-            : along_row_(static_cast<float>(std::max(0.0, effect.along_row))),
-              along_column_(static_cast<float>(std::max(0.0, effect.along_column))) {}
+            : along_row_(kept(effect.along_row)), along_column_(kept(effect.along_column)) {}
         void apply(signal<Shape> pressures, const moment&) const noexcept {
             if (along_row_ == 0 && along_column_ == 0)
                 return;
@@ -35,12 +36,14 @@ struct crosstalk {
             for (std::size_t row = 0; row < Shape.rows; ++row)
                 for (std::size_t column = 0; column < Shape.columns; ++column) {
                     const float* const at = from.data() + (row + 1) * stride + column + 1;
-                    pressures(row, column) +=
-                        along_row_ * (at[-1] + at[1]) + along_column_ * (*(at - stride) + at[stride]);
+                    pressures(row, column) += (along_row_ * at[-1] + along_row_ * at[1]) +
+                                              (along_column_ * *(at - stride) + along_column_ * at[stride]);
                 }
         }
 
     private:
+        static float kept(double share) { return static_cast<float>(share > 0 ? std::min(share, 0.25) : 0); }
+
         float along_row_, along_column_;
     };
 };

@@ -19,7 +19,8 @@ struct saturation {
         bound(const saturation& effect, const mounting&) : limit_(static_cast<float>(effect.limit)) {}
         void apply(signal<Shape> pressures, const moment&) const noexcept {
             for (std::size_t i = 0; i < Shape.size(); ++i)
-                pressures.data()[i] = pressures.data()[i] < limit_ ? pressures.data()[i] : limit_;
+                pressures.data()[i] =
+                    limit_ < pressures.data()[i] ? limit_ : pressures.data()[i]; // NaN stays
         }
 
     private:
