@@ -215,6 +215,11 @@ void check_hard_cases(const Model& model) {
         CHECK(soft.report.depth > before);
         before = soft.report.depth;
     }
+    // What is no modulus is that of a rigid object.
+    for (const double object : {0.0, -1e5, 1e-320, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(found(ball, {pressing::goal::force, 5, object}).report.depth ==
+              found(ball, pressing::to_force(5)).report.depth);
+    check_sane(found(ball, {pressing::goal::force, 5, 1e-300}));
 }
 
 TEST_CASE("hard cases on a half space and on layers of all kinds") {

@@ -28,7 +28,7 @@ struct winkler {
         /// Exact but for rounding. A deformable object counts as a second layer as thick as the first.
         contact_report solve(tensor_view<const float, Shape> heights, const pressing& press,
                              signal<Shape> pressures) const noexcept {
-            const double stiffness = 1 / (thickness_ / modulus_ + thickness_ / press.object_modulus);
+            const double stiffness = 1 / (thickness_ / modulus_ + thickness_ * press.object_softness());
             const double lowest = lowest_of(heights);
             contact_report report;
             double level = lowest; // of the object's lowest point below the untouched surface
