@@ -59,7 +59,7 @@ public:
         contact_report report;
         std::fill(pressures.elements().begin(), pressures.elements().end(), 0.0f);
         const bool touches = take(heights), pressed = press.amount > 0;
-        if (!touches || !pressed || !std::isfinite(press.amount)) {
+        if (!touches || !pressed || !(press.amount < no_end)) {
             report.converged = !pressed; // else nothing is there to be pressed, or there is no end to it
             return report;
         }
@@ -77,7 +77,9 @@ public:
     }
 
 private:
-    static constexpr double no_object = std::numeric_limits<float>::max();
+    static constexpr double no_end = std::numeric_limits<float>::max(); ///< of forces and depths
+    /// Higher than any object sinks in, and low enough to be reckoned with.
+    static constexpr double no_object = 1e200;
 
     /// body(i) for the first element i of each vector of a field.
     template <class Body>
