@@ -1,3 +1,5 @@
+#include "pressed.hpp"
+
 #include <tactnet/simulation/bonded_layer.hpp>
 #include <tactnet/simulation/dead_tactels.hpp>
 #include <tactnet/simulation/gain_map.hpp>
@@ -47,21 +49,13 @@ TEST_CASE("a scene presses to the force that it is given") {
 TEST_CASE("a scene with the accurate contact and a pad") {
     using accurate = scene<array<14, 16>, contact<bonded_layer>, elastic_pad, tactel_average<2>>;
     accurate touch({}, {}, elastic_pad{.thickness = 5e-4}, contact<bonded_layer>{{.poisson = 0.4}});
-    tactnet::tensor<float, accurate::surface> heights;
-    for (std::size_t row = 0; row < accurate::surface.rows; ++row)
-        for (std::size_t column = 0; column < accurate::surface.columns; ++column) {
-            const double y = (static_cast<double>(row) - 13.5) * touch.cell(),
-                         x = (static_cast<double>(column) - 15.5) * touch.cell();
-            heights(row, column) = static_cast<float>((x * x + y * y) / (2 * 0.01));
-        }
+    const auto heights = support::heights_of<accurate::surface>(touch.cell(), support::sphere(0.01));
     accurate::frames result;
     touch.touch(heights, pressing::to_force(2), {}, result);
     CHECK(result.contact.converged);
     CHECK(result.contact.force == doctest::Approx(2).epsilon(1e-9));
-    double sum = 0;
-    for (const float pressure : result.measured)
-        sum += static_cast<double>(pressure);
-    CHECK(sum * touch.sensor().tactel_area() == doctest::Approx(2).epsilon(1e-3));
+    CHECK(support::sum_of(result.measured) * touch.sensor().tactel_area() ==
+          doctest::Approx(2).epsilon(1e-3));
 }
 
 TEST_CASE("a scene that goes on with another sensor is a scene of that sensor") {

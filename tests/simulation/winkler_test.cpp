@@ -123,6 +123,14 @@ TEST_CASE("springs: nothing to press, or nothing that presses") {
     check_nothing(ball, pressing::to_depth(std::numeric_limits<double>::infinity()), false);
 }
 
+TEST_CASE("springs: what is no modulus is that of a rigid object") {
+    const map ball = heights_of<size>(cell, support::sphere(0.02));
+    const double depth = press(foam, cell, ball, pressing::to_force(5)).report.depth;
+    for (const double object : {0.0, -1e5, 1e-30, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(press(foam, cell, ball, {pressing::goal::force, 5, object}).report.depth == depth);
+    CHECK(press(foam, cell, ball, {pressing::goal::force, 5, 1e5}).report.depth > depth);
+}
+
 TEST_CASE("springs: one cell, and all of them") {
     map needle;
     for (float& height : needle)

@@ -14,9 +14,15 @@ struct pressing {
 
     goal until = goal::force;
     double amount = 10; ///< newtons, or metres below the first touch
-    /// Of the object: E / (1 − ν²) in pascals. Infinite for a rigid one.
+    /// Of the object: E / (1 − ν²) in pascals. Infinite for a rigid one; what is no modulus (NaN, 1e-30 Pa
+    /// or less) counts as that too.
     double object_modulus = std::numeric_limits<double>::infinity();
     double object_thickness = 0.02; ///< metres of it that deform, where a model takes it for a layer
+
+    /// One over it: none for a rigid object.
+    [[nodiscard]] constexpr double object_softness() const {
+        return object_modulus > 1e-30 ? 1 / object_modulus : 0;
+    }
 
     [[nodiscard]] static constexpr pressing to_force(double newtons) { return {goal::force, newtons}; }
     [[nodiscard]] static constexpr pressing to_depth(double metres) { return {goal::depth, metres}; }

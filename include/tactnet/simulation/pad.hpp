@@ -46,6 +46,8 @@ private:
 /// beyond the array: what reaches the film there is lost to the tactels. Shares of the last 0.2 % of a force,
 /// spread thin and far, are given to the nearer ones.
 ///
+/// Under a contact<bonded_layer> the pad is that layer: it has the same thickness and ν.
+///
 /// A pad of ν below about ¼ would pull here and there beside what presses on it; the film shows no pull.
 /// A pad thinner than a millionth of a cell changes no bit; through an endlessly thick one nothing is felt.
 /// (Not `pad`: that is the padding of an image, in tensor/shape.hpp.)
