@@ -57,7 +57,7 @@ TEST_CASE("springs: the force and the depth of a reference that sorts them") {
             if (round % 4 == 0)
                 how.object_modulus = 2e5;
             const double stiffness =
-                1 / (foam.thickness / foam.modulus + foam.thickness / how.object_modulus);
+                1 / (foam.thickness / foam.modulus + how.object_thickness / how.object_modulus);
             const auto found = press(foam, cell, heights, how);
             CHECK(found.report.converged);
             CHECK(found.report.force == doctest::Approx(force).epsilon(1e-9));
