@@ -4,11 +4,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio> // before jpeglib.h, which takes FILE for granted
-#include <cstdlib>
-#include <jpeglib.h>
+#include <cstdint>
+#include <support/through_jpeg.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -17,50 +17,6 @@ namespace {
 
 constexpr shape size{28, 50}; // four blocks of rows and seven of columns, of which the last are cut
 using pixels = tensor<float, size>;
-
-/// Writes counts as JPEG in memory and reads them again, by libjpeg.
-pixels by_libjpeg(const pixels& counts, int quality) {
-    jpeg_error_mgr errors;
-    jpeg_compress_struct writer;
-    writer.err = jpeg_std_error(&errors);
-    jpeg_create_compress(&writer);
-    unsigned char* memory = nullptr;
-    unsigned long bytes = 0;
-    jpeg_mem_dest(&writer, &memory, &bytes);
-    writer.image_width = size.columns;
-    writer.image_height = size.rows;
-    writer.input_components = 1;
-    writer.in_color_space = JCS_GRAYSCALE;
-    jpeg_set_defaults(&writer);
-    jpeg_set_quality(&writer, quality, TRUE);
-    jpeg_start_compress(&writer, TRUE);
-    std::vector<unsigned char> line(size.columns);
-    unsigned char* row = line.data();
-    for (std::size_t y = 0; y < size.rows; ++y) {
-        for (std::size_t x = 0; x < size.columns; ++x)
-            line[x] = static_cast<unsigned char>(counts.data()[y * size.columns + x]);
-        jpeg_write_scanlines(&writer, &row, 1);
-    }
-    jpeg_finish_compress(&writer);
-    jpeg_destroy_compress(&writer);
-
-    jpeg_decompress_struct reader;
-    reader.err = jpeg_std_error(&errors);
-    jpeg_create_decompress(&reader);
-    jpeg_mem_src(&reader, memory, bytes);
-    jpeg_read_header(&reader, TRUE);
-    jpeg_start_decompress(&reader);
-    pixels result;
-    for (std::size_t y = 0; y < size.rows; ++y) {
-        jpeg_read_scanlines(&reader, &row, 1);
-        for (std::size_t x = 0; x < size.columns; ++x)
-            result.data()[y * size.columns + x] = static_cast<float>(line[x]);
-    }
-    jpeg_finish_decompress(&reader);
-    jpeg_destroy_decompress(&reader);
-    std::free(memory);
-    return result;
-}
 
 /// Blobs on nothing, as imprints are; now and then noise all over.
 pixels drawn(std::uint32_t sample) {
@@ -90,12 +46,13 @@ TEST_CASE("jpeg_storage: count for count what libjpeg writes and reads") {
             CAPTURE(quality);
             CAPTURE(sample);
             pixels counts = drawn(sample);
-            const pixels expected = by_libjpeg(counts, quality);
+            const std::vector<std::uint8_t> expected =
+                support::through_jpeg({counts.begin(), counts.end()}, size.rows, size.columns, quality);
             const simulation::jpeg_storage::bound<size> storage({.quality = quality}, {});
             storage.apply(counts.view(), {});
             std::size_t different = 0;
             for (std::size_t i = 0; i < size.size(); ++i)
-                different += counts.data()[i] != expected.data()[i];
+                different += counts.data()[i] != static_cast<float>(expected[i]);
             CHECK(different == 0);
         }
 }

@@ -7,8 +7,13 @@
 using namespace tactnet;
 using simulation::temperature;
 
+namespace {
+
+constexpr shape one{1, 1};
+
+} // namespace
+
 TEST_CASE("temperature: the same share with every kelvin") {
-    constexpr shape one{1, 1};
     const auto reading = [](double celsius) {
         return static_cast<double>(support::after<one>(temperature{.sensitivity = 0.004, .calibrated = 20},
                                                        support::filled<one>(1000), {.celsius = celsius})

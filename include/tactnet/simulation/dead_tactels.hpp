@@ -32,18 +32,18 @@ struct dead_tactels {
             alive_.fill(true);
             for (const tactel& each : effect.tactels)
                 kill(inside(each.row, Shape.rows, "row"), 1, inside(each.column, Shape.columns, "column"), 1);
-            for (const std::size_t row : effect.rows)
-                kill(inside(row, Shape.rows, "row"), 1, 0, Shape.columns);
-            for (const std::size_t column : effect.columns)
-                kill(0, Shape.rows, inside(column, Shape.columns, "column"), 1);
+            for (const std::size_t given : effect.rows)
+                kill(inside(given, Shape.rows, "row"), 1, 0, Shape.columns);
+            for (const std::size_t given : effect.columns)
+                kill(0, Shape.rows, inside(given, Shape.columns, "column"), 1);
 
             random_stream random = where.unit.random(random_use::dead);
-            for (std::size_t row = 0; row < Shape.rows; ++row)
+            for (std::size_t y = 0; y < Shape.rows; ++y)
                 if (random.uniform() < effect.row)
-                    kill(row, 1, 0, Shape.columns);
-            for (std::size_t column = 0; column < Shape.columns; ++column)
+                    kill(y, 1, 0, Shape.columns);
+            for (std::size_t x = 0; x < Shape.columns; ++x)
                 if (random.uniform() < effect.column)
-                    kill(0, Shape.rows, column, 1);
+                    kill(0, Shape.rows, x, 1);
             for (bool& alive : alive_)
                 alive = !(random.uniform() < effect.single) && alive;
         }
@@ -59,9 +59,9 @@ struct dead_tactels {
                                             std::to_string(count) + ", found " + std::to_string(index));
             return index;
         }
-        void kill(std::size_t row, std::size_t row_count, std::size_t column, std::size_t column_count) {
-            for (std::size_t y = row; y < row + row_count; ++y)
-                for (std::size_t x = column; x < column + column_count; ++x)
+        void kill(std::size_t top, std::size_t height, std::size_t left, std::size_t width) {
+            for (std::size_t y = top; y < top + height; ++y)
+                for (std::size_t x = left; x < left + width; ++x)
                     alive_[y * Shape.columns + x] = false;
         }
 

@@ -25,8 +25,8 @@ struct linearity {
         bound(const linearity& effect, const mounting&) {
             // The distance is greatest at x = 1 / (1 + √(1 + b)), where it is (√(1 + b) − 1) / (√(1 + b) +
             // 1).
-            const double error = effect.error == effect.error ? std::clamp(effect.error, -0.9, 0.9) : 0;
-            const double root = (1 + error) / (1 - error);
+            const double kept = effect.error == effect.error ? std::clamp(effect.error, -0.9, 0.9) : 0;
+            const double root = (1 + kept) / (1 - kept);
             if (!(effect.full_scale > 0))
                 return;
             bend_ = static_cast<float>(root * root - 1);
