@@ -2,6 +2,7 @@
 
 #include <tactnet/simulation/effect.hpp>
 
+#include <concepts>
 #include <cstddef>
 #include <limits>
 
@@ -41,11 +42,19 @@ concept bound_contact_model = requires(Bound bound, tensor_view<const float, Sha
     noexcept->std::same_as<contact_report>;
 };
 
+/// What every model has: a form bound to a shape.
+template <class Model>
+concept contact_model = std::copyable<Model> && requires {
+    typename Model::template bound<shape{2, 2}>;
+};
+
 /// The first effect of each scene: the object meets the surface. `Model` is winkler, elastic_half_space or
 /// bonded_layer, or one of your own: a struct of parameters with a form `bound<Shape>` that is made of the
 /// model and the size of a cell in metres.
 template <class Model>
 struct contact {
+    static_assert(contact_model<Model>,
+                  "contact: its model must be a struct of parameters with a class template bound<shape>");
     static constexpr stage place = stage::contact;
 
     Model model{};
