@@ -20,6 +20,7 @@ TEST_CASE("a rod of no length is a sphere") {
     CHECK(ball.height({0.01, -0.02}) == doctest::Approx(0.001));
     CHECK(ball.height({0.02, -0.02}) == doctest::Approx(0.001 + round(0.03, 0.01)));
     CHECK(ball.height({0.01, 0.005}) == doctest::Approx(0.001 + round(0.03, 0.025)));
+    CHECK(ball.height({0.0399, -0.02}) == doctest::Approx(0.001 + round(0.03, 0.0299)));
     CHECK(ball.height({0.0401, -0.02}) == nothing);
 }
 
@@ -96,7 +97,8 @@ TEST_CASE("a plate is flat inside its rim, and hollow where it says so") {
                        .hollow_width = 0.004,
                        .lift = 0.0005};
     CHECK(hollow.height({0, 0}) == doctest::Approx(0.0015));
-    CHECK(hollow.height({0, 0.008}) == doctest::Approx(0.0010)); // half way in
+    CHECK(hollow.height({0, 0.008}) == doctest::Approx(0.0010));                  // half way in
+    CHECK(hollow.height({0, 0.009}) == doctest::Approx(0.0005 + 0.001 * 5 / 32)); // 3t² − 2t³ at ¼
     CHECK(hollow.height({0, 0.0099999}) == doctest::Approx(0.0005).epsilon(1e-3));
 
     const plate disc = plate::disc({}, 0.01);

@@ -1,4 +1,5 @@
 #include <tactnet/simulation/bonded_layer.hpp>
+#include <tactnet/simulation/elastic_half_space.hpp>
 #include <tactnet/simulation/film_texture.hpp>
 #include <tactnet/simulation/jpeg_storage.hpp>
 #include <tactnet/simulation/noise.hpp>
@@ -191,6 +192,32 @@ TEST_CASE("effects of no strength change no bit, and a frame takes no heap memor
     CHECK(support::allocations() == before);
     CHECK(std::ranges::equal(expected.clean, found.clean));
     CHECK(std::ranges::equal(expected.measured, found.measured));
+}
+
+TEST_CASE("a pressing that cannot be leaves the array untouched, and is not said to have been found") {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN(),
+                     endless = std::numeric_limits<double>::infinity();
+    const auto check = [](auto touched) {
+        typename decltype(touched)::frames result;
+        std::ranges::fill(result.measured, 1.0f);
+        const pressing some = pressing::to_force(1);
+        for (const pressing& press :
+             {pressing::to_force(none), pressing::to_depth(none), pressing{some.until, 1, 0},
+              pressing{some.until, 1, -1}, pressing{some.until, 1, none}, pressing{some.until, 1, 1e5, -1},
+              pressing{some.until, 1, 1e5, none}, pressing{some.until, 1, 1e5, endless},
+              pressing{some.until, 1, 1e-310}, pressing::to_force(endless), pressing::to_depth(endless)}) {
+            simulate(touched, touch{ball.shape, {}, press}, {}, result);
+            CHECK(!result.contact.converged);
+            CHECK(result.contact.force == 0);
+            CHECK(std::ranges::all_of(result.measured, [](float pressure) { return pressure == 0; }));
+        }
+        simulate(touched, touch{ball.shape, {}, pressing{some.until, 1, 1e5, 0}}, {}, result);
+        CHECK(result.contact.converged);
+        CHECK(result.contact.force == doctest::Approx(1).epsilon(1e-3));
+    };
+    check(scene<array<8, 12>, contact<winkler>>());
+    check(scene<array<8, 12>, contact<elastic_half_space>>());
+    check(scene<array<8, 12>, contact<bonded_layer>>());
 }
 
 TEST_CASE("a touch of nothing, or with no force, leaves the array untouched") {

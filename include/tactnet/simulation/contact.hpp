@@ -2,6 +2,7 @@
 
 #include <tactnet/simulation/effect.hpp>
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <limits>
@@ -14,10 +15,16 @@ struct pressing {
     enum class goal : bool { force, depth };
 
     goal until = goal::force;
-    double amount = 10; ///< newtons, or metres below the first touch
-    /// Of the object: E / (1 − ν²) in pascals. Infinite for a rigid one.
+    double amount = 10; ///< newtons, or metres below the first touch; 0 or less is no touch
+    /// Of the object: E / (1 − ν²) in pascals, above 0. Infinite for a rigid one.
     double object_modulus = std::numeric_limits<double>::infinity();
     double object_thickness = 0.02; ///< metres of it that deform, where a model takes it for a layer
+
+    /// Whether these are numbers that an object can have: a model is asked for no other.
+    [[nodiscard]] constexpr bool possible() const {
+        return amount == amount && object_modulus > 0 && object_thickness >= 0 &&
+               object_thickness / object_modulus < std::numeric_limits<double>::infinity();
+    }
 
     [[nodiscard]] static constexpr pressing to_force(double newtons) { return {goal::force, newtons}; }
     [[nodiscard]] static constexpr pressing to_depth(double metres) { return {goal::depth, metres}; }
@@ -50,7 +57,8 @@ concept contact_model = std::copyable<Model> && requires {
 
 /// The first effect of each scene: the object meets the surface. `Model` is winkler, elastic_half_space or
 /// bonded_layer, or one of your own: a struct of parameters with a form `bound<Shape>` that is made of the
-/// model and the size of a cell in metres.
+/// model and the size of a cell in metres. A pressing that is not possible leaves no pressure, and a report
+/// that says so.
 template <class Model>
 struct contact {
     static_assert(contact_model<Model>,
@@ -68,6 +76,10 @@ struct contact {
         bound(const contact& effect, const mounting& where) : solver_(effect.model, where.cell) {}
         contact_report apply(tensor_view<const float, Shape> heights, const pressing& press,
                              signal<Shape> pressures) noexcept {
+            if (!press.possible()) {
+                std::fill_n(pressures.data(), Shape.size(), 0.0f);
+                return {.converged = false};
+            }
             return solver_.solve(heights, press, pressures);
         }
 
