@@ -4,6 +4,7 @@
 #include "decode_image.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
+#include "report.hpp"
 #include "scenes.hpp"
 #include "usage_error.hpp"
 
@@ -44,31 +45,39 @@ const simulated_scene& scene_of(std::string_view name) {
     throw usage_error(fmt::format("--scene: there is no scene {}", tactnet::in_quotes(name)));
 }
 
+/// Throws file_error where the folder's note says anything else.
+void check_note(const std::filesystem::path& note, const nlohmann::json& says) {
+    const auto bytes = tactnet::read_file(note, std::size_t{1} << 20);
+    const auto* const text = reinterpret_cast<const char*>(bytes.data());
+    const auto found = nlohmann::json::parse(text, text + bytes.size(), nullptr, false);
+    // What is no JSON compares as neither equal nor different.
+    if (found.is_discarded() || found != says)
+        throw tactnet::file_error(note.string(), "",
+                                  "images of the same simulation, " + says.dump() + ", or another folder",
+                                  found.is_discarded() ? "no JSON" : found.dump());
+}
+
 /// A folder belongs to what it says of itself: one that was begun with the same settings is gone on with, any
-/// other is left alone.
+/// other is left alone. The note comes first, so that whatever ends the program later leaves a folder to go
+/// on with.
 void claim_folder(const simulate_options& o) {
     const std::filesystem::path folder = o.out, note = folder / "simulation.json";
     const nlohmann::json says{{"scene", o.scene}, {"seed", o.seed}, {"images per class", o.per_class}};
     std::error_code code;
     if (std::filesystem::exists(note, code)) {
-        const auto bytes = tactnet::read_file(note, std::size_t{1} << 20);
-        const auto found =
-            nlohmann::json::parse(reinterpret_cast<const char*>(bytes.data()),
-                                  reinterpret_cast<const char*>(bytes.data()) + bytes.size(), nullptr, false);
-        if (found != says)
-            throw tactnet::file_error(note.string(), "",
-                                      "images of the same simulation, " + says.dump() + ", or another folder",
-                                      found.is_discarded() ? "no JSON" : found.dump());
-        return;
+        check_note(note, says);
+    } else {
+        if (folder.empty() ||
+            (std::filesystem::exists(folder, code) &&
+             (!std::filesystem::is_directory(folder, code) || !std::filesystem::is_empty(folder, code))))
+            throw tactnet::file_error(o.out, "",
+                                      "a new folder, an empty one, or one that a simulation has begun",
+                                      folder.empty() ? "no name" : "something else");
+        make_folder_of(note);
+        tactnet::write_file(note, says.dump(4) + "\n");
     }
-    if (std::filesystem::exists(folder, code) &&
-        (!std::filesystem::is_directory(folder, code) || !std::filesystem::is_empty(folder, code)))
-        throw tactnet::file_error(o.out, "", "a new folder, an empty one, or one that a simulation has begun",
-                                  "something else");
-    std::filesystem::create_directories(folder);
     for (const auto& family : paper_objects)
-        std::filesystem::create_directories(folder / family.name);
-    tactnet::write_file(note, says.dump(4) + "\n");
+        make_folder_of(folder / family.name / "image");
 }
 
 int simulate(const simulate_options& o) {
@@ -144,6 +153,7 @@ command add_simulate(CLI::App& program) {
         ->capture_default_str();
     app->add_option("--seed", o->seed, "Of everything that is drawn; the same seed gives the same bits")
         ->type_name("N")
+        ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     std::vector<std::string> names;
     std::string says = "What is simulated:";

@@ -3,8 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
 namespace {
 
@@ -44,6 +47,19 @@ TEST_CASE("of several parts the lowest counts") {
     CHECK(object{}.height({0, 0}) == nothing);
 }
 
+TEST_CASE("a height map of the array's size reaches all of its tactels, whatever rounding does to its rim") {
+    const double odd_cell = 1.903e-3;
+    const object map{{relief{{}, size.rows, size.columns, odd_cell, std::vector<float>(size.size(), 1e-3f)}},
+                     {}};
+    tactnet::tensor<float, size> heights;
+    for (const double shift : {0.0, 1e-3, 7e-3, 0.1}) {
+        object moved = map;
+        std::get<relief>(moved.parts[0]).centre = {shift, -shift};
+        lay<size>(moved, {.position = {-shift, shift}}, odd_cell, heights.view());
+        CHECK(std::ranges::all_of(heights, [](float height) { return height == 1e-3f; }));
+    }
+}
+
 TEST_CASE("roughness stays within its amplitude, is continuous, and varies over its wavelength") {
     const roughness bumps{2e-4, 3e-3, 7};
     double lowest = 1, highest = 0, steepest = 0;
@@ -59,6 +75,8 @@ TEST_CASE("roughness stays within its amplitude, is continuous, and varies over 
     CHECK(highest > 1.6e-4);
     CHECK(steepest <= 1.5 * 2e-4 * 1e-6 / 3e-3 * 1.0001); // the steepest of 3t² − 2t³
     CHECK(roughness{0, 3e-3, 7}.height({1e-3, 1e-3}) == 0);
+    for (const double no_wave : {0.0, 1e-300, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(roughness{2e-4, no_wave, 7}.height({1e-3, 1e-3}) == 0);
     CHECK(roughness{2e-4, 3e-3, 8}.height({1e-3, 1e-3}) != bumps.height({1e-3, 1e-3}));
 }
 

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <set>
-#include <string>
+#include <stdexcept>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -67,6 +69,17 @@ TEST_CASE("an image is the same wherever it is made, and unlike every other") {
         different.emplace(alone.begin() + static_cast<std::ptrdiff_t>(image * size),
                           alone.begin() + static_cast<std::ptrdiff_t>((image + 1) * size));
     CHECK(different.size() == 110);
+}
+
+TEST_CASE("classes are drawn apart, though all from one seed") {
+    const auto drawn = [](std::string_view name) {
+        const auto found = std::ranges::find(paper_objects, name, &object_family::name);
+        return draw_touch(static_cast<std::size_t>(found - paper_objects.begin()), 1, 0).at.position;
+    };
+    // These three lie anywhere in the same range.
+    CHECK(drawn("can").x != drawn("pen").x);
+    CHECK(drawn("pen").x != drawn("tube").x);
+    CHECK_THROWS_AS(static_cast<void>(draw_touch(paper_objects.size(), 1, 0)), std::out_of_range);
 }
 
 TEST_CASE("soft bodies are broad and faint, tools sharp") {

@@ -2,21 +2,27 @@
 
 #include <tactnet/simulation/bonded_layer.hpp>
 #include <tactnet/simulation/dead_tactels.hpp>
+#include <tactnet/simulation/elastic_half_space.hpp>
+#include <tactnet/simulation/film_texture.hpp>
 #include <tactnet/simulation/gain_map.hpp>
 #include <tactnet/simulation/hysteresis.hpp>
+#include <tactnet/simulation/jpeg_storage.hpp>
 #include <tactnet/simulation/noise.hpp>
 #include <tactnet/simulation/object.hpp>
 #include <tactnet/simulation/pad.hpp>
 #include <tactnet/simulation/quantisation.hpp>
 #include <tactnet/simulation/saturation.hpp>
 #include <tactnet/simulation/scene.hpp>
+#include <tactnet/simulation/simulate.hpp>
 #include <tactnet/simulation/tactel_average.hpp>
 #include <tactnet/simulation/winkler.hpp>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
+#include <support/allocations.hpp>
 
 namespace {
 
@@ -75,6 +81,175 @@ TEST_CASE("a scene that goes on with another sensor is a scene of that sensor") 
     CHECK(!std::ranges::equal(frame(first), of_second));
     first.use({2});
     CHECK(std::ranges::equal(frame(first), of_second));
+}
+
+/// An effect of one's own: a film that answers to the mean of this frame and of all before it, and tells on
+/// which sensor and cells it is.
+struct slow_film {
+    static constexpr stage place = stage::film;
+
+    float share = 0.5f; ///< of the frame before
+
+    template <tactnet::shape Shape>
+    class bound {
+    public:
+        bound(const slow_film& effect, const mounting& where)
+            : share_(effect.share),
+              unit_(where.unit),
+              cell_(where.cell),
+              marks_(unit_.number != sensor_unit{}.number) {}
+
+        void apply(signal<Shape> values, const moment&) noexcept {
+            for (std::size_t i = 0; i < Shape.size(); ++i)
+                values.data()[i] = before_.data()[i] += (1 - share_) * (values.data()[i] - before_.data()[i]);
+            if (marks_)
+                values.data()[0] = static_cast<float>(unit_.number),
+                values.data()[1] = static_cast<float>(cell_);
+        }
+        void reset() noexcept { std::ranges::fill(before_, 0.0f); }
+
+    private:
+        float share_;
+        sensor_unit unit_;
+        double cell_;
+        bool marks_;
+        tactnet::tensor<float, Shape> before_{};
+    };
+};
+
+/// Counts that an effect of storage halves in number, to see where it believes to be.
+struct halved {
+    static constexpr stage place = stage::storage;
+    template <tactnet::shape In>
+    static constexpr tactnet::shape output{In.rows / 2, In.columns / 2};
+
+    template <tactnet::shape Shape>
+    struct bound {
+        static constexpr tactnet::shape half = output<Shape>;
+        bound(const halved&, const mounting& where) : cell(where.cell) {}
+        void apply(tactnet::tensor_view<const float, Shape>, signal<half> to, const moment&) const noexcept {
+            std::fill_n(to.data(), to.elements().size(), static_cast<float>(cell));
+        }
+        double cell;
+    };
+};
+
+const touch ball{{{rod::sphere({}, 0.02)}, {}}, {}, pressing::to_force(1)};
+
+TEST_CASE("effects with a memory go on from frame to frame, until the scene is reset") {
+    scene<array<8, 12>, contact<winkler>, slow_film> touched({}, {}, slow_film{.share = 0.75f});
+    decltype(touched)::frames first, second, again;
+    simulate(touched, ball, {}, first);
+    simulate(touched, ball, {}, second);
+    CHECK(std::ranges::equal(first.clean, second.clean));
+    for (std::size_t i = 0; i < first.clean.size(); ++i) {
+        CHECK(first.measured.data()[i] == 0.25f * first.clean.data()[i]);
+        CHECK(second.measured.data()[i] == doctest::Approx(0.4375f * first.clean.data()[i]).epsilon(1e-6));
+    }
+    touched.reset();
+    simulate(touched, ball, {}, again);
+    CHECK(std::ranges::equal(first.measured, again.measured));
+}
+
+TEST_CASE("another sensor of the make begins without a memory") {
+    scene<array<8, 12>, contact<winkler>, tactel_average<2>, slow_film> touched(
+        array<8, 12>{.pitch = 3e-3}, sensor_unit{5}, contact<winkler>{{.modulus = 2e5}});
+    decltype(touched)::frames first, other;
+    simulate(touched, ball, {}, first);
+    touched.use({9});
+    simulate(touched, ball, {}, other);
+    CHECK(other.measured(0, 0) == 9);
+    CHECK(other.measured(0, 1) == 3e-3f); // metres from tactel to tactel
+    CHECK(other.measured(4, 6) == first.measured(4, 6));
+    CHECK(touched.cell() == 1.5e-3);
+}
+
+TEST_CASE("an effect is told the cells of what reaches it") {
+    scene<array<8, 12>, contact<winkler>, tactel_average<3>, quantisation<8>, halved, jpeg_storage> touched;
+    static_assert(decltype(touched)::tactels == tactnet::shape{8, 12});
+    static_assert(decltype(touched)::output == tactnet::shape{4, 6});
+    scene<array<8, 12>, contact<winkler>, quantisation<8>, halved, halved> twice({.pitch = 2e-3}, {});
+    decltype(twice)::frames result;
+    simulate(twice, ball, {}, result);
+    CHECK(result.measured(1, 2) == 4e-3f);
+}
+
+TEST_CASE("clean is what reaches the film, measured what comes of it") {
+    scene<array<8, 12>, contact<winkler>, elastic_pad, saturation> touched({}, {}, saturation{.limit = 2e3});
+    scene<array<8, 12>, contact<winkler>, elastic_pad> endless;
+    decltype(touched)::frames result;
+    decltype(endless)::frames mechanics;
+    simulate(touched, ball, {}, result);
+    simulate(endless, ball, {}, mechanics);
+    CHECK(std::ranges::equal(result.clean, mechanics.clean));
+    CHECK(std::ranges::equal(mechanics.clean, mechanics.measured));
+    CHECK(std::ranges::max(result.clean) > 2e3f);
+    CHECK(std::ranges::max(result.measured) == 2e3f);
+}
+
+TEST_CASE("parameters may be given in any order, and reach their effects") {
+    using sensor = scene<array<8, 12>, contact<winkler>, saturation, quantisation<8>>;
+    sensor one({}, {}, saturation{.limit = 3e3}, quantisation<8>{.full_scale = 6e3});
+    sensor other({}, {}, quantisation<8>{.full_scale = 6e3}, saturation{.limit = 3e3});
+    sensor::frames a, b;
+    simulate(one, ball, {}, a);
+    simulate(other, ball, {}, b);
+    CHECK(std::ranges::max(a.measured) == 128);
+    CHECK(std::ranges::equal(a.measured, b.measured));
+}
+
+TEST_CASE("effects of no strength change no bit, and a frame takes no heap memory") {
+    scene<array<8, 12>, contact<winkler>, quantisation<8>> without;
+    scene<array<8, 12>, contact<winkler>, elastic_pad, film_texture, noise, saturation, quantisation<8>> with(
+        {}, {}, elastic_pad{.thickness = 0}, film_texture{0, 0}, noise{0, 0},
+        saturation{.limit = std::numeric_limits<double>::infinity()});
+    decltype(without)::frames expected;
+    decltype(with)::frames found;
+    simulate(without, ball, {}, expected);
+    const std::size_t before = support::allocations();
+    simulate(with, ball, {}, found);
+    CHECK(support::allocations() == before);
+    CHECK(std::ranges::equal(expected.clean, found.clean));
+    CHECK(std::ranges::equal(expected.measured, found.measured));
+}
+
+TEST_CASE("a pressing that cannot be leaves the array untouched, and is not said to have been found") {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN(),
+                     endless = std::numeric_limits<double>::infinity();
+    const auto check = [](auto touched) {
+        typename decltype(touched)::frames result;
+        std::ranges::fill(result.measured, 1.0f);
+        const pressing some = pressing::to_force(1);
+        for (const pressing& press :
+             {pressing::to_force(none), pressing::to_depth(none), pressing{some.until, 1, 0},
+              pressing{some.until, 1, -1}, pressing{some.until, 1, none}, pressing{some.until, 1, 1e5, -1},
+              pressing{some.until, 1, 1e5, none}, pressing{some.until, 1, 1e5, endless},
+              pressing{some.until, 1, 1e-310}, pressing::to_force(endless), pressing::to_depth(endless)}) {
+            simulate(touched, touch{ball.shape, {}, press}, {}, result);
+            CHECK(!result.contact.converged);
+            CHECK(result.contact.force == 0);
+            CHECK(std::ranges::all_of(result.measured, [](float pressure) { return pressure == 0; }));
+        }
+        simulate(touched, touch{ball.shape, {}, pressing{some.until, 1, 1e5, 0}}, {}, result);
+        CHECK(result.contact.converged);
+        CHECK(result.contact.force == doctest::Approx(1).epsilon(1e-3));
+    };
+    check(scene<array<8, 12>, contact<winkler>>());
+    check(scene<array<8, 12>, contact<elastic_half_space>>());
+    check(scene<array<8, 12>, contact<bonded_layer>>());
+}
+
+TEST_CASE("a touch of nothing, or with no force, leaves the array untouched") {
+    scene<array<8, 12>, contact<winkler>, elastic_pad, film_texture, saturation, quantisation<8>> touched;
+    decltype(touched)::frames result;
+    for (const touch& faint : {touch{}, touch{ball.shape, {}, pressing::to_force(0)},
+                               touch{ball.shape, {}, pressing::to_force(-1)},
+                               touch{ball.shape, {.position = {1, 0}}, pressing::to_force(1)},
+                               touch{ball.shape, {.angle = std::numeric_limits<double>::quiet_NaN()}, {}}}) {
+        simulate(touched, faint, {}, result);
+        CHECK(result.contact.force == 0);
+        CHECK(std::ranges::all_of(result.measured, [](float count) { return count == 0; }));
+    }
 }
 
 } // namespace

@@ -2,6 +2,8 @@
 
 #include <tactnet/simulation/effect.hpp>
 
+#include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 
@@ -13,15 +15,19 @@ struct pressing {
     enum class goal : bool { force, depth };
 
     goal until = goal::force;
-    double amount = 10; ///< newtons, or metres below the first touch
-    /// Of the object: E / (1 − ν²) in pascals. Infinite for a rigid one; what is no modulus (NaN, 1e-30 Pa
-    /// or less) counts as that too.
+    double amount = 10; ///< newtons, or metres below the first touch; 0 or less is no touch
+    /// Of the object: E / (1 − ν²) in pascals, above 0. Infinite for a rigid one.
     double object_modulus = std::numeric_limits<double>::infinity();
     double object_thickness = 0.02; ///< metres of it that deform, where a model takes it for a layer
 
-    /// One over it: none for a rigid object.
+    /// One over the modulus: none for a rigid object, and for what is no modulus.
     [[nodiscard]] constexpr double object_softness() const {
         return object_modulus > 1e-30 ? 1 / object_modulus : 0;
+    }
+    /// Whether these are numbers that an object can have: a model is asked for no other.
+    [[nodiscard]] constexpr bool possible() const {
+        return amount == amount && object_modulus > 0 && object_thickness >= 0 &&
+               object_thickness / object_modulus < std::numeric_limits<double>::infinity();
     }
 
     [[nodiscard]] static constexpr pressing to_force(double newtons) { return {goal::force, newtons}; }
@@ -47,11 +53,20 @@ concept bound_contact_model = requires(Bound bound, tensor_view<const float, Sha
     noexcept->std::same_as<contact_report>;
 };
 
+/// What every model has: a form bound to a shape.
+template <class Model>
+concept contact_model = std::copyable<Model> && requires {
+    typename Model::template bound<shape{2, 2}>;
+};
+
 /// The first effect of each scene: the object meets the surface. `Model` is winkler, elastic_half_space or
 /// bonded_layer, or one of your own: a struct of parameters with a form `bound<Shape>` that is made of the
-/// model and the size of a cell in metres.
+/// model and the size of a cell in metres. A pressing that is not possible leaves no pressure, and a report
+/// that says so.
 template <class Model>
 struct contact {
+    static_assert(contact_model<Model>,
+                  "contact: its model must be a struct of parameters with a class template bound<shape>");
     static constexpr stage place = stage::contact;
     static constexpr bool same_in_every_sensor = true;
 
@@ -66,6 +81,10 @@ struct contact {
         bound(const contact& effect, const mounting& where) : solver_(effect.model, where.cell) {}
         contact_report apply(tensor_view<const float, Shape> heights, const pressing& press,
                              signal<Shape> pressures) noexcept {
+            if (!press.possible()) {
+                std::fill_n(pressures.data(), Shape.size(), 0.0f);
+                return {.converged = false};
+            }
             return solver_.solve(heights, press, pressures);
         }
 

@@ -86,7 +86,8 @@ concept effect = std::copyable<Effect> && requires {
     typename Effect::template bound<shape{2, 2}>;
 };
 
-/// The shape of what an effect makes of a shape: `Effect::output<Shape>` if it says so, else the same.
+/// The shape of what an effect makes of a shape: `Effect::output<Shape>` if it says so, else the same. (In
+/// `apply` give that shape a name of its own, as tactel_average does: signal<output<Shape>> crashes GCC 12.)
 template <class Effect, shape Shape>
 [[nodiscard]] consteval shape output_shape() {
     if constexpr (requires { Effect::template output<Shape>; })

@@ -15,14 +15,16 @@ namespace simulation {
 
 /// Bumps of a surface: random heights at the points of a grid, smooth between.
 struct roughness {
-    double amplitude = 0;     ///< metres, of the highest bump
-    double wavelength = 4e-3; ///< metres from bump to bump
+    double amplitude = 0;     ///< metres, of the highest bump; 0 or less is smooth
+    double wavelength = 4e-3; ///< metres from bump to bump; 0 is smooth
     std::uint32_t seed = 0;
 
     [[nodiscard]] double height(point place) const {
         if (!(amplitude > 0))
             return 0;
         const double x = place.x / wavelength, y = place.y / wavelength;
+        if (!(std::abs(x) < countable && std::abs(y) < countable))
+            return 0;
         const double left = std::floor(x), top = std::floor(y);
         const auto at = [&](double column, double row) {
             const auto number = [](double n) {
@@ -35,6 +37,9 @@ struct roughness {
         return amplitude *
                std::lerp(std::lerp(at(0, 0), at(1, 0), along), std::lerp(at(0, 1), at(1, 1), along), down);
     }
+
+private:
+    static constexpr double countable = 0x1p53; // beyond this the points of the grid have no whole numbers
 };
 
 /// Where an object lies: turned about its origin, then moved. The origin of places is the middle of the

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -69,7 +71,7 @@ struct rod {
 };
 
 /// A round bar bent to a circle or a part of one, from one angle to the other in the direction of x towards
-/// y.
+/// y: from 350° to 10° it is short. Angles a turn or more apart are the whole circle, equal ones a ball.
 struct arc {
     point centre;
     double radius;    ///< of the circle
@@ -79,10 +81,10 @@ struct arc {
 
     [[nodiscard]] double height(point place) const {
         const point offset = place - centre;
-        const double turn = 2 * std::numbers::pi, sweep = to_angle - from_angle;
-        double angle = std::atan2(offset.y, offset.x) - from_angle;
-        angle -= turn * std::floor(angle / turn);
-        if (angle <= sweep)
+        const double apart = to_angle - from_angle;
+        const double sweep = apart >= 0 ? std::min(apart, turn) : within_a_turn(apart);
+        const double angle = within_a_turn(std::atan2(offset.y, offset.x) - from_angle);
+        if (angle <= sweep && sweep > 0)
             return std::lerp(from_lift, to_lift, angle / sweep) +
                    detail::round_section(thickness, std::abs(offset.length() - radius));
         const auto end = [&](double at, double lift) {
@@ -90,6 +92,10 @@ struct arc {
         };
         return std::min(end(from_angle, from_lift), end(to_angle, to_lift));
     }
+
+private:
+    static constexpr double turn = 2 * std::numbers::pi;
+    static double within_a_turn(double angle) { return angle - turn * std::floor(angle / turn); }
 };
 
 /// A flat face with rounded corners: a box, a disc where the corners take all of it. Its rim may be rounded
@@ -98,7 +104,7 @@ struct plate {
     point centre;
     double half_length, half_width;
     double angle = 0;        ///< of its length against x
-    double corner = 0;       ///< radius in the plane
+    double corner = 0;       ///< radius in the plane; at most the smaller half size counts
     double rim = 0;          ///< radius of its lower edge
     double hollow = 0;       ///< how far the inside is above the edge
     double hollow_width = 1; ///< how far from the edge the inside begins
@@ -114,10 +120,11 @@ struct plate {
     }
     [[nodiscard]] double height(point place) const {
         const point own = (place - centre).turned(-angle);
-        const point beyond{std::abs(own.x) - (half_length - corner), std::abs(own.y) - (half_width - corner)};
+        const double round = std::min(corner, std::min(half_length, half_width));
+        const point beyond{std::abs(own.x) - (half_length - round), std::abs(own.y) - (half_width - round)};
         const point outside{std::max(beyond.x, 0.0), std::max(beyond.y, 0.0)};
         // How far inside the outline.
-        const double depth = corner - outside.length() - std::min(std::max(beyond.x, beyond.y), 0.0);
+        const double depth = round - outside.length() - std::min(std::max(beyond.x, beyond.y), 0.0);
         if (!(depth > 0))
             return nothing;
         const double edge = depth < rim ? detail::round_section(rim, rim - depth) : 0;
@@ -126,7 +133,9 @@ struct plate {
     }
 };
 
-/// A height map, for example from an image: rows × columns of heights, `cell` apart, bilinear between.
+/// A height map, for example from an image: rows × columns of heights, `cell` apart, bilinear between. Each
+/// height stands for a cell, so that the outermost ones reach half a cell further, and a single row is a
+/// strip.
 struct relief {
     point centre;
     std::size_t rows, columns;
@@ -134,20 +143,30 @@ struct relief {
     std::vector<float> heights; ///< row by row; infinite where there is nothing
     double lift = 0;
 
+    /// Throws std::invalid_argument where there are not as many heights as rows × columns.
     [[nodiscard]] double height(point place) const {
-        const double row = (place.y - centre.y) / cell + (static_cast<double>(rows) - 1) / 2,
-                     column = (place.x - centre.x) / cell + (static_cast<double>(columns) - 1) / 2;
-        if (!(row >= 0 && column >= 0 && row <= static_cast<double>(rows) - 1 &&
-              column <= static_cast<double>(columns) - 1))
+        if (heights.size() != rows * columns)
+            throw std::invalid_argument("relief: expected " + std::to_string(rows) + " x " +
+                                        std::to_string(columns) + " heights, found " +
+                                        std::to_string(heights.size()));
+        const double last_row = static_cast<double>(rows) - 1, last_column = static_cast<double>(columns) - 1;
+        double row = (place.y - centre.y) / cell + last_row / 2,
+               column = (place.x - centre.x) / cell + last_column / 2;
+        if (!(row >= -0.5 && column >= -0.5 && row < last_row + 0.5 && column < last_column + 0.5))
             return nothing;
+        row = std::clamp(row, 0.0, last_row), column = std::clamp(column, 0.0, last_column);
         const auto top = static_cast<std::size_t>(row), left = static_cast<std::size_t>(column);
         const std::size_t bottom = std::min(top + 1, rows - 1), right = std::min(left + 1, columns - 1);
         const auto at = [&](std::size_t r, std::size_t c) {
             return static_cast<double>(heights[r * columns + c]);
         };
         const double down = row - static_cast<double>(top), along = column - static_cast<double>(left);
-        // Not std::lerp: a weight of zero must not turn an infinite neighbour into NaN.
-        const auto mix = [](double a, double b, double share) { return share > 0 ? a + share * (b - a) : a; };
+        // Not std::lerp: a neighbour that is not there counts for nothing if it has no weight, else for all.
+        const auto mix = [](double a, double b, double share) {
+            if (!(share > 0))
+                return a;
+            return a < nothing && b < nothing ? a + share * (b - a) : nothing;
+        };
         return lift + mix(mix(at(top, left), at(top, right), along),
                           mix(at(bottom, left), at(bottom, right), along), down);
     }

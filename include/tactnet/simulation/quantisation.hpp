@@ -2,6 +2,7 @@
 
 #include <tactnet/simulation/effect.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -12,7 +13,8 @@ namespace simulation {
 /// above full scale is the last.
 template <std::size_t Levels>
 struct quantisation_levels {
-    static_assert(Levels >= 2 && Levels <= 65536, "quantisation: there must be 2 to 65536 levels");
+    static_assert(Levels >= 2 && Levels <= 65536,
+                  "quantisation: there must be 2 to 65536 levels, 1 to 16 bits");
     static constexpr stage place = stage::converter;
 
     double full_scale = 34e3; ///< pascals that the last count stands for
@@ -36,9 +38,9 @@ struct quantisation_levels {
     };
 };
 
-/// A converter of so many bits, as quantisation<8>.
+/// A converter of so many bits, 1 to 16, as quantisation<8>.
 template <std::size_t Bits>
-using quantisation = quantisation_levels<(std::size_t{1} << Bits)>;
+using quantisation = quantisation_levels<(std::size_t{1} << std::min(Bits, std::size_t{17}))>;
 
 } // namespace simulation
 } // namespace tactnet

@@ -2,6 +2,7 @@
 
 #include <tactnet/simulation/effect.hpp>
 
+#include <algorithm>
 #include <cstddef>
 
 namespace tactnet::inline TACTNET_ARCH {
@@ -19,8 +20,7 @@ struct saturation {
         bound(const saturation& effect, const mounting&) : limit_(static_cast<float>(effect.limit)) {}
         void apply(signal<Shape> pressures, const moment&) const noexcept {
             for (std::size_t i = 0; i < Shape.size(); ++i)
-                pressures.data()[i] =
-                    limit_ < pressures.data()[i] ? limit_ : pressures.data()[i]; // NaN stays
+                pressures.data()[i] = std::min(pressures.data()[i], limit_);
         }
 
     private:

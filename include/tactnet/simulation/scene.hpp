@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <initializer_list>
 #include <tuple>
@@ -63,12 +64,13 @@ struct shapes_along<Surface, Effect, Rest...> {
 ///     using namespace tactnet::simulation;
 ///     scene<array<28, 50>, contact<winkler>, saturation, quantisation<8>> touch;
 ///
-/// A frame is computed without heap memory, unless an effect says otherwise. One scene serves one thread.
+/// A frame is computed without heap memory, unless an effect says otherwise; its grids lie on the stack, 4
+/// bytes a cell of the surface. One scene serves one thread.
 template <class Array, effect... Effects>
 class scene {
     static constexpr std::size_t count = sizeof...(Effects);
     static_assert(detail::begins_with_its_contact({Effects::place...}),
-                  "scene: the first effect, and no other, must be a contact<…>");
+                  "scene: the first effect, and no other, must be a contact<...>");
     static_assert(
         detail::in_order({Effects::place...}),
         "scene: effects must be listed in the order of physics: contact, pad, tactel, film, circuit, "
@@ -150,18 +152,23 @@ private:
                       "scene: parameters were given for an effect that is not listed, "
                       "or is listed twice");
         std::tuple<Effects...> effects;
-        ((std::get<Given>(effects) = given), ...);
+        if constexpr ((... && listed_once<Given>)) // else the sentence above is enough
+            ((std::get<Given>(effects) = given), ...);
         return effects;
     }
     template <std::size_t... Index>
     static auto bind(const Array& array, sensor_unit unit, const std::tuple<Effects...>& effects,
                      std::index_sequence<Index...>) {
+        static_assert((... && std::constructible_from<bound_at<Index>, const effect_at<Index>&, mounting>),
+                      "scene: the bound form of an effect must have a constructor (effect, mounting)");
         return std::tuple<bound_at<Index>...>{
             bound_at<Index>(std::get<Index>(effects), mounted<Index>(array, unit))...};
     }
     template <std::size_t Index>
     static mounting mounted(const Array& array, sensor_unit unit) {
-        return {array.pitch / (Index < first_unclean ? static_cast<double>(refinement) : 1), unit};
+        constexpr double cells =
+            static_cast<double>(shape_at<Index>.rows) / static_cast<double>(Array::extents.rows);
+        return {array.pitch / cells, unit};
     }
     template <class Bound>
     static void forget(Bound& bound) noexcept {

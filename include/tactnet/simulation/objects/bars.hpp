@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 // Long things: bars, bent bars, cables.
@@ -63,10 +64,9 @@ namespace simulation::objects {
             rod::sphere({middle.x, middle.y + draw.around(0, 2) * mm}, thick, draw.within(0, 0.2) * mm));
     shape.surface = draw.rough(0.25 * mm, 4 * mm);
     const double angle = 90 + draw.around(0, 55);
-    const point half = 0.5 * length * point::at_angle(angle * degrees);
     pose at = draw.somewhere({{0, 0}, {36 * mm, 6 * mm}, 0, 0, 4e-3});
     at.angle = (draw.chance(0.5) ? angle : angle + 180) * degrees;
-    at.position = at.position - (at.angle > 180 * degrees ? -1.0 : 1.0) * half;
+    at.position = at.position - 0.5 * length * point::at_angle(at.angle);
     return {shape, at, draw.pressed(10, 17)};
 }
 
@@ -110,9 +110,7 @@ namespace detail {
 /// A straight bar right across the picture, more often than not along the shorter side.
 [[nodiscard]] inline touch straight(drawing& draw, double radius, double slope, pressing press) {
     object shape{{rod{{-beyond, 0}, {beyond, 0}, radius, radius}}, {}};
-    const double reach = 34;
-    return {std::move(shape), draw.somewhere({{0, 0}, {reach * mm, 10 * mm}, 0, 180 * degrees, slope}),
-            press};
+    return {std::move(shape), draw.somewhere({{0, 0}, {34 * mm, 10 * mm}, 0, 180 * degrees, slope}), press};
 }
 
 } // namespace detail

@@ -2,8 +2,8 @@
 
 #include <tactnet/simulation/objects/drawing.hpp>
 
-#include <array>
-#include <cmath>
+#include <cstddef>
+#include <utility>
 
 // Parts of the human body: soft, so that they touch broadly and faintly.
 

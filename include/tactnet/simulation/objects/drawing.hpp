@@ -3,7 +3,9 @@
 #include <tactnet/kernels/random.hpp>
 #include <tactnet/simulation/object.hpp>
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <span>
 #include <vector>

@@ -2,8 +2,8 @@
 
 #include <tactnet/simulation/objects/drawing.hpp>
 
-#include <array>
-#include <cmath>
+#include <algorithm>
+#include <cstddef>
 
 // Compact things: balls, boxes, bottles, rocks.
 
