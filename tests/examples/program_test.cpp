@@ -752,6 +752,30 @@ TEST_SUITE("program") {
                      "the 3 classes of the images");
     }
 
+    TEST_CASE("a stopped training that started from a weight file goes on from that one only") {
+        const workshop shop;
+        REQUIRE(shop.train({"--epochs", "1", "--output", "first"}).status == 0);
+        REQUIRE(shop.train({"--epochs", "1", "--seed", "6", "--output", "other"}).status == 0);
+        const auto arguments = [&](const char* output, const char* start) {
+            return shop.train_arguments({"--epochs", "1500", "--output", output, "--start", start});
+        };
+        const pid_t child = shop.start(arguments("net", "first"));
+        for (int i = 0; i < 6000 && shop.error_so_far().find("epoch 1 of") == std::string::npos; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        kill(child, SIGINT);
+        REQUIRE(shop.wait(child).status == 130);
+        const auto resumed = [](std::vector<std::string> all) {
+            all.emplace_back("--resume");
+            return all;
+        };
+        shop.refuses(resumed(arguments("net", "other")), "setting 'start' of the stopped training");
+        shop.refuses(resumed(shop.train_arguments({"--epochs", "1500", "--output", "net"})),
+                     "of the stopped training");
+        REQUIRE(shop.run(resumed(arguments("net", "first"))).status == 0);
+        REQUIRE(shop.run(arguments("whole", "first")).status == 0);
+        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
+    }
+
     TEST_CASE("diverging training: says so, writes nothing") {
         const workshop shop;
         const outcome result =
