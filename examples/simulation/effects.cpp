@@ -54,6 +54,12 @@ auto frame_of(Scene& scene, touch some) {
     return frames.measured;
 }
 
+/// So that stronger readings can be told from full scale.
+touch lightly(touch some) {
+    some.press.amount *= 0.6;
+    return some;
+}
+
 class gallery {
 public:
     explicit gallery(std::filesystem::path folder) : folder_(std::move(folder)) {
@@ -92,7 +98,7 @@ public:
 private:
     static constexpr std::size_t pliers = 16, rubber = 18;
     std::filesystem::path folder_;
-    std::array<touch, 2> touches_{draw_touch(pliers, 1, 3), draw_touch(rubber, 1, 0)};
+    std::array<touch, 2> touches_{lightly(draw_touch(pliers, 1, 3)), lightly(draw_touch(rubber, 1, 0))};
     double base_ = 0;
 };
 
@@ -104,12 +110,13 @@ void draw(const std::filesystem::path& folder) {
     pictures.show_analogue("gain_map", gain_map{});
     pictures.show_analogue("film_texture", film_texture{});
     pictures.show_analogue("linearity", linearity{.error = 0.2});
-    pictures.show_analogue("hysteresis", hysteresis{});
+    pictures.show_analogue("hysteresis",
+                           hysteresis{.plays = {{{2e3, 0.2}, {4e3, 0.2}, {8e3, 0.2}, {12e3, 0.2}}}});
     pictures.show_analogue("creep", creep{.rate = 0.1});
     pictures.show_analogue("drift", drift{.deviation = 3e-4});
     pictures.show_analogue("temperature", temperature{.sensitivity = 0.02});
     pictures.show_analogue("crosstalk", crosstalk{.along_row = 0.1, .along_column = 0.1});
-    pictures.show_analogue("resistive_network", resistive_network{});
+    pictures.show_analogue("resistive_network", resistive_network{.grounding = 0});
     pictures.show_analogue("dead_tactels", dead_tactels{.single = 0.02, .row = 0.04, .column = 0.04});
     pictures.show_analogue("noise", noise{.additive = 1000});
     pictures.show_analogue("threshold", threshold{.level = 8e3});

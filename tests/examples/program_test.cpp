@@ -498,10 +498,10 @@ TEST_SUITE("program") {
             }
             CHECK(evaluate("all") == matrix);
             CHECK(right > 2 * images_per_class);
-            if (name == "svm-linear") // most of the images it has learnt are beyond the margin
-                CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
-                          return std::stod(line.substr(line.rfind(',') + 1)) > 0.9;
-                      }) > 15);
+            // Of those that it has learnt, 24 of the 36, most are at the margin or beyond it.
+            CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+                      return std::stod(line.substr(line.rfind(',') + 1)) > 0.9;
+                  }) > 15);
 
             shop.refuses({"classify", "--weights", weights, "large.png"},
                          "large.png: expected 7 x 13 pixels (rows x columns), or --resize, found 14 x 26");

@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio> // before jpeglib.h, which takes FILE for granted
 #include <cstdlib>
 #include <decode_image.hpp>
 #include <filesystem>
-#include <jpeglib.h>
 #include <support/data_folder.hpp>
+#include <support/through_jpeg.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -20,45 +19,6 @@ namespace {
 
 constexpr std::size_t rows = 14, columns = 25, area = rows * columns;
 using pixels = std::vector<std::uint8_t>;
-
-/// Written as JPEG of the quality 75 and read again.
-pixels through_jpeg(pixels image) {
-    jpeg_error_mgr errors;
-    jpeg_compress_struct writer;
-    writer.err = jpeg_std_error(&errors);
-    jpeg_create_compress(&writer);
-    unsigned char* memory = nullptr;
-    unsigned long size = 0;
-    jpeg_mem_dest(&writer, &memory, &size);
-    writer.image_width = columns;
-    writer.image_height = rows;
-    writer.input_components = 1;
-    writer.in_color_space = JCS_GRAYSCALE;
-    jpeg_set_defaults(&writer);
-    jpeg_set_quality(&writer, 75, TRUE);
-    jpeg_start_compress(&writer, TRUE);
-    for (std::size_t y = 0; y < rows; ++y) {
-        unsigned char* row = image.data() + y * columns;
-        jpeg_write_scanlines(&writer, &row, 1);
-    }
-    jpeg_finish_compress(&writer);
-    jpeg_destroy_compress(&writer);
-
-    jpeg_decompress_struct reader;
-    reader.err = jpeg_std_error(&errors);
-    jpeg_create_decompress(&reader);
-    jpeg_mem_src(&reader, memory, size);
-    jpeg_read_header(&reader, TRUE);
-    jpeg_start_decompress(&reader);
-    for (std::size_t y = 0; y < rows; ++y) {
-        unsigned char* row = image.data() + y * columns;
-        jpeg_read_scanlines(&reader, &row, 1);
-    }
-    jpeg_finish_decompress(&reader);
-    jpeg_destroy_decompress(&reader);
-    std::free(memory);
-    return image;
-}
 
 } // namespace
 
@@ -87,8 +47,8 @@ TEST_CASE("resize_bicubic: small images as the paper's authors made them") {
         std::vector<int> worst(5, 255);
         for (const auto& entry : std::filesystem::directory_iterator(classes[label])) {
             const grey_image image = decode_image(entry.path());
-            const pixels small =
-                through_jpeg(resize_bicubic(image.pixels, image.rows, image.columns, rows, columns));
+            const pixels small = support::through_jpeg(
+                resize_bicubic(image.pixels, image.rows, image.columns, rows, columns), rows, columns, 75);
             for (std::size_t i = 0; i < 5; ++i) {
                 int distance = 0, sum = 0;
                 for (std::size_t e = 0; e < area; ++e) {

@@ -63,10 +63,12 @@ TEST_CASE("what is no pressure counts as none, and what is too much as the most 
     constexpr shape size{4, 20};
     even_stencil<size> stencil(1, [](std::size_t i, std::size_t j) { return i + j == 0 ? 0.5f : 0.0625f; });
     std::vector<float> map(size.size(), 0.0f);
-    map[0] = NAN, map[1] = -5, map[30] = INFINITY;
+    map[0] = NAN, map[1] = -5, map[3] = 16, map[30] = INFINITY;
     stencil(map.data());
     CHECK(map[0] == 0);
     CHECK(map[1] == 0);
+    CHECK(map[2] == 1);
+    CHECK(map[3] == 8);
     CHECK(map[30] == most / 2);
     CHECK(map[31] == most / 16);
     CHECK(map[75] == 0);

@@ -46,13 +46,6 @@ TEST_CASE("one part stays with the sensor, the other changes from frame to frame
     CHECK(std::ranges::equal(textured({20, 0}, 1e4f, 1, 0), textured({20, 0}, 1e4f, 1, 9)));
     CHECK(!std::ranges::equal(textured({20, 0}, 1e4f, 1, 0), textured({20, 0}, 1e4f, 2, 0)));
     CHECK(!std::ranges::equal(textured({0, 20}, 1e4f, 1, 0), textured({0, 20}, 1e4f, 1, 1)));
-
-    film_texture::bound<size> moved(film_texture{}, mounting{.unit = {1}});
-    moved.use({2});
-    map values;
-    std::ranges::fill(values, 1e4f);
-    moved.apply(values.view(), {});
-    CHECK(std::ranges::equal(values, textured({}, 1e4f, 2, 0)));
 }
 
 TEST_CASE("no texture changes no bit, where nothing presses nothing is felt, and no reading is below zero") {

@@ -215,6 +215,20 @@ void check_hard_cases(const Model& model) {
         CHECK(soft.report.depth > before);
         before = soft.report.depth;
     }
+    // What is no modulus is that of a rigid object.
+    for (const double object : {0.0, -1e5, 1e-30, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(found(ball, {pressing::goal::force, 5, object}).report.depth ==
+              found(ball, pressing::to_force(5)).report.depth);
+    // Beyond all reason: never a pressure where there is no object.
+    map post = nowhere;
+    post(3, 3) = 0;
+    for (const pressing& how :
+         {pressing{pressing::goal::force, 1e9, 1e-29}, pressing{pressing::goal::depth, 1e25},
+          pressing{pressing::goal::depth, 1e30, 1e-29}}) {
+        const auto extreme = found(post, how);
+        check_sane(extreme);
+        CHECK(extreme.report.cells == 1);
+    }
 }
 
 TEST_CASE("hard cases on a half space and on layers of all kinds") {

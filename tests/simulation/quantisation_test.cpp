@@ -2,47 +2,57 @@
 
 #include <doctest/doctest.h>
 
-#include <array>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <limits>
+#include <simulation/effect_frames.hpp>
 #include <type_traits>
+
+using namespace tactnet;
+using simulation::quantisation;
+using simulation::quantisation_levels;
 
 namespace {
 
-using namespace tactnet::simulation;
+constexpr shape size{1, 4001};
 
-template <class Converter>
-float count_of(float pressure, const Converter& converter = {}) {
-    std::array<float, 1> value{pressure};
-    typename Converter::template bound<tactnet::shape{1, 1}>(converter, {})
-        .apply(tactnet::tensor_view<float, tactnet::shape{1, 1}>(value), {});
-    return value[0];
-}
-
-static_assert(std::is_same_v<quantisation<4>, quantisation_levels<16>>);
-static_assert(std::is_same_v<quantisation<16>, quantisation_levels<65536>>);
-
-TEST_CASE("counts are whole, the nearest, and the last one is full scale") {
-    const quantisation_levels<11> tenths{.full_scale = 1000};
-    CHECK(count_of(0, tenths) == 0);
-    CHECK(count_of(49, tenths) == 0);
-    CHECK(count_of(51, tenths) == 1);
-    CHECK(count_of(149, tenths) == 1);
-    CHECK(count_of(949, tenths) == 9);
-    CHECK(count_of(951, tenths) == 10);
-    CHECK(count_of(1000, tenths) == 10);
-    CHECK(count_of<quantisation<8>>(34e3f) == 255);
-    CHECK(count_of<quantisation<16>>(34e3f) == 65535);
-}
-
-TEST_CASE("what is below zero, beyond full scale or no number has a count too") {
-    const float endless = std::numeric_limits<float>::infinity();
-    CHECK(count_of<quantisation<8>>(-100) == 0);
-    CHECK(count_of<quantisation<8>>(-endless) == 0);
-    CHECK(count_of<quantisation<8>>(36e3f) == 255);
-    CHECK(count_of<quantisation<8>>(endless) == 255);
-    CHECK(count_of<quantisation<8>>(std::numeric_limits<float>::quiet_NaN()) == 0);
-    CHECK(count_of(100, quantisation<8>{.full_scale = 0}) == 255);
-    CHECK(count_of(0, quantisation<8>{.full_scale = 0}) == 0);
+/// Every count against rounding in double precision. Nearer to the middle between two counts than float can
+/// tell, either is right.
+template <std::size_t Levels>
+void check_levels() {
+    support::frame<size> pressures;
+    for (std::size_t i = 0; i < size.size(); ++i)
+        pressures.data()[i] = static_cast<float>(i) * 10;
+    const auto counts = support::after<size>(quantisation_levels<Levels>{.full_scale = 34e3}, pressures);
+    for (std::size_t i = 0; i < size.size(); ++i) {
+        const double exact = std::min(static_cast<double>(i) * 10 / 34e3, 1.0) * (Levels - 1);
+        const double count = static_cast<double>(counts.data()[i]);
+        CHECK(count == std::round(count));
+        CHECK(std::abs(count - exact) <= 0.5 + 4 * 0x1p-24 * exact);
+    }
+    CHECK(counts.data()[3400] == Levels - 1);
+    CHECK(counts.data()[4000] == Levels - 1);
 }
 
 } // namespace
+
+TEST_CASE("quantisation: the nearest count, of 8 bits and of the paper's 15 levels") {
+    static_assert(std::is_same_v<quantisation<8>, quantisation_levels<256>>);
+    check_levels<256>();
+    check_levels<15>();
+    check_levels<2>();
+    check_levels<65536>();
+}
+TEST_CASE("quantisation: counts whatever comes") {
+    constexpr shape few{1, 5};
+    constexpr float most = std::numeric_limits<float>::max(), nan = std::numeric_limits<float>::quiet_NaN();
+    const float given[]{-1e30f, -0.0f, most, std::numeric_limits<float>::infinity(), nan},
+        expected[]{0, 0, 255, 255, 0};
+    support::frame<few> values;
+    std::copy(std::begin(given), std::end(given), values.begin());
+    const auto counts = support::after<few>(quantisation<8>{}, values);
+    for (std::size_t i = 0; i < few.size(); ++i)
+        CHECK(counts.data()[i] == expected[i]);
+}

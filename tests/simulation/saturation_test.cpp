@@ -1,34 +1,28 @@
 #include <tactnet/simulation/saturation.hpp>
-#include <tactnet/tensor/tensor.hpp>
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <array>
+#include <cstddef>
 #include <limits>
+#include <simulation/effect_frames.hpp>
 
-namespace {
+using namespace tactnet;
+using simulation::saturation;
 
-using namespace tactnet::simulation;
-
-constexpr tactnet::shape size{1, 5};
-using values = std::array<float, size.size()>;
-
-values through(const saturation& effect, values pressures) {
-    saturation::bound<size>(effect, {}).apply(tactnet::tensor_view<float, size>(pressures), {});
-    return pressures;
+TEST_CASE("saturation: nothing above the limit, and nothing else changed") {
+    constexpr shape size{28, 50};
+    const auto pressures = support::pressed<size>();
+    const auto read = support::after<size>(saturation{.limit = 20e3}, pressures);
+    std::size_t above = 0;
+    for (std::size_t i = 0; i < size.size(); ++i) {
+        const bool over = pressures.data()[i] > 20e3f;
+        above += over;
+        CHECK(read.data()[i] == (over ? 20e3f : pressures.data()[i]));
+    }
+    CHECK(above > 100);
 }
-
-TEST_CASE("no pressure is above the limit, and those below it do not change") {
-    const float endless = std::numeric_limits<float>::infinity();
-    CHECK(through({.limit = 100}, {-3, 0, 99.5f, 100, 101}) == values{-3, 0, 99.5f, 100, 100});
-    CHECK(through({.limit = 100}, {endless, 1e30f, -endless, 1, 2}) == values{100, 100, -endless, 1, 2});
-    CHECK(through({}, {33.9e3f, 34.1e3f, 0, 0, 0}) == values{33.9e3f, 34e3f, 0, 0, 0});
+TEST_CASE("saturation: none is none; never NaN, and NaN is not hidden") {
+    constexpr shape size{5, 7};
+    support::check_changes_no_bit<size>(saturation{.limit = std::numeric_limits<double>::infinity()});
+    support::check_no_nan<size>(saturation{});
 }
-
-TEST_CASE("an endless limit changes no bit") {
-    const values some{-0.0f, 1e-30f, 34e3f, 1e30f, std::numeric_limits<float>::infinity()};
-    CHECK(through({.limit = std::numeric_limits<double>::infinity()}, some) == some);
-}
-
-} // namespace

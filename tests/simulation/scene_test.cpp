@@ -1,8 +1,14 @@
+#include "pressed.hpp"
+
 #include <tactnet/simulation/bonded_layer.hpp>
+#include <tactnet/simulation/dead_tactels.hpp>
 #include <tactnet/simulation/elastic_half_space.hpp>
 #include <tactnet/simulation/film_texture.hpp>
+#include <tactnet/simulation/gain_map.hpp>
+#include <tactnet/simulation/hysteresis.hpp>
 #include <tactnet/simulation/jpeg_storage.hpp>
 #include <tactnet/simulation/noise.hpp>
+#include <tactnet/simulation/object.hpp>
 #include <tactnet/simulation/pad.hpp>
 #include <tactnet/simulation/quantisation.hpp>
 #include <tactnet/simulation/saturation.hpp>
@@ -49,21 +55,32 @@ TEST_CASE("a scene presses to the force that it is given") {
 TEST_CASE("a scene with the accurate contact and a pad") {
     using accurate = scene<array<14, 16>, contact<bonded_layer>, elastic_pad, tactel_average<2>>;
     accurate touch({}, {}, elastic_pad{.thickness = 5e-4}, contact<bonded_layer>{{.poisson = 0.4}});
-    tactnet::tensor<float, accurate::surface> heights;
-    for (std::size_t row = 0; row < accurate::surface.rows; ++row)
-        for (std::size_t column = 0; column < accurate::surface.columns; ++column) {
-            const double y = (static_cast<double>(row) - 13.5) * touch.cell(),
-                         x = (static_cast<double>(column) - 15.5) * touch.cell();
-            heights(row, column) = static_cast<float>((x * x + y * y) / (2 * 0.01));
-        }
+    const auto heights = support::heights_of<accurate::surface>(touch.cell(), support::sphere(0.01));
     accurate::frames result;
     touch.touch(heights, pressing::to_force(2), {}, result);
     CHECK(result.contact.converged);
     CHECK(result.contact.force == doctest::Approx(2).epsilon(1e-9));
-    double sum = 0;
-    for (const float pressure : result.measured)
-        sum += static_cast<double>(pressure);
-    CHECK(sum * touch.sensor().tactel_area() == doctest::Approx(2).epsilon(1e-3));
+    CHECK(support::sum_of(result.measured) * touch.sensor().tactel_area() ==
+          doctest::Approx(2).epsilon(1e-3));
+}
+
+TEST_CASE("a scene that goes on with another sensor is a scene of that sensor") {
+    using faulty =
+        scene<array<8, 12>, contact<winkler>, elastic_pad, gain_map, hysteresis, noise, dead_tactels>;
+    const object ball{{rod::sphere({1e-3, 2e-3}, 0.02)}, {}};
+    tactnet::tensor<float, faulty::surface> heights;
+    lay<faulty::surface>(ball, {}, 1.9e-3, heights.view());
+    const auto frame = [&](faulty& scene) {
+        faulty::frames result;
+        scene.touch(heights, pressing::to_force(2), {.frame = 3}, result);
+        return result.measured;
+    };
+    const dead_tactels dead{.single = 0.1};
+    faulty first({}, {1}, dead), second({}, {2}, dead);
+    const auto of_second = frame(second);
+    CHECK(!std::ranges::equal(frame(first), of_second));
+    first.use({2});
+    CHECK(std::ranges::equal(frame(first), of_second));
 }
 
 /// An effect of one's own: a film that answers to the mean of this frame and of all before it, and tells on
@@ -77,7 +94,10 @@ struct slow_film {
     class bound {
     public:
         bound(const slow_film& effect, const mounting& where)
-            : share_(effect.share), unit_(where.unit), cell_(where.cell) {}
+            : share_(effect.share),
+              unit_(where.unit),
+              cell_(where.cell),
+              marks_(unit_.number != sensor_unit{}.number) {}
 
         void apply(signal<Shape> values, const moment&) noexcept {
             for (std::size_t i = 0; i < Shape.size(); ++i)
@@ -87,13 +107,12 @@ struct slow_film {
                 values.data()[1] = static_cast<float>(cell_);
         }
         void reset() noexcept { std::ranges::fill(before_, 0.0f); }
-        void use(sensor_unit unit) noexcept { unit_ = unit, marks_ = true; }
 
     private:
         float share_;
         sensor_unit unit_;
         double cell_;
-        bool marks_ = false;
+        bool marks_;
         tactnet::tensor<float, Shape> before_{};
     };
 };

@@ -57,7 +57,7 @@ TEST_CASE("springs: the force and the depth of a reference that sorts them") {
             if (round % 4 == 0)
                 how.object_modulus = 2e5;
             const double stiffness =
-                1 / (foam.thickness / foam.modulus + foam.thickness / how.object_modulus);
+                1 / (foam.thickness / foam.modulus + how.object_thickness / how.object_modulus);
             const auto found = press(foam, cell, heights, how);
             CHECK(found.report.converged);
             CHECK(found.report.force == doctest::Approx(force).epsilon(1e-9));
@@ -121,6 +121,14 @@ TEST_CASE("springs: nothing to press, or nothing that presses") {
     }
     check_nothing(ball, pressing::to_force(std::numeric_limits<double>::infinity()), false);
     check_nothing(ball, pressing::to_depth(std::numeric_limits<double>::infinity()), false);
+}
+
+TEST_CASE("springs: what is no modulus is that of a rigid object") {
+    const map ball = heights_of<size>(cell, support::sphere(0.02));
+    const double depth = press(foam, cell, ball, pressing::to_force(5)).report.depth;
+    for (const double object : {0.0, -1e5, 1e-30, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(press(foam, cell, ball, {pressing::goal::force, 5, object}).report.depth == depth);
+    CHECK(press(foam, cell, ball, {pressing::goal::force, 5, 1e5}).report.depth > depth);
 }
 
 TEST_CASE("springs: one cell, and all of them") {

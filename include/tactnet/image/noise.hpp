@@ -1,9 +1,11 @@
 #pragma once
 
+#include <tactnet/kernels/normal_numbers.hpp>
 #include <tactnet/kernels/random.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <cmath>
+#include <cstddef>
 
 namespace tactnet::inline TACTNET_ARCH {
 
@@ -15,19 +17,19 @@ struct pressure_noise {
     friend constexpr bool operator==(const pressure_noise&, const pressure_noise&) = default;
 };
 
-/// Adds normal noise to counts, each tactel's its own; none falls below zero, and NaN stays. The numbers come
-/// one after the other from the stream: of (seed, draw::noise, epoch, sample) they are the same wherever they
-/// are computed.
+/// Adds normal noise to counts, each tactel's its own; none falls below zero, and NaN stays. Of the stream of
+/// (seed, draw::noise, epoch, sample) the numbers are the same wherever they are computed.
 template <shape Shape>
-void add_noise(const pressure_noise& noise, random_stream random, tensor_view<float, Shape> counts) {
+void add_noise(const pressure_noise& noise, const random_stream& random, tensor_view<float, Shape> counts) {
     if (noise == pressure_noise{})
         return;
-    for (float& count : counts.elements()) {
-        const double value = static_cast<double>(count);
-        const float noisy =
-            static_cast<float>(value + std::hypot(noise.additive, noise.relative * value) * random.normal());
+    normal_numbers(random).each(Shape.size(), [&](std::size_t tactel, float number) {
+        float& count = counts.data()[tactel];
+        const double value = static_cast<double>(count), share = noise.relative * value;
+        const double deviation = std::sqrt(noise.additive * noise.additive + share * share);
+        const auto noisy = static_cast<float>(value + deviation * static_cast<double>(number));
         count = noisy < 0 ? 0 : noisy;
-    }
+    });
 }
 
 } // namespace tactnet

@@ -5,6 +5,7 @@
 #include <tactnet/simulation/polonsky_keer.hpp>
 #include <tactnet/simulation/radial_kernel.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -33,7 +34,11 @@ public:
         const double held = integrate(square, 2 * thickness_, [&](double across, double along) {
             return held_back_(std::hypot(across, along) / thickness_);
         });
-        return cell_ / std::numbers::pi * (love_integral(x, y) - held / thickness_);
+        // An incompressible layer thin beside a cell gives by less than the difference is rounded to. A
+        // cell's own share must be more than that, or the solver would find pressures that pull the surface
+        // down.
+        const double least = rows + columns == 0 ? 1e-6 * std::min(thickness_, 1.0) : 0;
+        return cell_ * ((love_integral(x, y) - held / thickness_) / std::numbers::pi + least);
     }
 
 private:

@@ -20,6 +20,10 @@ struct pressing {
     double object_modulus = std::numeric_limits<double>::infinity();
     double object_thickness = 0.02; ///< metres of it that deform, where a model takes it for a layer
 
+    /// One over the modulus: none for a rigid object, and for what is no modulus.
+    [[nodiscard]] constexpr double object_softness() const {
+        return object_modulus > 1e-30 ? 1 / object_modulus : 0;
+    }
     /// Whether these are numbers that an object can have: a model is asked for no other.
     [[nodiscard]] constexpr bool possible() const {
         return amount == amount && object_modulus > 0 && object_thickness >= 0 &&
@@ -64,6 +68,7 @@ struct contact {
     static_assert(contact_model<Model>,
                   "contact: its model must be a struct of parameters with a class template bound<shape>");
     static constexpr stage place = stage::contact;
+    static constexpr bool same_in_every_sensor = true;
 
     Model model{};
 

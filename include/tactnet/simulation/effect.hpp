@@ -57,8 +57,9 @@ struct moment {
     }
 };
 
-// Beside `apply` an effect bound to a shape may have `void reset()`, to forget earlier frames, and
-// `void use(sensor_unit)`, to become that of another sensor.
+// Beside `apply` an effect bound to a shape may have `void reset()`, to forget earlier frames. An effect that
+// is long in the making and makes nothing of its sensor_unit says `same_in_every_sensor = true`: scene::use
+// then leaves it in place.
 
 /// Values that an effect may change in place: pascals, or counts from the converter on.
 template <shape Shape>

@@ -25,13 +25,10 @@ struct film_texture {
     class bound {
     public:
         bound(const film_texture& effect, const mounting& where)
-            : deviation_(static_cast<float>(effect.fixed)), varying_(static_cast<float>(effect.varying)) {
-            use(where.unit);
-        }
-        void use(sensor_unit unit) noexcept {
-            normal_numbers(unit.random(random_use::texture))
-                .each(Shape.size(),
-                      [&](std::size_t i, float normal) { fixed_.data()[i] = deviation_ * normal; });
+            : varying_(static_cast<float>(effect.varying)) {
+            const auto fixed = static_cast<float>(effect.fixed);
+            normal_numbers(where.unit.random(random_use::texture))
+                .each(Shape.size(), [&](std::size_t i, float normal) { fixed_.data()[i] = fixed * normal; });
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
             normal_numbers(now.random(random_use::texture))
@@ -44,7 +41,7 @@ struct film_texture {
         }
 
     private:
-        float deviation_, varying_;
+        float varying_;
         tensor<float, Shape> fixed_;
     };
 };

@@ -25,7 +25,9 @@ struct jpeg_storage {
 
     public:
         bound(const jpeg_storage& effect, const mounting&)
-            : lossless_(effect.quality <= 0), divisors_(jpeg_divisors(effect.quality)) {}
+            : lossless_(effect.quality <= 0), divisors_(jpeg_divisors(effect.quality)) {
+            jpeg_write_and_read(blank_, divisors_);
+        }
         void apply(signal<Shape> counts, const moment&) const noexcept {
             if (lossless_)
                 return;
@@ -49,7 +51,9 @@ struct jpeg_storage {
                     block[y * side + x] = static_cast<std::int32_t>(kept + 0.5f);
                     blank = blank && block[y * side + x] == 0;
                 }
-            if (!blank) // which comes back as it is
+            if (blank) // as most are
+                block = blank_;
+            else
                 jpeg_write_and_read(block, divisors_);
             for (std::size_t y = 0; y < std::min(side, Shape.rows - first_row); ++y)
                 for (std::size_t x = 0; x < std::min(side, Shape.columns - first_column); ++x)
@@ -58,6 +62,7 @@ struct jpeg_storage {
 
         bool lossless_;
         jpeg_block divisors_;
+        jpeg_block blank_{}; // what becomes of a block of nothing: at the lowest qualities not quite nothing
     };
 };
 

@@ -33,13 +33,12 @@ struct noise {
     public:
         /// A deviation below zero or NaN is none.
         bound(const noise& effect, const mounting&) {
-            const double additive = kept(effect.additive, most),
-                         relative = kept(effect.relative, most_relative);
-            none_ = additive == 0 && relative == 0;
-            variance_ = static_cast<float>(additive * additive);
+            const double fixed = kept(effect.additive, most), share = kept(effect.relative, most_relative);
+            none_ = fixed == 0 && share == 0;
+            variance_ = static_cast<float>(fixed * fixed);
             // By a division, which no compiler fuses with a sum; infinite for none.
-            inverse_ = relative > 0 ? static_cast<float>(1 / (relative * relative))
-                                    : std::numeric_limits<float>::infinity();
+            inverse_ =
+                share > 0 ? static_cast<float>(1 / (share * share)) : std::numeric_limits<float>::infinity();
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
             if (none_)

@@ -46,11 +46,14 @@ private:
 /// beyond the array: what reaches the film there is lost to the tactels. Shares of the last 0.2 % of a force,
 /// spread thin and far, are given to the nearer ones.
 ///
+/// Under a contact<bonded_layer> the pad is that layer: it has the same thickness and ν.
+///
 /// A pad of ν below about ¼ would pull here and there beside what presses on it; the film shows no pull.
 /// A pad thinner than a millionth of a cell changes no bit; through an endlessly thick one nothing is felt.
 /// (Not `pad`: that is the padding of an image, in tensor/shape.hpp.)
 struct elastic_pad {
     static constexpr stage place = stage::pad;
+    static constexpr bool same_in_every_sensor = true;
 
     double thickness = 1.6e-3; ///< metres; by default what makes imprints as wide as the paper's
     double poisson = 0.48;     ///< ν of soft rubber, more than −1 and at most ½

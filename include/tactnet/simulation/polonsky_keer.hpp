@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 
 // The contact of a rigid shape with an elastic surface, each cell of which sinks by what all cells press:
 // pressures p ≥ 0 and gaps g ≥ 0 of which one is zero everywhere. Conjugate gradients on the cells in
@@ -58,11 +59,11 @@ public:
         contact_report report;
         std::fill(pressures.elements().begin(), pressures.elements().end(), 0.0f);
         const bool touches = take(heights), pressed = press.amount > 0;
-        if (!touches || !pressed || !std::isfinite(press.amount)) {
+        if (!touches || !pressed || !(press.amount < no_end)) {
             report.converged = !pressed; // else nothing is there to be pressed, or there is no end to it
             return report;
         }
-        soften(press.object_modulus);
+        soften(press.object_softness());
         guess(heights, press, pressures);
         find(press, report);
         for (std::size_t y = 0; y < Shape.rows; ++y)
@@ -76,7 +77,9 @@ public:
     }
 
 private:
-    static constexpr double no_object = std::numeric_limits<float>::max();
+    static constexpr double no_end = std::numeric_limits<float>::max(); ///< of forces and depths
+    /// Higher than any object sinks in, and low enough to be reckoned with.
+    static constexpr double no_object = 1e200;
 
     /// body(i) for the first element i of each vector of a field.
     template <class Body>
@@ -87,12 +90,9 @@ private:
     static v at(const field& from, std::size_t i) { return load(from.data() + i); }
     static void put(field& to, std::size_t i, const v& values) { store(to.data() + i, values); }
     static double total(const v& values) {
-        alignas(alignment) std::array<double, lanes<double>> each;
-        store(each.data(), values);
-        double sum = 0;
-        for (const double value : each)
-            sum += value;
-        return sum;
+        alignas(alignment) std::array<double, lanes<double>> all;
+        store(all.data(), values);
+        return std::accumulate(all.begin(), all.end(), 0.0);
     }
     static v only(const mask<double>& condition, const v& values) {
         return choose<double>(condition, values, v(0.0));
@@ -114,11 +114,9 @@ private:
         return lowest < highest;
     }
     /// Surface and object yield together.
-    void soften(double object_modulus) {
-        softness_ = 1 / object_modulus;
-        if (!(softness_ > 0))
-            return;
-        for (std::size_t i = 0; i < both_.size(); i += lanes<double>)
+    void soften(double object_softness) {
+        softness_ = object_softness;
+        for (std::size_t i = 0; softness_ > 0 && i < both_.size(); i += lanes<double>)
             put(both_, i, multiply_add<double>(v(softness_), at(object_, i), at(surface_, i)));
     }
     void sink(const field& under, field& result) {

@@ -107,7 +107,8 @@ public:
     template <class... Given>
     explicit scene(const Array& array, sensor_unit unit, const Given&... given)
         : array_(array),
-          effects_(bind(array, unit, chosen(given...), std::index_sequence_for<Effects...>{})) {}
+          parameters_(chosen(given...)),
+          effects_(bind(array, unit, parameters_, std::index_sequence_for<Effects...>{})) {}
 
     /// Metres from cell to cell of the surface.
     [[nodiscard]] double cell() const { return array_.pitch / static_cast<double>(refinement); }
@@ -124,21 +125,15 @@ public:
     }
     /// Forgets earlier frames: the next is the first of a new touch.
     void reset() noexcept {
-        const auto forget = []<class Bound>(Bound& bound) {
-            if constexpr (requires { bound.reset(); })
-                bound.reset();
-        };
-        std::apply([&](auto&... bound) { (forget(bound), ...); }, effects_);
+        std::apply([](auto&... bound) { (forget(bound), ...); }, effects_);
     }
-    /// Goes on with another sensor of the make, and a new touch. Faster than a new scene: what does not
-    /// differ from sensor to sensor stays.
+    /// Goes on with another sensor of the make, and a new touch. Faster than a new scene: effects that are
+    /// the same in every sensor stay.
     void use(sensor_unit unit) {
-        const auto change = [&]<class Bound>(Bound& bound) {
-            if constexpr (requires { bound.use(unit); })
-                bound.use(unit);
-        };
-        std::apply([&](auto&... bound) { (change(bound), ...); }, effects_);
-        reset();
+        [&]<std::size_t... Index>(std::index_sequence<Index...>) {
+            (change<Index>(unit), ...);
+        }
+        (std::index_sequence_for<Effects...>{});
     }
 
 private:
@@ -166,12 +161,27 @@ private:
                      std::index_sequence<Index...>) {
         static_assert((... && std::constructible_from<bound_at<Index>, const effect_at<Index>&, mounting>),
                       "scene: the bound form of an effect must have a constructor (effect, mounting)");
-        const auto where = [&](std::size_t index) {
-            const double cells =
-                static_cast<double>(shapes[index].rows) / static_cast<double>(Array::extents.rows);
-            return mounting{array.pitch / cells, unit};
-        };
-        return std::tuple<bound_at<Index>...>{bound_at<Index>(std::get<Index>(effects), where(Index))...};
+        return std::tuple<bound_at<Index>...>{
+            bound_at<Index>(std::get<Index>(effects), mounted<Index>(array, unit))...};
+    }
+    template <std::size_t Index>
+    static mounting mounted(const Array& array, sensor_unit unit) {
+        constexpr double cells =
+            static_cast<double>(shape_at<Index>.rows) / static_cast<double>(Array::extents.rows);
+        return {array.pitch / cells, unit};
+    }
+    template <class Bound>
+    static void forget(Bound& bound) noexcept {
+        if constexpr (requires { bound.reset(); })
+            bound.reset();
+    }
+    template <std::size_t Index>
+    void change(sensor_unit unit) {
+        if constexpr (requires { requires effect_at<Index>::same_in_every_sensor; })
+            forget(std::get<Index>(effects_));
+        else
+            std::get<Index>(effects_) =
+                bound_at<Index>(std::get<Index>(parameters_), mounted<Index>(array_, unit));
     }
     template <std::size_t Index>
     void run(tensor_view<float, shape_at<Index>> values, const moment& now, frames& result) noexcept {
@@ -195,6 +205,7 @@ private:
     }
 
     Array array_;
+    std::tuple<Effects...> parameters_;
     decltype(bind(Array{}, {}, {}, std::index_sequence_for<Effects...>{})) effects_;
 };
 

@@ -29,7 +29,7 @@ struct winkler {
         contact_report solve(tensor_view<const float, Shape> heights, const pressing& press,
                              signal<Shape> pressures) const noexcept {
             const double stiffness =
-                1 / (thickness_ / modulus_ + press.object_thickness / press.object_modulus);
+                1 / (thickness_ / modulus_ + press.object_thickness * press.object_softness());
             const double lowest = lowest_of(heights);
             contact_report report;
             double level = lowest; // of the object's lowest point below the untouched surface
