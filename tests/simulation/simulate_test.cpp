@@ -26,7 +26,6 @@ struct witness {
                 for (int part = 0; part < 4; ++part, number >>= 16) // a float holds 24 bits
                     *out++ = static_cast<float>(number & 0xFFFF);
         }
-        void use(sensor_unit unit) noexcept { unit_ = unit; }
 
     private:
         sensor_unit unit_;
