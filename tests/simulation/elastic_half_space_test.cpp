@@ -52,10 +52,10 @@ TEST_CASE("a sphere: radius, peak, depth and profile of Hertz within 2 %") {
     REQUIRE(found.report.converged);
     CHECK(found.report.force == doctest::Approx(1).epsilon(1e-9));
     CHECK(sum_of(found.pressures) * cell * cell == doctest::Approx(1).epsilon(1e-6));
-    CHECK(found.report.depth == doctest::Approx(hertz.depth()).epsilon(0.005));
+    CHECK(found.report.depth == doctest::Approx(hertz.depth()).epsilon(0.005).scale(0));
     CHECK(peak_of(found.pressures) == doctest::Approx(hertz.peak()).epsilon(0.02));
     const double radius = std::sqrt(static_cast<double>(found.report.cells) * cell * cell / std::numbers::pi);
-    CHECK(radius == doctest::Approx(hertz.contact()).epsilon(0.02));
+    CHECK(radius == doctest::Approx(hertz.contact()).epsilon(0.02).scale(0));
     for (std::size_t row = 0; row < size.rows; ++row)
         for (std::size_t column = 0; column < size.columns; ++column) {
             const double r = std::hypot(static_cast<double>(row) - 39.5, static_cast<double>(column) - 39.5) *
@@ -76,11 +76,11 @@ TEST_CASE("pressed to a depth it bears the force that belongs to it") {
     const auto found = press(rubber, cell, heights, pressing::to_depth(hertz.depth()));
     CHECK(found.report.converged);
     // The lowest cells are half a diagonal off the axis, as high as a part of the cell.
-    CHECK(found.report.depth == doctest::Approx(hertz.depth()).epsilon(1e-9));
+    CHECK(found.report.depth == doctest::Approx(hertz.depth()).epsilon(1e-9).scale(0));
     CHECK(found.report.force == doctest::Approx(hertz.force).epsilon(0.01));
     // Back by force to the same depth.
     const auto again = press(rubber, cell, heights, pressing::to_force(found.report.force));
-    CHECK(again.report.depth == doctest::Approx(found.report.depth).epsilon(1e-4));
+    CHECK(again.report.depth == doctest::Approx(found.report.depth).epsilon(1e-4).scale(0));
 }
 
 TEST_CASE("a deformable object yields as much as the surface does") {
@@ -90,7 +90,7 @@ TEST_CASE("a deformable object yields as much as the surface does") {
     pressing how = pressing::to_force(1);
     how.object_modulus = modulus / 2; // 1 / E* = 1 / modulus + 2 / modulus
     const auto found = press(rubber, cell, heights_of<size>(cell, support::sphere(hertz.radius)), how);
-    CHECK(found.report.depth == doctest::Approx(hertz.depth()).epsilon(0.005));
+    CHECK(found.report.depth == doctest::Approx(hertz.depth()).epsilon(0.005).scale(0));
     CHECK(peak_of(found.pressures) == doctest::Approx(hertz.peak()).epsilon(0.02));
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("a long cylinder: in the middle the line contact of Hertz within 2 %")
     CHECK(load == doctest::Approx(line_load).epsilon(0.2));
     const double scale = std::sqrt(load / line_load); // half width and peak go with the root of the load
     // Of a half ellipse the mean square is b² / 4.
-    CHECK(2 * std::sqrt(moment / load) == doctest::Approx(half_width * scale).epsilon(0.02));
+    CHECK(2 * std::sqrt(moment / load) == doctest::Approx(half_width * scale).epsilon(0.02).scale(0));
     for (std::size_t column = 0; column < size.columns; ++column) {
         const double x = (static_cast<double>(column) - 23.5) * cell / (half_width * scale);
         if (std::abs(x) < 0.93)
@@ -134,7 +134,7 @@ TEST_CASE("a flat punch: pressure away from the rim, and depth") {
     const auto found =
         press(rubber, cell, heights_of<size>(cell, support::round_punch(radius)), pressing::to_force(force));
     CHECK(found.report.converged);
-    CHECK(found.report.depth == doctest::Approx(force / (2 * radius * modulus)).epsilon(0.01));
+    CHECK(found.report.depth == doctest::Approx(force / (2 * radius * modulus)).epsilon(0.01).scale(0));
     for (std::size_t row = 0; row < size.rows; ++row)
         for (std::size_t column = 0; column < size.columns; ++column) {
             const double r =

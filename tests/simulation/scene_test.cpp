@@ -235,6 +235,13 @@ TEST_CASE("a pressing that cannot be leaves the array untouched, and is not said
         CHECK(result.contact.force == doctest::Approx(1).epsilon(1e-3));
     };
     check(scene<array<8, 12>, contact<winkler>>());
+
+    contact<winkler>::bound<tactnet::shape{2, 2}> alone({}, {});
+    tactnet::tensor<float, tactnet::shape{2, 2}> heights, pressures;
+    std::ranges::fill(pressures, 1.0f);
+    CHECK(!alone.apply(heights, pressing::to_force(none), pressures.view()).converged);
+    CHECK(std::ranges::all_of(pressures, [](float pressure) { return pressure == 0; }));
+
     check(scene<array<8, 12>, contact<elastic_half_space>>());
     check(scene<array<8, 12>, contact<bonded_layer>>());
 }

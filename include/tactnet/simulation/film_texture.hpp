@@ -26,9 +26,10 @@ struct film_texture {
     public:
         bound(const film_texture& effect, const mounting& where)
             : varying_(static_cast<float>(effect.varying)) {
-            const auto fixed = static_cast<float>(effect.fixed);
+            const auto deviation = static_cast<float>(effect.fixed);
             normal_numbers(where.unit.random(random_use::texture))
-                .each(Shape.size(), [&](std::size_t i, float normal) { fixed_.data()[i] = fixed * normal; });
+                .each(Shape.size(),
+                      [&](std::size_t i, float normal) { fixed_.data()[i] = deviation * normal; });
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
             normal_numbers(now.random(random_use::texture))

@@ -52,8 +52,8 @@ struct pose {
 
 /// The underside of an object: whatever of its parts is lowest.
 struct object {
-    std::vector<part> parts;
-    roughness surface;
+    std::vector<part> parts{};
+    roughness surface{};
 
     [[nodiscard]] double height(point place) const {
         double lowest = nothing;
@@ -65,9 +65,9 @@ struct object {
 
 /// An object about to touch an array.
 struct touch {
-    object shape;
-    pose at;
-    pressing press;
+    object shape{};
+    pose at{};
+    pressing press{};
 };
 
 /// The heights of an object over the cells of an array, whose middle is the origin. `cell` is in metres.

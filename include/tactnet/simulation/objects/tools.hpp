@@ -91,8 +91,8 @@ namespace simulation::objects {
         constexpr int steps = 6;
         for (int step = 0; step <= steps; ++step) {
             const double share = static_cast<double>(step) / steps;
-            bends.push_back(
-                {at, radius * (0.8 + 0.4 * std::sin(3.14 * share)), lift + (step == steps ? 0.3 * mm : 0)});
+            bends.push_back({at, radius * (0.8 + 0.4 * std::sin(std::numbers::pi * share)),
+                             lift + (step == steps ? 0.3 * mm : 0)});
             const double heading = side * (opening + curve * (0.5 - share) * 2) * degrees;
             at = at + length / steps * point::at_angle(heading);
         }
