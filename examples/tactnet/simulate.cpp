@@ -12,6 +12,7 @@
 #include <tactnet/io/text.hpp>
 #include <tactnet/kernels/thread_pool.hpp>
 #include <tactnet/simulation/paper_objects.hpp>
+#include <tactnet/version.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -62,7 +63,11 @@ void check_note(const std::filesystem::path& note, const nlohmann::json& says) {
 /// on with.
 void claim_folder(const simulate_options& o) {
     const std::filesystem::path folder = o.out, note = folder / "simulation.json";
-    const nlohmann::json says{{"scene", o.scene}, {"seed", o.seed}, {"images per class", o.per_class}};
+    const nlohmann::json says{{"scene", o.scene},
+                              {"seed", o.seed},
+                              {"images per class", o.per_class},
+                              {"library", fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR,
+                                                      TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)}};
     std::error_code code;
     if (std::filesystem::exists(note, code)) {
         check_note(note, says);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace {
@@ -54,6 +55,26 @@ TEST_CASE("poses stay within their range, and their tilt has its deviation along
     const double tolerance = 5 / std::sqrt(2.0 * draws);
     CHECK(std::sqrt(along / draws) == doctest::Approx(3e-3).epsilon(tolerance).scale(0));
     CHECK(std::sqrt(across / draws) == doctest::Approx(3e-3).epsilon(tolerance).scale(0));
+}
+
+TEST_CASE("the point of an object that is named lies where the object would") {
+    const pose_range range{{1e-3, 2e-3}, {5e-3, 5e-3}};
+    for (std::uint32_t i = 0; i < 20; ++i) {
+        const random_stream where(1, draw::touch, i, 1);
+        const pose plain = drawing(shapes, where, forces).somewhere(range),
+                   named = drawing(shapes, where, forces).somewhere(range, {12 * mm, 3 * mm});
+        CHECK(named.angle == plain.angle);
+        const object dot{{rod::sphere({12 * mm, 3 * mm}, 1e-3)}, {}};
+        const point from_object = (plain.position - named.position).turned(-named.angle);
+        CHECK(std::abs(dot.height(from_object)) < 1e-12);
+    }
+}
+
+TEST_CASE("an object that deforms is pressed like any other") {
+    const pressing press = soft(pressing::to_force(7), 15e3, 8 * mm);
+    CHECK(press.amount == 7);
+    CHECK(press.object_modulus == 15e3);
+    CHECK(press.object_thickness == 8 * mm);
 }
 
 TEST_CASE("counts reach both of their ends, and chance is as likely as it says") {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace {
@@ -57,6 +58,8 @@ TEST_CASE("no texture changes no bit, where nothing presses nothing is felt, and
     CHECK(std::ranges::equal(same, values));
     CHECK(std::ranges::all_of(textured({}, 0, 1, 0), [](float value) { return value == 0; }));
     CHECK(std::ranges::all_of(textured({200, 200}, 100, 1, 0), [](float value) { return value >= 0; }));
+    constexpr float none = std::numeric_limits<float>::quiet_NaN();
+    CHECK(std::ranges::all_of(textured({}, none, 1, 0), [](float value) { return std::isnan(value); }));
 }
 
 } // namespace

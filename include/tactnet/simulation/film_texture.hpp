@@ -37,7 +37,7 @@ struct film_texture {
                     float& pressure = pressures.data()[i];
                     const float texture = fixed_.data()[i] + varying_ * normal;
                     const float textured = pressure + texture * std::sqrt(pressure > 0 ? pressure : 0);
-                    pressure = textured > 0 ? textured : 0;
+                    pressure = textured < 0 ? 0 : textured; // NaN stays
                 });
         }
 

@@ -28,7 +28,7 @@ struct quantisation_levels {
             constexpr auto last = static_cast<float>(Levels - 1);
             for (std::size_t i = 0; i < Shape.size(); ++i) {
                 const float scaled = values.data()[i] * scale_;
-                const float kept = scaled > 0 ? (scaled < last ? scaled : last) : 0;
+                const float kept = std::min(last, std::max(0.0f, scaled)); // NaN is 0
                 values.data()[i] = std::floor(kept + 0.5f);
             }
         }

@@ -81,10 +81,9 @@ namespace simulation::objects {
         shape.parts.push_back(arc{centre, radius, draw.within(1.8, 3) * mm, 0, 360 * degrees, lift, lift});
         radius += draw.within(6, 20) * mm;
     }
-    // So that the middle turn passes near the middle of the array.
-    pose at = draw.somewhere({{0, 0}, {20 * mm, 10 * mm}, 0, 360 * degrees, 5e-3});
-    at.position = at.position - (radius - draw.within(18, 30) * mm) * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(8, 17)};
+    const point middle_turn{radius - draw.within(18, 30) * mm, 0};
+    return {shape, draw.somewhere({{0, 0}, {20 * mm, 10 * mm}, 0, 360 * degrees, 5e-3}, middle_turn),
+            draw.pressed(8, 17)};
 }
 
 /// A corrugated pipe: short bars across its axis.

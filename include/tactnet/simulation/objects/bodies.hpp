@@ -3,33 +3,20 @@
 #include <tactnet/simulation/objects/drawing.hpp>
 
 #include <cstddef>
-#include <utility>
 
-// Parts of the human body: soft, so that they touch broadly and faintly.
+// Parts of the human body: soft, so that they touch broadly and faintly. Their moduli are of the order that
+// is measured for the soft tissue of arms (10 to 50 kPa).
 
 namespace tactnet::inline TACTNET_ARCH {
 namespace simulation::objects {
-
-namespace detail {
-
-/// Flesh of a thickness. Its modulus is of the order that is measured for the soft tissue of arms (10 to
-/// 50 kPa).
-[[nodiscard]] inline touch soft(touch body, double modulus, double thickness) {
-    body.press.object_modulus = modulus;
-    body.press.object_thickness = thickness;
-    return body;
-}
-
-} // namespace detail
 
 [[nodiscard]] inline touch arm(drawing& draw) {
     const double radius = draw.within(38, 60) * mm, taper = draw.within(-0.2, 0.2);
     object shape;
     shape.parts.push_back(rod{{-beyond, 0}, {beyond, 0}, radius * (1 - taper), radius * (1 + taper)});
     shape.surface = draw.rough(2 * mm, 9 * mm);
-    touch result{shape, draw.somewhere({{0, 0}, {30 * mm, 9 * mm}, 0, 180 * degrees, 1.5e-2}),
-                 draw.pressed(7, 12)};
-    return detail::soft(std::move(result), 15e3, 25 * mm);
+    return {shape, draw.somewhere({{0, 0}, {30 * mm, 9 * mm}, 0, 180 * degrees, 1.5e-2}),
+            soft(draw.pressed(7, 12), 15e3, 25 * mm)};
 }
 
 /// Some fingers beside each other, each of three limbs.
@@ -52,9 +39,8 @@ namespace detail {
         }
     }
     shape.surface = draw.rough(1 * mm, 7 * mm);
-    touch result{shape, draw.somewhere({{0, 0}, {26 * mm, 12 * mm}, 0, 360 * degrees, 1.5e-2}),
-                 draw.pressed(2.6, 5)};
-    return detail::soft(std::move(result), 15e3, 8 * mm);
+    return {shape, draw.somewhere({{0, 0}, {26 * mm, 12 * mm}, 0, 360 * degrees, 1.5e-2}),
+            soft(draw.pressed(2.6, 5), 15e3, 8 * mm)};
 }
 
 /// A palm: what bears is a ring of muscles around its hollow.
@@ -74,9 +60,8 @@ namespace detail {
                                   draw.within(0, 3) * mm});
     }
     shape.surface = draw.rough(1.6 * mm, 9 * mm);
-    touch result{shape, draw.somewhere({{0, 0}, {20 * mm, 9 * mm}, 0, 360 * degrees, 2e-2}),
-                 draw.pressed(4.4, 8.7)};
-    return detail::soft(std::move(result), 12e3, 22 * mm);
+    return {shape, draw.somewhere({{0, 0}, {20 * mm, 9 * mm}, 0, 360 * degrees, 2e-2}),
+            soft(draw.pressed(4.4, 8.7), 12e3, 22 * mm)};
 }
 
 } // namespace simulation::objects

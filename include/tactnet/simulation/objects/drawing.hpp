@@ -45,12 +45,14 @@ public:
         return {amplitude, wavelength, shape_.bits()};
     }
 
-    [[nodiscard]] pose somewhere(const pose_range& range) {
+    /// A pose of the range, in which `middle` is the point of the object that lies there.
+    [[nodiscard]] pose somewhere(const pose_range& range, point middle = {}) {
         pose at;
         at.position = range.middle +
                       point{where_.uniform(-1, 1) * range.reach.x, where_.uniform(-1, 1) * range.reach.y};
         at.angle = where_.uniform(range.from_angle, range.to_angle);
         at.slope = {range.slope * where_.normal(), range.slope * where_.normal()};
+        at.position = at.position - middle.turned(at.angle);
         return at;
     }
     /// Newtons, log-uniform.
@@ -61,6 +63,13 @@ public:
 private:
     random_stream shape_, where_, force_;
 };
+
+/// The same of an object that deforms: `modulus` in pascals as in pressing, `thickness` of what gives way.
+[[nodiscard]] inline pressing soft(pressing press, double modulus, double thickness) {
+    press.object_modulus = modulus;
+    press.object_thickness = thickness;
+    return press;
+}
 
 /// A bent bar: rods from point to point, whose radius and lift may differ.
 struct bend {

@@ -52,9 +52,8 @@ namespace simulation::objects {
                                 .hollow = draw.within(0.3, 0.75) * mm,
                                 .hollow_width = draw.within(5, 8) * mm});
     shape.surface = draw.rough(0.2 * mm, 7 * mm);
-    pose at = draw.somewhere({{0, 0}, {26 * mm, 8 * mm}, 0, 360 * degrees, 5e-3});
-    at.position = at.position - 12 * mm * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(7, 15.5)};
+    return {shape, draw.somewhere({{0, 0}, {26 * mm, 8 * mm}, 0, 360 * degrees, 5e-3}, {12 * mm, 0}),
+            draw.pressed(7, 15.5)};
 }
 
 /// What of a stone sticks out: a few blobs.
@@ -85,10 +84,8 @@ namespace simulation::objects {
                                 .corner = draw.within(2, 5) * mm,
                                 .rim = draw.within(1, 3) * mm});
     shape.surface = draw.rough(0.1 * mm, 5 * mm);
-    touch result{shape, draw.somewhere({{0, 0}, {30 * mm, 12 * mm}, 0, 90 * degrees, 2e-3}),
-                 draw.pressed(7.5, 21)};
-    result.press.object_modulus = 2e6;
-    return result;
+    return {shape, draw.somewhere({{0, 0}, {30 * mm, 12 * mm}, 0, 90 * degrees, 2e-3}),
+            soft(draw.pressed(7.5, 21), 2e6, 20 * mm)};
 }
 
 } // namespace simulation::objects

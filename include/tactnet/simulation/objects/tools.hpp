@@ -50,11 +50,8 @@ namespace simulation::objects {
                                 .corner = draw.within(1, 4) * mm,
                                 .rim = draw.within(2, 5) * mm});
     shape.surface = draw.rough(0.15 * mm, 7 * mm);
-    pose at = draw.somewhere({{0, 0}, {28 * mm, 10 * mm}, 0, 360 * degrees, 4e-3});
-    at.position = at.position - 14 * mm * point::at_angle(at.angle);
-    touch result{shape, at, draw.pressed(7, 14.5)};
-    result.press.object_modulus = 2e6;
-    return result;
+    return {shape, draw.somewhere({{0, 0}, {28 * mm, 10 * mm}, 0, 360 * degrees, 4e-3}, {14 * mm, 0}),
+            soft(draw.pressed(7, 14.5), 2e6, 20 * mm)};
 }
 
 /// A round bow and a flat blade.
@@ -73,9 +70,8 @@ namespace simulation::objects {
                                 .rim = draw.within(1, 2.5) * mm,
                                 .lift = draw.within(0, 0.12) * mm});
     shape.surface = draw.rough(0.12 * mm, 6 * mm);
-    pose at = draw.somewhere({{0, 0}, {22 * mm, 9 * mm}, 0, 360 * degrees, 4e-3});
-    at.position = at.position - 0.5 * blade * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(4.4, 12.5)};
+    return {shape, draw.somewhere({{0, 0}, {22 * mm, 9 * mm}, 0, 360 * degrees, 4e-3}, {0.5 * blade, 0}),
+            draw.pressed(4.4, 12.5)};
 }
 
 /// Two curved handles that meet at the joint, and beyond it the jaws, which lie higher.
@@ -106,9 +102,9 @@ namespace simulation::objects {
                                 .rim = 2 * mm,
                                 .lift = draw.within(0.25, 0.7) * mm});
     shape.surface = draw.rough(0.15 * mm, 5 * mm);
-    pose at = draw.somewhere({{0, 0}, {22 * mm, 9 * mm}, 0, 360 * degrees, 7e-3});
-    at.position = at.position - draw.within(0.1, 0.5) * length * point::at_angle(at.angle);
-    return {shape, at, draw.pressed(6.2, 11.3)};
+    const point between_handles{draw.within(0.1, 0.5) * length, 0};
+    return {shape, draw.somewhere({{0, 0}, {22 * mm, 9 * mm}, 0, 360 * degrees, 7e-3}, between_handles),
+            draw.pressed(6.2, 11.3)};
 }
 
 /// The two finger holes, egg-shaped, side by side.
@@ -131,10 +127,9 @@ namespace simulation::objects {
         }
         add_bar(shape.parts, bends);
     }
-    pose at = draw.somewhere({{0, 0}, {16 * mm, 10 * mm}, 0, 360 * degrees, 5e-3});
-    if (draw.chance(0.6)) // one of them in the middle
-        at.position = at.position - apart * point::at_angle(at.angle + 90 * degrees);
-    return {shape, at, draw.pressed(7.7, 13.2)};
+    const point one_of_them{0, draw.chance(0.6) ? apart : 0};
+    return {shape, draw.somewhere({{0, 0}, {16 * mm, 10 * mm}, 0, 360 * degrees, 5e-3}, one_of_them),
+            draw.pressed(7.7, 13.2)};
 }
 
 /// The rim of a roll of tape.
