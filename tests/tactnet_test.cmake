@@ -14,6 +14,7 @@ function(tactnet_test room)
     endif()
     add_executable(test_${room} ${test_SOURCES})
     tactnet_use(test_${room})
+    target_include_directories(test_${room} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
     target_link_libraries(test_${room} PRIVATE tactnet_test_main ${test_LIBRARIES})
     add_test(NAME ${room} COMMAND test_${room})
     set_tests_properties(

@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
     benchmark::RunSpecifiedBenchmarks(&all);
     const double peak =
         static_cast<double>(benchmark::multiply_adds_of_chains) / all.of("peak/multiply_adds").median;
-    std::printf("\none core, %zu lanes, multiply-add peak %.1f GFLOP/s\n", tactnet::lanes<float>,
+    std::printf("\none core, %zu lanes, multiply-add peak %.1f GFLOP/s\n", tactnet::kernels::lanes<float>,
                 2e-9 * peak);
     if (csv)
         std::fprintf(

@@ -141,7 +141,7 @@ int main() {
     std::printf(
         "one core, %zu lanes, microseconds in the fastest of %zu interleaved rounds\n%-38s %9s %9s %7s "
         "%6s %12s\n",
-        tactnet::lanes<float>, rounds, "", "tactnet", "OpenCV", "ratio", "goal", "difference");
+        tactnet::kernels::lanes<float>, rounds, "", "tactnet", "OpenCV", "ratio", "goal", "difference");
     bool good = true;
     for (const task& t : tasks) {
         std::printf("%-38s %9.3f", t.name, 1e6 * t.ours_seconds);

@@ -14,7 +14,7 @@
 
 namespace {
 
-using tactnet::lanes;
+using tactnet::kernels::lanes;
 
 constexpr std::size_t rounds = 15;
 

@@ -2,24 +2,24 @@
 // on one core, in the fastest of interleaved rounds. Each result is checked: finite, and not what went in.
 // Run it pinned to an idle core.
 
-#include <tactnet/kernels/random.hpp>
-#include <tactnet/simulation/creep.hpp>
-#include <tactnet/simulation/crosstalk.hpp>
-#include <tactnet/simulation/dead_tactels.hpp>
-#include <tactnet/simulation/drift.hpp>
-#include <tactnet/simulation/gain_map.hpp>
-#include <tactnet/simulation/hysteresis.hpp>
-#include <tactnet/simulation/jpeg_storage.hpp>
-#include <tactnet/simulation/linearity.hpp>
-#include <tactnet/simulation/noise.hpp>
-#include <tactnet/simulation/quantisation.hpp>
-#include <tactnet/simulation/resistive_network.hpp>
-#include <tactnet/simulation/resolution.hpp>
-#include <tactnet/simulation/saturation.hpp>
+#include <tactnet/runtime/random.hpp>
+#include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/simulation/effects/circuit/crosstalk.hpp>
+#include <tactnet/simulation/effects/circuit/dead_tactels.hpp>
+#include <tactnet/simulation/effects/circuit/noise.hpp>
+#include <tactnet/simulation/effects/circuit/quantisation.hpp>
+#include <tactnet/simulation/effects/circuit/resistive_network.hpp>
+#include <tactnet/simulation/effects/circuit/saturation.hpp>
+#include <tactnet/simulation/effects/circuit/threshold.hpp>
+#include <tactnet/simulation/effects/film/creep.hpp>
+#include <tactnet/simulation/effects/film/drift.hpp>
+#include <tactnet/simulation/effects/film/gain_map.hpp>
+#include <tactnet/simulation/effects/film/hysteresis.hpp>
+#include <tactnet/simulation/effects/film/linearity.hpp>
+#include <tactnet/simulation/effects/film/temperature.hpp>
+#include <tactnet/simulation/effects/storage/jpeg.hpp>
+#include <tactnet/simulation/effects/storage/resolution.hpp>
 #include <tactnet/simulation/scene.hpp>
-#include <tactnet/simulation/temperature.hpp>
-#include <tactnet/simulation/threshold.hpp>
-#include <tactnet/simulation/winkler.hpp>
 
 #include <algorithm>
 #include <array>
@@ -179,7 +179,7 @@ int main() {
         }
     std::printf(
         "one core, %zu lanes, microseconds a frame of 28x50 in the fastest of %zu interleaved rounds\n",
-        tactnet::lanes<float>, rounds);
+        tactnet::kernels::lanes<float>, rounds);
     bool good = true;
     for (const task& each : tasks) {
         std::printf("%-60s %8.2f%s\n", each.name, 1e6 * each.seconds, each.good ? "" : "  WRONG");

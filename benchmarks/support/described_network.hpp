@@ -51,7 +51,7 @@ private:
         ((from = add(Steps{}, folded, from), folded += Steps::folded), ...);
         return from;
     }
-    template <tactnet::frame_convolution C>
+    template <tactnet::kernels::frame_convolution C>
     std::size_t add(tactnet::convolution_step<C>, const float* folded, std::size_t from) {
         using step = tactnet::convolution_step<C>;
         const tactnet::shape full{C.window.output_rows(), C.window.output_columns(), C.filters};
@@ -82,7 +82,7 @@ private:
     std::size_t add(tactnet::pool_step<Window, Stride>, const float*, std::size_t from) {
         return add_pool(Window, from);
     }
-    template <tactnet::frame_dense D>
+    template <tactnet::kernels::frame_dense D>
     std::size_t add(tactnet::dense_step<D>, const float* folded, std::size_t from) {
         using step = tactnet::dense_step<D>;
         const std::size_t to = new_map(step::output);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/io/image_folder.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 
 #include <cstddef>

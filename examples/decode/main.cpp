@@ -13,8 +13,8 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/sensors/any_recording.hpp>
-#include <tactnet/sensors/number_text.hpp>
 #include <tactnet/sensors/recording.hpp>
+#include <tactnet/sensors/text/numbers.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include <tactnet/image/running_resize.hpp>
 #include <tactnet/io/image_folder.hpp>
-#include <tactnet/simulation/paper_scene.hpp>
+#include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/simulation/simulate.hpp>
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <tactnet/features/surf_words.hpp>
 #include <tactnet/io/svm_file.hpp>
 #include <tactnet/io/text.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/svm.hpp>
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "scenes.hpp"
 
-#include <tactnet/simulation/paper_scene.hpp>
+#include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/simulation/simulate.hpp>
 
 #include <algorithm>

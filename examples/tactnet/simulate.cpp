@@ -10,8 +10,8 @@
 
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/text.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
-#include <tactnet/simulation/paper_objects.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/version.hpp>
 
 #include <CLI/CLI.hpp>

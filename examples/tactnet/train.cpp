@@ -13,7 +13,7 @@
 #include "weights.hpp"
 
 #include <tactnet/io/file.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

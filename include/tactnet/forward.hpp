@@ -6,7 +6,8 @@
 
 // Names without definitions, for headers that only pass references on.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 struct shape;
 struct extent;
@@ -21,4 +22,5 @@ class trainer;
 template <class Network>
 class deployed;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

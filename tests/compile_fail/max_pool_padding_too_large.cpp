@@ -3,5 +3,6 @@
 // at-most: 1
 #include <tactnet/networks.hpp>
 
-using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::max_pool<2, 1, tactnet::pad(2)>, tactnet::dense<3>>;
+using net =
+    tactnet::network<tactnet::shape{7, 13, 1}, tactnet::max_pool<2, 1, tactnet::pad(2)>, tactnet::dense<3>>;
 constexpr auto parameters = net::parameters;

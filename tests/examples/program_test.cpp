@@ -4,7 +4,7 @@
 
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 #include <tactnet/features/bag_of_words.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>
 

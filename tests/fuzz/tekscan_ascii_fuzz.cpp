@@ -3,7 +3,7 @@
 #include "decoder_fuzz.hpp"
 #include "fuzz_target.hpp"
 
-#include <tactnet/sensors/tekscan_ascii.hpp>
+#include <tactnet/sensors/tekscan/ascii.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::check(tactnet::tekscan_ascii(), fuzz::bytes_of(data, size));

@@ -3,7 +3,7 @@
 #include "decoder_fuzz.hpp"
 #include "fuzz_target.hpp"
 
-#include <tactnet/sensors/tekscan_binary.hpp>
+#include <tactnet/sensors/tekscan/binary.hpp>
 
 #include <string>
 

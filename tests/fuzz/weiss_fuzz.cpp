@@ -3,8 +3,8 @@
 #include "decoder_fuzz.hpp"
 #include "fuzz_target.hpp"
 
-#include <tactnet/sensors/dsacon32m.hpp>
-#include <tactnet/sensors/weiss_wts.hpp>
+#include <tactnet/sensors/weiss/dsacon32m.hpp>
+#include <tactnet/sensors/weiss/wts.hpp>
 
 namespace {
 

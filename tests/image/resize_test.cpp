@@ -1,5 +1,5 @@
 #include <tactnet/image/resize.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>
 

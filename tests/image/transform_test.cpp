@@ -1,5 +1,5 @@
 #include <tactnet/image/transform.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <doctest/doctest.h>
 

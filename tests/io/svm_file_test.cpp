@@ -1,5 +1,5 @@
 #include <tactnet/io/svm_file.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/kernel_training.hpp>
 
 #include <doctest/doctest.h>

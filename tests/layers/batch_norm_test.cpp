@@ -1,5 +1,5 @@
-#include <tactnet/kernels/random.hpp>
 #include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <cmath>
 #include <support/conformance.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/tensor/tensor.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/simulation/contact.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <cmath>

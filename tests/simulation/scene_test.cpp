@@ -1,21 +1,21 @@
 #include "pressed.hpp"
 
-#include <tactnet/simulation/bonded_layer.hpp>
-#include <tactnet/simulation/dead_tactels.hpp>
-#include <tactnet/simulation/elastic_half_space.hpp>
-#include <tactnet/simulation/film_texture.hpp>
-#include <tactnet/simulation/gain_map.hpp>
-#include <tactnet/simulation/hysteresis.hpp>
-#include <tactnet/simulation/jpeg_storage.hpp>
-#include <tactnet/simulation/noise.hpp>
-#include <tactnet/simulation/object.hpp>
-#include <tactnet/simulation/pad.hpp>
-#include <tactnet/simulation/quantisation.hpp>
-#include <tactnet/simulation/saturation.hpp>
+#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/simulation/effects/circuit/dead_tactels.hpp>
+#include <tactnet/simulation/effects/circuit/noise.hpp>
+#include <tactnet/simulation/effects/circuit/quantisation.hpp>
+#include <tactnet/simulation/effects/circuit/saturation.hpp>
+#include <tactnet/simulation/effects/film/gain_map.hpp>
+#include <tactnet/simulation/effects/film/hysteresis.hpp>
+#include <tactnet/simulation/effects/film/texture.hpp>
+#include <tactnet/simulation/effects/mechanics/pad.hpp>
+#include <tactnet/simulation/effects/mechanics/tactel_average.hpp>
+#include <tactnet/simulation/effects/storage/jpeg.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/scene.hpp>
 #include <tactnet/simulation/simulate.hpp>
-#include <tactnet/simulation/tactel_average.hpp>
-#include <tactnet/simulation/winkler.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
+#include <tactnet/simulation/contact/winkler.hpp>
 #include <tactnet/simulation/simulate.hpp>
-#include <tactnet/simulation/winkler.hpp>
 
 #include <doctest/doctest.h>
 

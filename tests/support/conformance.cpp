@@ -1,5 +1,5 @@
-#include <tactnet/kernels/random.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/random.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@
 namespace support {
 namespace {
 
-using tactnet::lanes;
 using tactnet::random_stream;
+using tactnet::kernels::lanes;
 template <class T>
 using array = tactnet::aligned_vector<T>;
 

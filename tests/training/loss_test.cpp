@@ -1,4 +1,4 @@
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/training/loss.hpp>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/training/optimiser.hpp>
 
 #include <doctest/doctest.h>

@@ -2,7 +2,7 @@
 
 // Three kinds of small pressure images: a spot, a bar and a ring, anywhere and of any strength, with noise.
 
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/training/evaluate.hpp>
 
 #include <algorithm>

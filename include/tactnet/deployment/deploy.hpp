@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/plan.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <algorithm>
@@ -16,7 +16,8 @@
 #include <string>
 #include <type_traits>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// A deployed network that keeps its weights, on the heap since they were packed: calls use none. May be
 /// copied and moved. `deployed_view` tells of the calls.
@@ -156,4 +157,5 @@ template <class Model>
     return deploy(model.network, model.normalise.mean.view().elements(), model.normalise.scale);
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -17,7 +17,8 @@
 // A deployed network as the text of a C++ header, for targets without files. Whatever instruction set it is
 // written with, it can be compiled for any; only the outputs of its self-test may differ in their last bits.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -210,4 +211,5 @@ template <class Network>
          {"frame outputs", detail::number_lines(outputs, detail::float_literal)}});
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -14,7 +14,8 @@
 
 // The part of deployment that a target without files, exceptions and run-time type information needs.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What became of a frame. Not to be ignored: outputs of a broken frame look like any others.
 enum class [[nodiscard]] frame_status{
@@ -131,4 +132,5 @@ private:
     const float* packed_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -10,7 +10,8 @@
 // and has `fold`, which works in double precision and rounds once. `Layers` is the list that the layers stand
 // in, a number is a place in that list.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Where the parameters of a list of layers are.
 struct parameter_source {
@@ -60,12 +61,12 @@ template <class Layers, std::size_t Convolution, std::size_t Norm, std::size_t P
           bool Rectified, bool Adds>
 struct folded_convolution {
     using layer = typename Layers::template at<Convolution>;
-    static constexpr frame_convolution kernel = [] {
-        frame_convolution c{.window = layer::window,
-                            .filters = layer::output.channels,
-                            .input_stride = InputStride,
-                            .rectified = Rectified,
-                            .adds = Adds};
+    static constexpr kernels::frame_convolution kernel = [] {
+        kernels::frame_convolution c{.window = layer::window,
+                                     .filters = layer::output.channels,
+                                     .input_stride = InputStride,
+                                     .rectified = Rectified,
+                                     .adds = Adds};
         if constexpr (Pool != no_layer) {
             using pool = typename Layers::template at<Pool>;
             c.pool = pool::window.kernel;
@@ -102,7 +103,7 @@ struct folded_norm {
 template <class Layers, std::size_t Dense, std::size_t InputStride>
 struct folded_dense {
     using layer = typename Layers::template at<Dense>;
-    using step = dense_step<frame_dense{layer::input, InputStride, layer::output.channels}>;
+    using step = dense_step<kernels::frame_dense{layer::input, InputStride, layer::output.channels}>;
 
     static void fold(const parameter_source& list, float* to) {
         std::copy_n(list.values + Layers::template parameter_offset<Dense>, step::folded, to);
@@ -149,4 +150,5 @@ struct folded_residual {
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -11,7 +11,8 @@
 
 // What one may choose when a deployed network is written as a header (deployed_header.hpp).
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// When a program brings the weights of a header into the order of use. Neither takes heap.
 enum class packing {
@@ -64,4 +65,5 @@ struct header_description {
     }
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -11,7 +11,8 @@
 // From a list of layers to the steps of its deployed form, when compiling: what can be done in one pass over
 // memory becomes one step.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -42,7 +43,7 @@ inline constexpr layer_kind kind_of<sequence<Specs...>> = layer_kind::list;
 /// pixels than a register block holds.
 [[nodiscard]] constexpr bool side_by_side(const sliding_window& w) {
     return w.kernel == w.stride && w.top == 0 && w.left == 0 &&
-           2 * w.kernel.area() <= frame_convolution::most_accumulators;
+           2 * w.kernel.area() <= kernels::frame_convolution::most_accumulators;
 }
 
 /// Which layers behind one go into its step.
@@ -100,7 +101,7 @@ private:
         detail::fusion f{.next = I + 1};
         constexpr bool convolves = kinds[I] == kind::convolution;
         if constexpr (convolves || kinds[I] == kind::norm || kinds[I] == kind::residual)
-            unroll<size>([&](auto i) {
+            kernels::unroll<size>([&](auto i) {
                 if (i != f.next)
                     return;
                 bool takes = passes[i];
@@ -194,4 +195,5 @@ template <class Network>
 using deployment_plan = typename planned<typename Network::specification, typename Network::layers,
                                          Network::input_shape.channels>::type;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

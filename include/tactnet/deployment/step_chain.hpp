@@ -8,7 +8,8 @@
 #include <type_traits>
 #include <utility>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Steps one after the other, as one step. Maps between them lie in two buffers that take turns.
 template <class... Steps>
@@ -25,7 +26,7 @@ struct step_chain {
     /// The largest map between two steps.
     static constexpr std::size_t buffer = [] {
         std::size_t most = 0;
-        unroll<size - 1>(
+        kernels::unroll<size - 1>(
             [&](auto i) { most = std::max(most, whole_lines(at<i>::output.area() * at<i>::output_stride)); });
         return most;
     }();
@@ -43,7 +44,7 @@ struct step_chain {
     }
     static void run(const float* packed_values, const float* in, float* out, float* memory) noexcept {
         float* const inner = memory + buffers * buffer;
-        unroll<size>([&](auto i) {
+        kernels::unroll<size>([&](auto i) {
             float* const to = i + 1 == size ? out : memory + i % 2 * buffer;
             at<i>::run(packed_values, in, to, inner);
             packed_values += at<i>::packed;
@@ -110,4 +111,5 @@ private:
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

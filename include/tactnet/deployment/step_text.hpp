@@ -10,7 +10,8 @@
 // of earlier ones, since how far pixels lie apart depends on the instruction set that a header is compiled
 // for.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Collects definitions `using step_1 = …;`. Each call of `define` spells a step out, with all that is
 /// inside, and returns its name.
@@ -55,10 +56,10 @@ private:
         return name;
     }
 
-    template <frame_convolution Kernel>
+    template <kernels::frame_convolution Kernel>
     std::string spell(std::type_identity<convolution_step<Kernel>>, const shape& input,
                       const std::string& stride) {
-        constexpr frame_convolution c = Kernel;
+        constexpr kernels::frame_convolution c = Kernel;
         std::string what = "Convolution " + by(c.window.kernel);
         std::string rest;
         if (c.window.stride != extent(1))
@@ -71,17 +72,18 @@ private:
             what += ", max pool " + by(c.pool);
         if (c.rectified)
             what += ", ReLU";
-        return add(what, input, convolution_step<Kernel>::output,
-                   "convolution_step<tactnet::frame_convolution{\n    .window = " + braces(c.window) +
-                       ",\n    .filters = " + number(c.filters) + ", .input_stride = " + stride +
-                       ", .pool = " + braces(c.pool) + ", .pooled_rows = " + number(c.pooled_rows) +
-                       ", .pooled_columns = " + number(c.pooled_columns) +
-                       ", .rectified = " + (c.rectified ? "true" : "false") + rest + "}>");
+        return add(
+            what, input, convolution_step<Kernel>::output,
+            "convolution_step<tactnet::kernels::frame_convolution{\n    .window = " + braces(c.window) +
+                ",\n    .filters = " + number(c.filters) + ", .input_stride = " + stride +
+                ", .pool = " + braces(c.pool) + ", .pooled_rows = " + number(c.pooled_rows) +
+                ", .pooled_columns = " + number(c.pooled_columns) +
+                ", .rectified = " + (c.rectified ? "true" : "false") + rest + "}>");
     }
-    template <frame_dense Kernel>
+    template <kernels::frame_dense Kernel>
     std::string spell(std::type_identity<dense_step<Kernel>>, const shape& input, const std::string& stride) {
         return add("Dense", input, dense_step<Kernel>::output,
-                   "dense_step<tactnet::frame_dense{.input = " + braces(Kernel.input) +
+                   "dense_step<tactnet::kernels::frame_dense{.input = " + braces(Kernel.input) +
                        ", .input_stride = " + stride + ", .outputs = " + number(Kernel.outputs) + "}>");
     }
     template <shape Map, std::size_t Stride, bool Rectified>
@@ -136,4 +138,5 @@ private:
     std::size_t count_ = 0;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

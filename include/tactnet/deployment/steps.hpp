@@ -1,10 +1,10 @@
 #pragma once
 
-#include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/kernels/frame_dense.hpp>
-#include <tactnet/kernels/frame_pooling.hpp>
-#include <tactnet/kernels/frame_winograd.hpp>
-#include <tactnet/kernels/softmax.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame/dense.hpp>
+#include <tactnet/kernels/frame/pooling.hpp>
+#include <tactnet/kernels/frame/winograd.hpp>
+#include <tactnet/kernels/rows/softmax.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
@@ -27,7 +27,8 @@
 //
 // This header and those below it need neither exceptions nor run-time type information nor files.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -47,19 +48,19 @@ namespace detail {
 } // namespace detail
 
 /// Convolution with what follows it: batch norm, a sum, max pool, ReLU.
-template <frame_convolution Kernel>
+template <kernels::frame_convolution Kernel>
 struct convolution_step {
-    static constexpr frame_convolution kernel = Kernel;
+    static constexpr kernels::frame_convolution kernel = Kernel;
     static constexpr shape output{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters};
     static constexpr std::size_t output_stride = Kernel.output_stride();
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
     static constexpr std::size_t folded = weights + Kernel.filters;
     /// Whether tiles take fewer operations than taps.
-    static constexpr bool tiled = winograd_tiles<Kernel>::pays;
+    static constexpr bool tiled = kernels::winograd_tiles<Kernel>::pays;
     static constexpr std::size_t packed_weights =
-        whole_lines(tiled ? winograd_tiles<Kernel>::weights : Kernel.weights());
+        whole_lines(tiled ? kernels::winograd_tiles<Kernel>::weights : Kernel.weights());
     static constexpr std::size_t packed = packed_weights + whole_lines(output_stride);
-    static constexpr std::size_t scratch = tiled ? winograd_tiles<Kernel>::scratch : 0;
+    static constexpr std::size_t scratch = tiled ? kernels::winograd_tiles<Kernel>::scratch : 0;
 
     static constexpr void pack(const float* from, float* to) {
         const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
@@ -69,9 +70,9 @@ struct convolution_step {
                         column];
         };
         if constexpr (tiled)
-            pack_winograd_weights<Kernel>(to, weight);
+            kernels::pack_winograd_weights<Kernel>(to, weight);
         else
-            pack_frame_weights<Kernel>(to, weight);
+            kernels::pack_frame_weights<Kernel>(to, weight);
         std::copy_n(from + weights, Kernel.filters, to + packed_weights);
     }
     static double reach(const float* from, double input) {
@@ -80,9 +81,10 @@ struct convolution_step {
     static void run(const float* packed_values, const float* in, float* out,
                     [[maybe_unused]] float* memory) noexcept {
         if constexpr (tiled)
-            convolve_frame_by_tiles<Kernel>(in, packed_values, packed_values + packed_weights, out, memory);
+            kernels::convolve_frame_by_tiles<Kernel>(in, packed_values, packed_values + packed_weights, out,
+                                                     memory);
         else
-            convolve_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);
+            kernels::convolve_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);
     }
 };
 
@@ -134,7 +136,7 @@ struct pool_step
     : step_without_parameters<shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
                               Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {
-        pool_frame<Window, Stride>(in, out);
+        kernels::pool_frame<Window, Stride>(in, out);
     }
 };
 
@@ -142,15 +144,16 @@ template <shape Map, std::size_t Stride>
 struct softmax_step : step_without_parameters<Map, Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride) {
-            softmax_of<float>(std::span(in + pixel, Map.channels), std::span(out + pixel, Map.channels));
+            kernels::softmax_of<float>(std::span(in + pixel, Map.channels),
+                                       std::span(out + pixel, Map.channels));
             std::fill(out + pixel + Map.channels, out + pixel + Stride, 0.0f);
         }
     }
 };
 
-template <frame_dense Kernel>
+template <kernels::frame_dense Kernel>
 struct dense_step {
-    static constexpr frame_dense kernel = Kernel;
+    static constexpr kernels::frame_dense kernel = Kernel;
     static constexpr shape output{1, 1, Kernel.outputs};
     static constexpr std::size_t output_stride = Kernel.output_stride();
     static constexpr std::size_t weights = Kernel.outputs * Kernel.input.size();
@@ -160,7 +163,7 @@ struct dense_step {
     static constexpr std::size_t scratch = 0;
 
     static constexpr void pack(const float* from, float* to) {
-        pack_dense_weights<Kernel>(to, [&](std::size_t o, std::size_t channel, std::size_t pixel) {
+        kernels::pack_dense_weights<Kernel>(to, [&](std::size_t o, std::size_t channel, std::size_t pixel) {
             return from[(o * Kernel.input.channels + channel) * Kernel.input.area() + pixel];
         });
         std::copy_n(from + weights, Kernel.outputs, to + packed_weights);
@@ -169,8 +172,9 @@ struct dense_step {
         return detail::largest_sum(from, Kernel.outputs, Kernel.input.size(), input);
     }
     static void run(const float* packed_values, const float* in, float* out, float*) noexcept {
-        multiply_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);
+        kernels::multiply_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <utility>
 
-namespace tactnet::inline TACTNET_ARCH::detail {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace detail {
 
 template <std::size_t I, class T>
 struct leaf {
@@ -33,4 +35,6 @@ template <std::size_t I, class T>
 template <std::size_t I, class T>
 T type_at(const leaf<I, T>&);
 
-} // namespace tactnet::detail
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/features/check_points.hpp>
-#include <tactnet/kernels/nearest_row.hpp>
+#include <tactnet/kernels/rows/nearest.hpp>
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,8 @@
 // keypoints", 2004): every descriptor counts for the word that it is nearest to, and an image is the
 // histogram of its words.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// How counts of words become features of unit length.
 enum class histogram_form {
@@ -54,7 +55,7 @@ public:
     /// The histogram of any number of descriptors, one after the other; of unit length, or all 0 for none.
     void operator()(std::span<const float> descriptors, histogram out) const noexcept {
         std::fill(out.begin(), out.end(), 0.0f);
-        std::array<std::uint32_t, 4 * nearest_row<Values>::group> nearest;
+        std::array<std::uint32_t, 4 * kernels::nearest_row<Values>::group> nearest;
         const std::size_t descriptor_count = descriptors.size() / Values;
         for (std::size_t first = 0; first < descriptor_count; first += nearest.size()) {
             const std::size_t n = std::min(nearest.size(), descriptor_count - first);
@@ -80,8 +81,9 @@ private:
     }
 
     std::vector<float> words_;
-    nearest_row<Values> search_;
+    kernels::nearest_row<Values> search_;
     histogram_form form_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -9,7 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Points of `values` numbers, one after the other: at least one, none of them cut, of numbers whose squared
 /// distances stay finite in single precision. Throws std::invalid_argument that begins with the name of the
@@ -31,4 +32,5 @@ inline void check_points(const char* caller, std::span<const float> points, std:
            " (counted from 0)");
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

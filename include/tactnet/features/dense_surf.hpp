@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/features/surf_scale.hpp>
-#include <tactnet/kernels/unroll.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -16,7 +16,8 @@
 // All SURF descriptors of one pressure image, on a grid. Detecting interest points, as SURF does on
 // photographs, would leave too few of them on an image of some 50 tactels.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Where descriptors are taken: at every `step` tactels, at each scale that is not 0 (at most four). At scale
 /// s the window covers 20 s × 20 s tactels.
@@ -63,16 +64,16 @@ public:
         m.integral.compute(image);
         if (!m.integral.finite())
             return false;
-        unroll<Grid.levels()>([&](auto level) {
+        kernels::unroll<Grid.levels()>([&](auto level) {
             std::get<level>(m.scales).describe(
                 m.integral, m.weights,
                 [&](std::size_t row, std::size_t column, const std::array<float, surf_values>& values) {
-                    const float length = length_of<surf_values>(values.data());
+                    const float length = kernels::length_of<surf_values>(values.data());
                     if (length == 0)
                         return;
                     float* to = m.descriptors.data() + count_ * surf_values;
                     std::copy(values.begin(), values.end(), to);
-                    scale_values<surf_values>(to, 1 / length);
+                    kernels::scale_values<surf_values>(to, 1 / length);
                     m.places[count_++] = {static_cast<std::uint16_t>(level), static_cast<std::uint16_t>(row),
                                           static_cast<std::uint16_t>(column)};
                 });
@@ -107,4 +108,5 @@ private:
     std::size_t count_ = 0;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -9,7 +9,8 @@
 // Responses to Haar wavelets, the gradients of SURF (Bay, Ess, Tuytelaars and Van Gool, "Speeded-Up Robust
 // Features (SURF)", Computer Vision and Image Understanding 110, 2008, section 4.1).
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Horizontal and vertical response at one place.
 template <class T>
@@ -40,4 +41,5 @@ template <std::size_t Scale, class Pixel, shape Shape, std::size_t Border>
     return response;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

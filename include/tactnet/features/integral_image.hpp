@@ -14,7 +14,8 @@
 // Sums over any upright rectangle in four reads (Viola and Jones, "Rapid object detection using a boosted
 // cascade of simple features", 2001; Crow's summed-area table, 1984).
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What pixels are added up in: counts of 8 or 16 bits exactly, anything else in double.
 template <class Pixel>
@@ -94,4 +95,5 @@ private:
     double magnitude_ = 0;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/features/check_points.hpp>
-#include <tactnet/kernels/nearest_row.hpp>
-#include <tactnet/kernels/random.hpp>
-#include <tactnet/kernels/squared_distance.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/kernels/rows/nearest.hpp>
+#include <tactnet/kernels/rows/squared_distance.hpp>
+#include <tactnet/runtime/random.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -22,7 +22,8 @@
 // Clusters of points: Lloyd's iterations ("Least squares quantization in PCM", 1982) from the seeds of
 // k-means++ (Arthur and Vassilvitskii, 2007).
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 struct k_means_settings {
     std::size_t centres = 500;
@@ -92,7 +93,7 @@ private:
     [[nodiscard]] const float* point(std::size_t i) const { return points_.data() + i * Values; }
     /// Squared, of point i and centre c.
     [[nodiscard]] double distance(std::size_t i, std::size_t c) const {
-        return squared_distance<Values>(point(i), result_.centres.data() + c * Values);
+        return kernels::squared_distance<Values>(point(i), result_.centres.data() + c * Values);
     }
     /// distances_[i] = term(i) for all points, in parallel; their sum.
     template <class Term>
@@ -140,7 +141,7 @@ private:
     }
     /// Finds the nearest centre of every point. The objective.
     double assign() {
-        const nearest_row<Values> search(result_.centres);
+        const kernels::nearest_row<Values> search(result_.centres);
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
             search(point(b * block), std::min(block, count_ - b * block), result_.nearest.data() + b * block);
         });
@@ -199,7 +200,7 @@ template <std::size_t Values>
     check_points("k_means", points, Values);
     if (settings.centres == 0)
         throw std::invalid_argument("k_means: expected at least one centre, found 0");
-    constexpr std::size_t whole = padded_size<float>(Values);
+    constexpr std::size_t whole = kernels::padded_size<float>(Values);
     const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
     const aligned_vector<float> seeds = detail::k_means_run<whole>(padded, settings, threads).seeds();
     return detail::rows_of_length(Values, seeds, whole);
@@ -211,7 +212,7 @@ template <std::size_t Values>
                                     const k_means_settings& settings, thread_pool& threads) {
     check_points("k_means", points, Values);
     check_points("k_means: centres", centres, Values);
-    constexpr std::size_t whole = padded_size<float>(Values);
+    constexpr std::size_t whole = kernels::padded_size<float>(Values);
     const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
     clusters result = detail::k_means_run<whole>(padded, settings, threads)
                           .improve(detail::rows_of_length(whole, centres, Values));
@@ -228,4 +229,5 @@ template <std::size_t Values>
     return k_means_from<Values>(points, k_means_seeds<Values>(points, settings, threads), settings, threads);
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

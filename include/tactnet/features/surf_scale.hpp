@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/features/haar_response.hpp>
-#include <tactnet/kernels/weighted_sum.hpp>
+#include <tactnet/kernels/rows/weighted_sum.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
@@ -19,7 +19,8 @@
 // The Gaussian is a product of one factor for the row and one for the column: responses are added up along
 // columns first, for all windows beside each other at once, then along rows.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Values of one SURF descriptor, ordered [row of subregions][column of subregions][dx, |dx|, dy, |dy|].
 inline constexpr std::size_t surf_values = 64;
@@ -60,8 +61,8 @@ public:
             for (std::size_t column = 0; column < columns.count; ++column) {
                 for (std::size_t part = 0; part < 16; ++part) {
                     const std::size_t first = part % 4 * 5;
-                    weighted_sum<4>(bands_[part / 4].data() + (left(column) + first * Scale) * 4, 4 * Scale,
-                                    weights.data() + first, 5, values.data() + part * 4);
+                    kernels::weighted_sum<4>(bands_[part / 4].data() + (left(column) + first * Scale) * 4,
+                                             4 * Scale, weights.data() + first, 5, values.data() + part * 4);
                 }
                 put(row, column, values);
             }
@@ -130,8 +131,9 @@ private:
             while (k < end && row(end - 1) >= static_cast<std::ptrdiff_t>(active_rows))
                 --end;
             const std::size_t from = k < end ? static_cast<std::size_t>(row(k)) * response_stride : 0;
-            weighted_sum<response_stride>(responses_.data() + from, response_stride * Scale,
-                                          weights.data() + k, end - k, bands_[part].data() + margin * 4);
+            kernels::weighted_sum<response_stride>(responses_.data() + from, response_stride * Scale,
+                                                   weights.data() + k, end - k,
+                                                   bands_[part].data() + margin * 4);
         }
     }
 
@@ -141,4 +143,5 @@ private:
 
 } // namespace detail
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -18,7 +18,8 @@
 // From pressure images to histograms of SURF words, the features of the paper's baseline: its 3 × 3 grid
 // step, k-means, 500 words, and a linear support vector machine behind them.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What the baseline leaves open. Words, step and scales are template arguments: 500, 3 × 3 tactels, 1 and 2.
 /// Chosen by the mean accuracy on the validation images of 20 random splits, 28 × 50 tactels: 91 %. Counts
@@ -134,4 +135,5 @@ surf_histograms(std::span<const typename Surf::pixel_type> images, std::span<con
     return histograms;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 // What may happen to a pressure image before it is shown to a network, and drawing it. transform.hpp does it.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The same object, touched elsewhere, in another direction, or harder.
 struct augmentation_ranges {
@@ -99,4 +100,5 @@ private:
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

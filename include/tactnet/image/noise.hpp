@@ -1,13 +1,14 @@
 #pragma once
 
-#include <tactnet/kernels/normal_numbers.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/kernels/simd/normal_numbers.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <cmath>
 #include <cstddef>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// How far counts scatter from touch to touch, as standard deviations.
 struct pressure_noise {
@@ -23,7 +24,7 @@ template <shape Shape>
 void add_noise(const pressure_noise& noise, const random_stream& random, tensor_view<float, Shape> counts) {
     if (noise == pressure_noise{})
         return;
-    normal_numbers(random).each(Shape.size(), [&](std::size_t tactel, float number) {
+    kernels::normal_numbers(random).each(Shape.size(), [&](std::size_t tactel, float number) {
         float& count = counts.data()[tactel];
         const double value = static_cast<double>(count), share = noise.relative * value;
         const double deviation = std::sqrt(noise.additive * noise.additive + share * share);
@@ -32,4 +33,5 @@ void add_noise(const pressure_noise& noise, const random_stream& random, tensor_
     });
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

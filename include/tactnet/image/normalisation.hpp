@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <span>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// How 8-bit counts become a network's input: (count − mean) × scale. The mean is an image, that of the
 /// training set as in the paper; all zero and a scale of 1/255 give plain scaling.
@@ -43,4 +44,5 @@ struct normalisation {
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/image/resize_axis.hpp>
-#include <tactnet/kernels/resample.hpp>
+#include <tactnet/kernels/map/resample.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <array>
@@ -12,7 +12,8 @@
 // Resize between two sizes known when compiling: all weights are constants, both passes are written for
 // these sizes, and there is no heap. running_resize.hpp is for sizes known only when running.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -28,30 +29,32 @@ struct resize_plan {
 
     // The pass that leaves less comes first.
     static constexpr std::size_t down_cost(std::size_t columns) {
-        return To.rows * down::taps * row_vectors(columns, row_lanes<float>(columns)) *
-               (row_lanes<float>(columns) * sizeof(float) == 64 ? 2 : 1);
+        return To.rows * down::taps * kernels::row_vectors(columns, kernels::row_lanes<float>(columns)) *
+               (kernels::row_lanes<float>(columns) * sizeof(float) == 64 ? 2 : 1);
     }
-    static constexpr std::size_t along_cost(std::size_t rows) { return rows * cheapest_bands<along>::cost; }
+    static constexpr std::size_t along_cost(std::size_t rows) {
+        return rows * kernels::cheapest_bands<along>::cost;
+    }
     static constexpr bool down_first =
         down_cost(From.columns) + along_cost(To.rows) <= along_cost(From.rows) + down_cost(To.columns);
 
     // Vectors read a whole one even where a row is shorter.
-    static constexpr bool readable = From.columns >= fewest_lanes<float>;
+    static constexpr bool readable = From.columns >= kernels::fewest_lanes<float>;
 
     static void run(const float* from, float* to) {
         // Vectors of outputs multiply inputs that not all of them weigh. That is harmless where all products
         // are numbers: if all inputs are and are not too large, or else if all outputs are.
-        constexpr bool has_gaps = down::has_gaps || along::has_gaps || lanes<float> != 1;
+        constexpr bool has_gaps = down::has_gaps || along::has_gaps || kernels::lanes<float> != 1;
         if constexpr (!has_gaps) {
             run<false>(from, to);
         } else if constexpr (From.area() <= To.area()) {
-            if (all_addable<From.area()>(from))
+            if (kernels::all_addable<From.area()>(from))
                 run<false>(from, to);
             else
                 run<true>(from, to);
         } else {
             run<false>(from, to);
-            if (!all_addable<To.area()>(to))
+            if (!kernels::all_addable<To.area()>(to))
                 run<true>(from, to);
         }
     }
@@ -59,15 +62,16 @@ struct resize_plan {
     static void run(const float* from, float* to) {
         if constexpr (down_first) {
             alignas(alignment) std::array<float, To.rows * From.columns> middle;
-            resample_down<down, From.columns, From.columns, From.columns, Guarded>(from, middle.data());
-            resample_along<along, To.rows, From.columns, To.columns, Guarded>(middle.data(), to);
+            kernels::resample_down<down, From.columns, From.columns, From.columns, Guarded>(from,
+                                                                                            middle.data());
+            kernels::resample_along<along, To.rows, From.columns, To.columns, Guarded>(middle.data(), to);
         } else {
-            constexpr std::size_t stride = padded_size<float>(To.columns);
+            constexpr std::size_t stride = kernels::padded_size<float>(To.columns);
             alignas(alignment) std::array<float, From.rows * stride> middle;
-            if constexpr (To.columns < fewest_lanes<float>) // vectors read the whole stride
+            if constexpr (To.columns < kernels::fewest_lanes<float>) // vectors read the whole stride
                 middle.fill(0);
-            resample_along<along, From.rows, From.columns, stride, Guarded>(from, middle.data());
-            resample_down<down, To.columns, stride, To.columns, Guarded>(middle.data(), to);
+            kernels::resample_along<along, From.rows, From.columns, stride, Guarded>(from, middle.data());
+            kernels::resample_down<down, To.columns, stride, To.columns, Guarded>(middle.data(), to);
         }
     }
     template <class Count>
@@ -78,7 +82,7 @@ struct resize_plan {
             if constexpr (std::is_same_v<Count, float> && readable) {
                 run(source, result);
             } else {
-                alignas(alignment) std::array<float, From.area() + lanes<float>> numbers{};
+                alignas(alignment) std::array<float, From.area() + kernels::lanes<float>> numbers{};
                 for (std::size_t e = 0; e < From.area(); ++e)
                     numbers[e] = static_cast<float>(source[e]);
                 run(numbers.data(), result);
@@ -118,4 +122,5 @@ void resize(const Count& from, tensor_view<std::uint8_t, To> to) {
         to.data()[e] = to_count(exact.data()[e]);
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

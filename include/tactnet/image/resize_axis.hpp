@@ -10,7 +10,8 @@
 // The taps of every output along one direction: a table when sizes are known when compiling, else made once a
 // call. An input that an output weighs by zero is no tap of it: if it is not a number, the output still is.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -121,4 +122,5 @@ private:
     std::vector<output> table_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -10,7 +10,8 @@
 // treated alike and apart from each other. Pixel centres are at halves: output o of `to` lies at the input
 // coordinate (o + ½) · from / to − ½.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What stands beyond the border of an image.
 enum class edge {
@@ -100,4 +101,5 @@ struct lagrange {
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

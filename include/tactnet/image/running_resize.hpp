@@ -13,7 +13,8 @@
 // Resize of images whose size is known only when running, such as a user's files: plain loops in double
 // precision.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -62,4 +63,5 @@ template <class Kernel = keys<>>
     return {exact.begin(), exact.end()};
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

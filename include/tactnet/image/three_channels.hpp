@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/row_vector.hpp>
+#include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/tensor/batch.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
@@ -11,7 +11,8 @@
 // A grey image as the three channels that networks trained on photographs take: replicated (the paper's
 // equation 4), less the mean of each channel, written once in the layout that the next layer reads.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// (value − mean) × scale, channel by channel.
 struct channel_normalisation {
@@ -30,8 +31,8 @@ template <shape Grey>
                                         const channel_normalisation& normalise,
                                         tensor_view<float, three_of(Grey)> to) {
     static_assert(Grey.channels == 1, "to_three_channels: expected an image of one channel");
-    constexpr std::size_t width = lanes_for<float>(Grey.area());
-    using wide = sized_vector<float, width>;
+    constexpr std::size_t width = kernels::lanes_for<float>(Grey.area());
+    using wide = kernels::sized_vector<float, width>;
     for (std::size_t channel = 0; channel < 3; ++channel) {
         const float mean = normalise.mean[channel], scale = normalise.scale[channel];
         float* const plane = to.data() + channel * Grey.area();
@@ -39,10 +40,11 @@ template <shape Grey>
             for (std::size_t e = 0; e < Grey.area(); ++e)
                 plane[e] = (grey.data()[e] - mean) * scale;
         else
-            for (std::size_t v = 0; v < row_vectors(Grey.area(), width); ++v) {
-                const std::size_t begin = row_vector_begin(v, Grey.area(), width);
-                store_anywhere(plane + begin,
-                               (load_anywhere<wide>(grey.data() + begin) - wide(mean)) * wide(scale));
+            for (std::size_t v = 0; v < kernels::row_vectors(Grey.area(), width); ++v) {
+                const std::size_t begin = kernels::row_vector_begin(v, Grey.area(), width);
+                kernels::store_anywhere(plane + begin,
+                                        (kernels::load_anywhere<wide>(grey.data() + begin) - wide(mean)) *
+                                            wide(scale));
             }
     }
 }
@@ -53,17 +55,17 @@ template <shape Grey>
                                              const channel_normalisation& normalise,
                                              std::span<float, 3 * Grey.area()> to) {
     static_assert(Grey.channels == 1, "to_three_channels_last: expected an image of one channel");
-    constexpr std::size_t width = lanes_for<float>(Grey.area()), whole = Grey.area() / width * width;
-    using wide = sized_vector<float, width>;
+    constexpr std::size_t width = kernels::lanes_for<float>(Grey.area()), whole = Grey.area() / width * width;
+    using wide = kernels::sized_vector<float, width>;
     alignas(64) std::array<float, 3 * width> means, scales;
     for (std::size_t i = 0; i < 3 * width; ++i)
         means[i] = normalise.mean[i % 3], scales[i] = normalise.scale[i % 3];
     for (std::size_t begin = 0; begin < whole; begin += width) {
-        const auto values = thrice(load_anywhere<wide>(grey.data() + begin));
-        unroll<3>([&](auto i) {
-            store_anywhere(to.data() + 3 * begin + i * width,
-                           (values[i] - load_as<wide>(means.data() + i * width)) *
-                               load_as<wide>(scales.data() + i * width));
+        const auto values = thrice(kernels::load_anywhere<wide>(grey.data() + begin));
+        kernels::unroll<3>([&](auto i) {
+            kernels::store_anywhere(to.data() + 3 * begin + i * width,
+                                    (values[i] - kernels::load_as<wide>(means.data() + i * width)) *
+                                        kernels::load_as<wide>(scales.data() + i * width));
         });
     }
     for (std::size_t i = 3 * whole; i < 3 * Grey.area(); ++i)
@@ -81,4 +83,5 @@ void to_three_channels(tensor_view<const float, Grey> grey, const channel_normal
                 (grey.data()[e] - normalise.mean[channel]) * normalise.scale[channel];
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/image/augmentation.hpp>
-#include <tactnet/kernels/affine_sampling.hpp>
+#include <tactnet/kernels/map/affine_sampling.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <algorithm>
@@ -12,7 +12,8 @@
 
 // An image seen through an affine map, in one pass.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 enum class interpolation {
     bilinear,
@@ -55,12 +56,13 @@ void transform_image(const image_transform& t, const Count* from, float* to) {
     static_assert(Shape.size() > 0,
                   "transform_image: there must be at least one row, one column and one channel");
     if constexpr (Shape.size() > 0) { // or the compiler goes on to say what else does not fit
-        using sampling =
-            affine_sampling<Shape.rows, Shape.columns, Interpolation == interpolation::bilinear ? 2 : 4>;
+        using sampling = kernels::affine_sampling<Shape.rows, Shape.columns,
+                                                  Interpolation == interpolation::bilinear ? 2 : 4>;
         constexpr double middle_row = static_cast<double>(Shape.rows - 1) / 2,
                          middle_column = static_cast<double>(Shape.columns - 1) / 2;
-        const affine_positions positions{t.row_shift + middle_row,       t.row_by_row,    t.row_by_column,
-                                         t.column_shift + middle_column, t.column_by_row, t.column_by_column};
+        const kernels::affine_positions positions{t.row_shift + middle_row, t.row_by_row,
+                                                  t.row_by_column,          t.column_shift + middle_column,
+                                                  t.column_by_row,          t.column_by_column};
         alignas(alignment) std::array<float, sampling::padded_rows * sampling::stride> padded;
         for (std::size_t channel = 0; channel < Shape.channels; ++channel) {
             pad_image<Shape, sampling, Fill>(from + channel * Shape.area(), static_cast<float>(t.gain),
@@ -88,4 +90,5 @@ void transform_image(const image_transform& t, tensor_view<const float, Shape> f
     detail::transform_image<Shape, Interpolation, Fill>(t, from.data(), to.data());
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

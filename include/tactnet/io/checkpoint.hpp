@@ -22,7 +22,8 @@
 #include <type_traits>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Writes all that `trainer` needs to go on, all or nothing. `settings` is what must be the same then. The
 /// trainer is not changed. Throws file_error.
@@ -91,4 +92,5 @@ void load_checkpoint(const std::filesystem::path& path, Trainer& trainer, const 
     });
 }
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

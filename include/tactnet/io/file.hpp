@@ -27,7 +27,8 @@
 #include <unistd.h>
 #endif
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What `read_file` refuses to exceed unless told otherwise, in bytes: 2 GiB less one.
 inline constexpr std::size_t default_file_limit = 0x7fff'ffff;
@@ -200,4 +201,5 @@ inline void write_file(const std::filesystem::path& path, std::string_view text)
     write_file(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -10,7 +10,8 @@
 #include <string>
 #include <utility>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// A file that cannot be read, written or used. `what()` is one sentence: "file: place: expected …, found …".
 class file_error : public std::runtime_error {
@@ -43,4 +44,5 @@ private:
     std::shared_ptr<const parts> parts_;
 };
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

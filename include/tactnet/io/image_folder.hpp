@@ -22,7 +22,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// An image of 8-bit grey values, row-major, `rows * columns` of them.
 struct grey_image {
@@ -239,4 +240,5 @@ template <class Decoder, class Resizer>
                                    });
     }
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

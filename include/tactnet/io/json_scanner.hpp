@@ -19,7 +19,8 @@
 #include <string_view>
 #include <utility>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 class json_scanner {
 public:
@@ -249,4 +250,5 @@ private:
     std::size_t position_ = 0;
 };
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -11,7 +11,7 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/text.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
@@ -31,7 +31,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// A network with all that it takes to recognise an image.
 template <class Network>
@@ -256,4 +257,5 @@ void save_model(const std::filesystem::path& path, const model<Network>& m, file
     writer.write(path);
 }
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -26,7 +26,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The content of a safetensors file, checked as a whole when it is made. Owns the bytes.
 class safetensors {
@@ -158,4 +159,5 @@ private:
     std::string file_;
 };
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -25,7 +25,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 static_assert(
     std::endian::native == std::endian::little,
@@ -200,4 +201,5 @@ inline safetensors_header parse_safetensors_header(std::span<const std::byte> by
     return header;
 }
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

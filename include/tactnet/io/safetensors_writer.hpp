@@ -23,7 +23,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Collects tensors and text, then writes them as one file, all or nothing.
 class safetensors_writer {
@@ -143,4 +144,5 @@ private:
     std::map<std::string, stored, std::less<>> tensors_;
 };
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -25,7 +25,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -229,4 +230,5 @@ template <std::size_t Features = dynamic_features>
     return load_linear_machine<Features>(safetensors::read(path));
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

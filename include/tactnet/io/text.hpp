@@ -10,7 +10,8 @@
 #include <string>
 #include <string_view>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The length in bytes, 1…4, of the well-formed UTF-8 sequence that `text` begins with; 0 if there is none.
 /// Overlong forms, surrogates and values above U+10FFFF are not well-formed (Unicode 15, table 3-7).
@@ -92,4 +93,5 @@ inline std::string json_string(std::string_view text) {
     return json + '"';
 }
 
-} // namespace tactnet::inline TACTNET_ARCH
+} // namespace TACTNET_ARCH
+} // namespace tactnet

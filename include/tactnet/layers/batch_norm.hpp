@@ -1,12 +1,13 @@
 #pragma once
 
-#include <tactnet/kernels/normalisation.hpp>
-#include <tactnet/kernels/reductions.hpp>
+#include <tactnet/kernels/batch/normalisation.hpp>
+#include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <cmath>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Batch normalisation (Ioffe and Szegedy, 2015): each channel is brought to mean 0 and variance 1, then to a
 /// learned scale and shift. In training by the moments of the batch, afterwards by running ones. Epsilon is
@@ -22,7 +23,7 @@ struct batch_norm {
         static constexpr bool by_parts = true, observes = true;
 
         struct memory {
-            std::vector<moments> parts;              // of every group and channel
+            std::vector<kernels::moments> parts;     // of every group and channel
             std::vector<std::array<double, 2>> sums; // of every group and channel
             std::array<double, channels> mean, inverse_deviation;
             std::array<double, channels> gradient, product; // of the shift and of the scale
@@ -50,12 +51,12 @@ struct batch_norm {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c)
                     m.parts[(p.first_group + g) * channels + c] =
-                        moments_of(in.group(g) + c * plane, Input.area(), in.samples_in(g));
+                        kernels::moments_of(in.group(g) + c * plane, Input.area(), in.samples_in(g));
             });
         }
         static void begin_forward(const pass& p, T* running, memory& m, std::size_t samples) {
             for (std::size_t c = 0; c < channels; ++c) {
-                moments all;
+                kernels::moments all;
                 for (std::size_t g = 0; g < groups_of<T>(samples); ++g)
                     all.add(m.parts[g * channels + c]);
                 m.mean[c] = all.mean;
@@ -82,7 +83,7 @@ struct batch_norm {
                 for (std::size_t c = 0; c < channels; ++c) {
                     const T *x = in.group(g) + c * plane, *dy = out_gradient.group(g) + c * plane;
                     observe_channel(m, p.first_group + g, c, Input.area(), [&](std::size_t i) {
-                        return std::array<vector<T>, 2>{load(x + i), load(dy + i)};
+                        return std::array<kernels::vector<T>, 2>{kernels::load(x + i), kernels::load(dy + i)};
                     });
                 }
             });
@@ -104,11 +105,11 @@ struct batch_norm {
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                const vector<T> use = lanes_in_use<T>(in.samples_in(g));
+                const kernels::vector<T> use = kernels::lanes_in_use<T>(in.samples_in(g));
                 for (std::size_t c = 0; c < channels; ++c)
-                    normalise_backward(gradient_rule(values, m, c), use, in.group(g) + c * plane,
-                                       out_gradient.group(g) + c * plane, in_gradient.group(g) + c * plane,
-                                       plane);
+                    kernels::normalise_backward(gradient_rule(values, m, c), use, in.group(g) + c * plane,
+                                                out_gradient.group(g) + c * plane,
+                                                in_gradient.group(g) + c * plane, plane);
             });
         }
         static void end_backward(memory& m, T* gradients) {
@@ -128,14 +129,14 @@ struct batch_norm {
             }
         }
         /// The norm of channel c.
-        [[nodiscard]] static normalising<T> rule(const T* values, const memory& m, std::size_t c) {
+        [[nodiscard]] static kernels::normalising<T> rule(const T* values, const memory& m, std::size_t c) {
             const double scale = static_cast<double>(values[c]) * m.inverse_deviation[c];
             return {static_cast<T>(m.mean[c]), static_cast<T>(scale),
                     static_cast<T>(static_cast<double>(values[channels + c]) - rest(m.mean[c]) * scale)};
         }
         /// Its way back, after `begin_backward`.
-        [[nodiscard]] static normalising_gradient<T> gradient_rule(const T* values, const memory& m,
-                                                                   std::size_t c) {
+        [[nodiscard]] static kernels::normalising_gradient<T> gradient_rule(const T* values, const memory& m,
+                                                                            std::size_t c) {
             const double inverse = m.inverse_deviation[c], fall = -inverse * (m.product[c] / m.count);
             return {static_cast<T>(m.mean[c]), static_cast<T>(fall),
                     static_cast<T>(m.gradient[c] / m.count + rest(m.mean[c]) * fall),
@@ -146,15 +147,16 @@ struct batch_norm {
         template <class Pair>
         static void observe_channel(memory& m, std::size_t group, std::size_t c, std::size_t count,
                                     const Pair& pair) {
-            const vector<T> mean(static_cast<T>(m.mean[c])), scale(static_cast<T>(m.inverse_deviation[c]));
-            m.sums[group * channels + c] = sum_terms<2, T>(count, [&](std::size_t i) {
-                const auto [x, dy] = pair(i * lanes<T>);
-                return std::array<vector<T>, 2>{dy, dy * ((x - mean) * scale)};
+            const kernels::vector<T> mean(static_cast<T>(m.mean[c])),
+                scale(static_cast<T>(m.inverse_deviation[c]));
+            m.sums[group * channels + c] = kernels::sum_terms<2, T>(count, [&](std::size_t i) {
+                const auto [x, dy] = pair(i * kernels::lanes<T>);
+                return std::array<kernels::vector<T>, 2>{dy, dy * ((x - mean) * scale)};
             });
         }
 
     private:
-        static constexpr std::size_t plane = Input.area() * lanes<T>;
+        static constexpr std::size_t plane = Input.area() * kernels::lanes<T>;
 
         /// What rounding takes from a mean. A large mean with a small deviation must not lose it: it goes
         /// where numbers are small again.
@@ -162,4 +164,5 @@ struct batch_norm {
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

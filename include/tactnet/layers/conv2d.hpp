@@ -1,12 +1,13 @@
 #pragma once
 
-#include <tactnet/kernels/channel_gradient.hpp>
-#include <tactnet/kernels/convolution.hpp>
-#include <tactnet/kernels/convolution_gradient.hpp>
-#include <tactnet/kernels/reductions.hpp>
+#include <tactnet/kernels/batch/channel_gradient.hpp>
+#include <tactnet/kernels/batch/convolution.hpp>
+#include <tactnet/kernels/batch/convolution_gradient.hpp>
+#include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 template <std::size_t KernelRows, std::size_t KernelColumns, std::size_t PaddedRows,
           std::size_t PaddedColumns>
@@ -66,7 +67,7 @@ struct conv2d {
 
         static void prepare(const pass&, const T* values, const T*, memory& m) {
             m.forward_weights.resize(weights);
-            pack_weights<ahead>(
+            kernels::pack_weights<ahead>(
                 m.forward_weights.data(), [&](auto filter, auto channel, auto row, auto column) {
                     return values[((filter * Input.channels + channel) * Kernel.rows + row) * Kernel.columns +
                                   column];
@@ -76,7 +77,8 @@ struct conv2d {
         static void infer(const pass& p, const T* values, const T*, memory& m, input_view<T, Input> in,
                           output_view<T, output> out) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                correlate<ahead>(in.group(g), m.forward_weights.data(), values + weights, out.group(g));
+                kernels::correlate<ahead>(in.group(g), m.forward_weights.data(), values + weights,
+                                          out.group(g));
             });
         }
         static void forward(const pass& p, const T* values, T* none, memory& m, input_view<T, Input> in,
@@ -87,8 +89,8 @@ struct conv2d {
         static void begin_backward(const pass&, const T* values, memory& m, std::size_t) {
             m.totals.assign(parameters, 0.0);
             m.backward_weights.resize(weights);
-            pack_weights<back>(m.backward_weights.data(), [&](auto channel, auto filter, auto row,
-                                                              auto column) {
+            kernels::pack_weights<back>(m.backward_weights.data(), [&](auto channel, auto filter, auto row,
+                                                                       auto column) {
                 return values[((filter * Input.channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
                                   Kernel.columns +
                               (Kernel.columns - 1 - column)];
@@ -103,24 +105,25 @@ struct conv2d {
             p.threads.on_each_thread([&](thread_pool::share part) {
                 for (std::size_t g = 0; g < in.groups(); ++g) {
                     if constexpr (across_channels::fits)
-                        add_channel_gradient<window, Filters>(
+                        kernels::add_channel_gradient<window, Filters>(
                             in.group(g), out_gradient.group(g), m.totals.data(),
                             m.turned.data() + part.index * across_channels::scratch, part.begin(pieces),
                             part.end(pieces));
                     else
-                        add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g),
-                                                             m.totals.data(), part.begin(pieces),
-                                                             part.end(pieces));
+                        kernels::add_weight_gradient<window, Filters>(in.group(g), out_gradient.group(g),
+                                                                      m.totals.data(), part.begin(pieces),
+                                                                      part.end(pieces));
                     for (std::size_t f = part.begin(Filters); f < part.end(Filters); ++f) {
-                        const T* from = out_gradient.group(g) + f * output.area() * lanes<T>;
-                        m.totals[weights + f] += sum_terms<1, T>(output.area(), [&](std::size_t i) {
-                            return std::array<vector<T>, 1>{load(from + i * lanes<T>)};
+                        const T* from = out_gradient.group(g) + f * output.area() * kernels::lanes<T>;
+                        m.totals[weights + f] += kernels::sum_terms<1, T>(output.area(), [&](std::size_t i) {
+                            return std::array<kernels::vector<T>, 1>{
+                                kernels::load(from + i * kernels::lanes<T>)};
                         })[0];
                     }
                     const bool mine = g >= part.begin(in.groups()) && g < part.end(in.groups());
                     if (in_gradient.data() != nullptr && mine)
-                        correlate<back>(out_gradient.group(g), m.backward_weights.data(),
-                                        static_cast<const T*>(nullptr), in_gradient.group(g));
+                        kernels::correlate<back>(out_gradient.group(g), m.backward_weights.data(),
+                                                 static_cast<const T*>(nullptr), in_gradient.group(g));
                 }
             });
         }
@@ -136,8 +139,8 @@ struct conv2d {
         }
 
     private:
-        using across_channels = channel_gradient_plan<window, Filters, T>;
-        using across_samples = weight_gradient_plan<window, Filters, T>;
+        using across_channels = kernels::channel_gradient_plan<window, Filters, T>;
+        using across_samples = kernels::weight_gradient_plan<window, Filters, T>;
         static constexpr std::size_t pieces =
             across_channels::fits ? across_channels::pieces : across_samples::pieces;
 
@@ -149,9 +152,10 @@ struct conv2d {
             else
                 return ((filter * Input.channels + channel) * Kernel.rows + row) * Kernel.columns + column;
         }
-        static constexpr correlation ahead = correlation::forward(window, Filters);
-        static constexpr correlation back = correlation::backward(window, Filters);
+        static constexpr kernels::correlation ahead = kernels::correlation::forward(window, Filters);
+        static constexpr kernels::correlation back = kernels::correlation::backward(window, Filters);
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

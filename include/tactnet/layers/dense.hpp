@@ -1,14 +1,15 @@
 #pragma once
 
-#include <tactnet/kernels/lane_products.hpp>
-#include <tactnet/kernels/reductions.hpp>
-#include <tactnet/kernels/sized_vector.hpp>
+#include <tactnet/kernels/batch/lane_products.hpp>
+#include <tactnet/kernels/batch/reductions.hpp>
+#include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <algorithm>
 #include <array>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -48,9 +49,10 @@ struct dense {
         static void infer(const pass& p, const T* values, const T*, memory&, input_view<T, Input> in,
                           output_view<T, output> out) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                lane_product<Outputs, inputs, matrix_layout{inputs, 1}>(
-                    values, in.group(g), [&](std::size_t o, const vector<T>& sum) {
-                        store(out.group(g) + o * lanes<T>, sum + vector<T>(values[weights + o]));
+                kernels::lane_product<Outputs, inputs, kernels::matrix_layout{inputs, 1}>(
+                    values, in.group(g), [&](std::size_t o, const kernels::vector<T>& sum) {
+                        kernels::store(out.group(g) + o * kernels::lanes<T>,
+                                       sum + kernels::vector<T>(values[weights + o]));
                     });
             });
         }
@@ -64,50 +66,56 @@ struct dense {
                              output_view<T, Input> in_gradient, T* gradients) {
             // Threads share the outputs for the biases and the inputs, a vector of them at a time, for the
             // weights; each adds all groups in order.
-            m.totals.resize(p.threads.threads() * Outputs * lanes<T>);
+            m.totals.resize(p.threads.threads() * Outputs * kernels::lanes<T>);
             p.threads.on_each_thread([&](thread_pool::share part) {
                 for (std::size_t o = part.begin(Outputs); o < part.end(Outputs); ++o) {
                     double bias = 0;
                     for (std::size_t g = 0; g < in.groups(); ++g)
-                        bias += sum_terms<1, T>(1, [&](std::size_t) {
-                            return std::array<vector<T>, 1>{load(out_gradient.group(g) + o * lanes<T>)};
+                        bias += kernels::sum_terms<1, T>(1, [&](std::size_t) {
+                            return std::array<kernels::vector<T>, 1>{
+                                kernels::load(out_gradient.group(g) + o * kernels::lanes<T>)};
                         })[0];
                     gradients[weights + o] = static_cast<T>(bias);
                 }
-                double* totals = m.totals.data() + part.index * Outputs * lanes<T>;
+                double* totals = m.totals.data() + part.index * Outputs * kernels::lanes<T>;
                 for (std::size_t b = part.begin(vectors); b < part.end(vectors); ++b) {
-                    const std::size_t first = b * lanes<T>, count = std::min(lanes<T>, inputs - first);
-                    std::fill_n(totals, Outputs * lanes<T>, 0.0);
+                    const std::size_t first = b * kernels::lanes<T>,
+                                      count = std::min(kernels::lanes<T>, inputs - first);
+                    std::fill_n(totals, Outputs * kernels::lanes<T>, 0.0);
                     for (std::size_t g = 0; g < in.groups(); ++g)
-                        add_products(out_gradient.group(g), in.group(g) + first * lanes<T>, count, totals);
+                        kernels::add_products(out_gradient.group(g), in.group(g) + first * kernels::lanes<T>,
+                                              count, totals);
                     for (std::size_t o = 0; o < Outputs; ++o)
                         for (std::size_t i = 0; i < count; ++i)
-                            gradients[o * inputs + first + i] = static_cast<T>(totals[o * lanes<T> + i]);
+                            gradients[o * inputs + first + i] =
+                                static_cast<T>(totals[o * kernels::lanes<T> + i]);
                 }
             });
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                lane_product<inputs, Outputs, matrix_layout{1, inputs}>(
-                    values, out_gradient.group(g), [&](std::size_t i, const vector<T>& sum) {
-                        store(in_gradient.group(g) + i * lanes<T>, sum);
+                kernels::lane_product<inputs, Outputs, kernels::matrix_layout{1, inputs}>(
+                    values, out_gradient.group(g), [&](std::size_t i, const kernels::vector<T>& sum) {
+                        kernels::store(in_gradient.group(g) + i * kernels::lanes<T>, sum);
                     });
             });
         }
 
     private:
-        static constexpr std::size_t vectors = padded_size<T>(inputs) / lanes<T>;
+        static constexpr std::size_t vectors = kernels::padded_size<T>(inputs) / kernels::lanes<T>;
 
         /// Adds what one group gives to the gradients of the weights between up to `lanes<T>` inputs and all
         /// outputs: sums over its samples.
         static void add_products(const T* out_gradient, const T* in, std::size_t count, double* totals) {
-            alignas(alignment) std::array<T, lanes<T> * lanes<T>> turned;
+            alignas(alignment) std::array<T, kernels::lanes<T> * kernels::lanes<T>> turned;
             turn_lanes(in, count, turned.data());
-            lane_product<Outputs, lanes<T>, matrix_layout{lanes<T>, 1}>(
-                out_gradient, turned.data(),
-                [&](std::size_t o, const vector<T>& sum) { add_each_lane<T>(totals + o * lanes<T>, sum); });
+            kernels::lane_product<Outputs, kernels::lanes<T>, kernels::matrix_layout{kernels::lanes<T>, 1}>(
+                out_gradient, turned.data(), [&](std::size_t o, const kernels::vector<T>& sum) {
+                    kernels::add_each_lane<T>(totals + o * kernels::lanes<T>, sum);
+                });
         }
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -52,11 +53,12 @@ struct dropout {
         static void scale_kept(const pass& p, input_view<T, Input> in, output_view<T, Input> out) {
             const T scale = static_cast<T>(100.0 / (100 - Percent));
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                for (std::size_t lane = 0; lane < lanes<T>; ++lane) {
+                for (std::size_t lane = 0; lane < kernels::lanes<T>; ++lane) {
                     const std::uint64_t layer_seed = p.seed + (std::uint64_t{p.depth} << 40);
-                    random_stream random(layer_seed, draw::dropout, p.step,
-                                         static_cast<std::uint32_t>((p.first_group + g) * lanes<T> + lane));
-                    for (std::size_t e = lane; e < in.group_size; e += lanes<T>)
+                    random_stream random(
+                        layer_seed, draw::dropout, p.step,
+                        static_cast<std::uint32_t>((p.first_group + g) * kernels::lanes<T> + lane));
+                    for (std::size_t e = lane; e < in.group_size; e += kernels::lanes<T>)
                         out.group(g)[e] = random.bits() < threshold ? T{} : in.group(g)[e] * scale;
                 }
             });
@@ -64,4 +66,5 @@ struct dropout {
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

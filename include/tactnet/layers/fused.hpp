@@ -5,7 +5,8 @@
 #include <tactnet/layers/residual.hpp>
 #include <tactnet/layers/sequence.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -45,4 +46,5 @@ struct fused_spec<residual<Main, Skip>> {
 template <class List>
 using fused = typename detail::fused_spec<List>::type;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

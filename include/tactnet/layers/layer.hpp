@@ -1,8 +1,8 @@
 #pragma once
 
-#include <tactnet/kernels/random.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
-#include <tactnet/kernels/vector.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/runtime/random.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/batch.hpp>
 
 #include <concepts>
@@ -19,19 +19,20 @@
 // Parameters lie in one flat array of the network, what a batch leaves behind for the way back lies in the
 // layer's `memory`.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// A batch to read, in lanes as wide as the instruction set's registers.
 template <class T, shape Shape>
-struct input_view : batch_view<const T, Shape, lanes<T>> {
-    using base = batch_view<const T, Shape, lanes<T>>;
+struct input_view : batch_view<const T, Shape, kernels::lanes<T>> {
+    using base = batch_view<const T, Shape, kernels::lanes<T>>;
     using base::base;
     constexpr input_view(const base& view) : base(view) {}
 };
 /// A batch to write.
 template <class T, shape Shape>
-struct output_view : batch_view<T, Shape, lanes<T>> {
-    using base = batch_view<T, Shape, lanes<T>>;
+struct output_view : batch_view<T, Shape, kernels::lanes<T>> {
+    using base = batch_view<T, Shape, kernels::lanes<T>>;
     using base::base;
     constexpr output_view(const base& view) : base(view) {}
 };
@@ -39,7 +40,7 @@ struct output_view : batch_view<T, Shape, lanes<T>> {
 /// Groups that hold so many samples.
 template <class T>
 [[nodiscard]] constexpr std::size_t groups_of(std::size_t samples) {
-    return padded_size<T>(samples) / lanes<T>;
+    return kernels::padded_size<T>(samples) / kernels::lanes<T>;
 }
 
 /// What a network knows and a layer asks for while a batch passes.
@@ -74,9 +75,10 @@ struct parameter {
 template <class Layer, class T = typename Layer::value_type>
 concept layer = std::floating_point<T> &&
     requires(const pass& p, const T* parameters, T* statistics, typename Layer::memory& memory,
-             batch_view<const T, Layer::input, lanes<T>> in, batch_view<T, Layer::output, lanes<T>> out,
-             batch_view<const T, Layer::output, lanes<T>> out_gradient,
-             batch_view<T, Layer::input, lanes<T>> in_gradient, T* parameter_gradients,
+             batch_view<const T, Layer::input, kernels::lanes<T>> in,
+             batch_view<T, Layer::output, kernels::lanes<T>> out,
+             batch_view<const T, Layer::output, kernels::lanes<T>> out_gradient,
+             batch_view<T, Layer::input, kernels::lanes<T>> in_gradient, T* parameter_gradients,
              std::vector<parameter>& list) {
     // Costs, as constants: learnable parameters, running statistics, multiply-adds of one sample.
     { Layer::parameters + Layer::statistics + Layer::multiply_adds } -> std::convertible_to<std::size_t>;
@@ -104,9 +106,9 @@ concept layer = std::floating_point<T> &&
 /// A layer that must see the whole batch before any of it can pass.
 template <class Layer, class T = typename Layer::value_type>
 concept observing_layer = requires(const pass& p, typename Layer::memory& memory,
-                                   batch_view<const T, Layer::input, lanes<T>> in,
-                                   batch_view<const T, Layer::output, lanes<T>> out,
-                                   batch_view<const T, Layer::output, lanes<T>> out_gradient) {
+                                   batch_view<const T, Layer::input, kernels::lanes<T>> in,
+                                   batch_view<const T, Layer::output, kernels::lanes<T>> out,
+                                   batch_view<const T, Layer::output, kernels::lanes<T>> out_gradient) {
     Layer::observe_forward(p, memory, in);
     Layer::observe_backward(p, memory, in, out, out_gradient);
 };
@@ -169,4 +171,5 @@ inline void describe_array(std::vector<parameter>& list, std::string name, role 
     list.push_back({std::move(name), what, std::move(extents), offset, size, fan_in});
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/indexed_leaves.hpp>
-#include <tactnet/kernels/unroll.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <algorithm>
@@ -12,7 +12,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -94,7 +95,7 @@ private:
     template <class Value>
     static constexpr std::size_t sum_of(Value value) {
         std::size_t sum = 0;
-        unroll<size>([&](auto i) { sum += value(i); });
+        kernels::unroll<size>([&](auto i) { sum += value(i); });
         return sum;
     }
 
@@ -108,7 +109,7 @@ public:
     /// output.
     static constexpr std::size_t inner_activations = [] {
         std::size_t most = 0;
-        unroll<size>([&](auto i) {
+        kernels::unroll<size>([&](auto i) {
             const std::size_t before = i == 0 ? 0 : at<i>::input.size();
             const std::size_t after = is_last<i>() ? 0 : overwrites<i>() ? 0 : at<i>::output.size();
             most = std::max(most, before + after + at<i>::inner_activations);
@@ -119,8 +120,8 @@ public:
     /// Appends the arrays of all layers: each under the name of its kind, with a number where there are many.
     static void describe(const std::string& prefix, std::vector<parameter>& list) {
         std::array<std::string_view, size> kinds{};
-        unroll<size>([&](auto i) { kinds[i] = spec_name<i>; });
-        unroll<size>([&](auto i) {
+        kernels::unroll<size>([&](auto i) { kinds[i] = spec_name<i>; });
+        kernels::unroll<size>([&](auto i) {
             const auto before = std::count(kinds.begin(), kinds.begin() + i, kinds[i]);
             const auto all = std::count(kinds.begin(), kinds.end(), kinds[i]);
             std::string full = prefix.empty() ? std::string(kinds[i]) : prefix + "." + std::string(kinds[i]);
@@ -141,4 +142,5 @@ private:
     static constexpr bool spec_numbered = std::array<bool, size>{Specs::numbered...}[I];
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

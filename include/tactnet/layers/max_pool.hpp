@@ -1,11 +1,12 @@
 #pragma once
 
-#include <tactnet/kernels/pooling.hpp>
+#include <tactnet/kernels/batch/pooling.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <algorithm>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 template <std::size_t WindowRows, std::size_t WindowColumns, std::size_t PaddedRows,
           std::size_t PaddedColumns>
@@ -55,8 +56,9 @@ struct max_pool {
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, output> out) {
-            p.threads.for_each(in.groups(),
-                               [&](std::size_t g) { max_pool_forward<window>(in.group(g), out.group(g)); });
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                kernels::max_pool_forward<window>(in.group(g), out.group(g));
+            });
         }
         static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
                             output_view<T, output> out) {
@@ -68,11 +70,12 @@ struct max_pool {
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(in.groups(), [&](std::size_t g) {
-                max_pool_backward<window>(in.group(g), out.group(g), out_gradient.group(g),
-                                          in_gradient.group(g));
+                kernels::max_pool_backward<window>(in.group(g), out.group(g), out_gradient.group(g),
+                                                   in_gradient.group(g));
             });
         }
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <tactnet/kernels/normalised_pooling.hpp>
+#include <tactnet/kernels/batch/normalised_pooling.hpp>
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/max_pool.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Batch norm, ReLU and max pooling as one layer, with the same results and the arrays of the batch norm; a
 /// window of one pixel stands for no pooling. Lists are written with the three: `fused` joins them.
@@ -26,7 +27,7 @@ struct norm_relu_pool {
             aligned_vector<T> chosen; // by each window of the batch
             void resize(std::size_t samples) {
                 norm::memory::resize(samples);
-                const std::size_t room = groups_of<T>(samples) * lanes<T> * output.size();
+                const std::size_t room = groups_of<T>(samples) * kernels::lanes<T> * output.size();
                 if (pools && chosen.size() < room)
                     chosen.resize(room);
             }
@@ -39,8 +40,9 @@ struct norm_relu_pool {
                           input_view<T, Input> in, output_view<T, output> out) {
             norm::use_running(p, running, m);
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                normalised_pool_forward<window, false>(norm::rule(values, m, c), in.group(g) + c * plane,
-                                                       out.group(g) + c * pooled, static_cast<T*>(nullptr));
+                kernels::normalised_pool_forward<window, false>(
+                    norm::rule(values, m, c), in.group(g) + c * plane, out.group(g) + c * pooled,
+                    static_cast<T*>(nullptr));
             });
         }
 
@@ -53,7 +55,7 @@ struct norm_relu_pool {
         static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
                             output_view<T, output> out) {
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                normalised_pool_forward<window, pools>(
+                kernels::normalised_pool_forward<window, pools>(
                     norm::rule(values, m, c), in.group(g) + c * plane, out.group(g) + c * pooled,
                     pools ? m.chosen.data() + (p.first_group + g) * out.group_size + c * pooled : nullptr);
             });
@@ -61,13 +63,14 @@ struct norm_relu_pool {
 
         static void observe_backward(const pass& p, memory& m, input_view<T, Input> in,
                                      input_view<T, output> out, input_view<T, output> out_gradient) {
-            const vector<T> zero(T{});
+            const kernels::vector<T> zero(T{});
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
                 const T *x = inputs_behind(p, m, in, g, c), *y = out.group(g) + c * pooled,
                         *dy = out_gradient.group(g) + c * pooled;
                 norm::observe_channel(m, p.first_group + g, c, output.area(), [&](std::size_t i) {
-                    const vector<T> passed = choose<T>(load(y + i) > zero, load(dy + i), zero);
-                    return std::array<vector<T>, 2>{load(x + i), passed};
+                    const kernels::vector<T> passed =
+                        kernels::choose<T>(kernels::load(y + i) > zero, kernels::load(dy + i), zero);
+                    return std::array<kernels::vector<T>, 2>{kernels::load(x + i), passed};
                 });
             });
         }
@@ -80,8 +83,8 @@ struct norm_relu_pool {
             if (in_gradient.data() == nullptr)
                 return;
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                normalised_pool_backward<window>(
-                    norm::gradient_rule(values, m, c), lanes_in_use<T>(in.samples_in(g)),
+                kernels::normalised_pool_backward<window>(
+                    norm::gradient_rule(values, m, c), kernels::lanes_in_use<T>(in.samples_in(g)),
                     in.group(g) + c * plane, out.group(g) + c * pooled, inputs_behind(p, m, in, g, c),
                     out_gradient.group(g) + c * pooled, in_gradient.group(g) + c * plane);
             });
@@ -90,7 +93,8 @@ struct norm_relu_pool {
 
     private:
         static constexpr sliding_window window = pool::window;
-        static constexpr std::size_t plane = Input.area() * lanes<T>, pooled = output.area() * lanes<T>;
+        static constexpr std::size_t plane = Input.area() * kernels::lanes<T>,
+                                     pooled = output.area() * kernels::lanes<T>;
 
         /// body(group, channel)
         template <class Body>
@@ -111,4 +115,5 @@ struct norm_relu_pool {
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

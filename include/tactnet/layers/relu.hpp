@@ -1,9 +1,10 @@
 #pragma once
 
-#include <tactnet/kernels/elementwise.hpp>
+#include <tactnet/kernels/batch/elementwise.hpp>
 #include <tactnet/layers/layer.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Rectified linear unit: max(x, 0). In place.
 struct relu {
@@ -16,8 +17,9 @@ struct relu {
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
-            p.threads.for_each(
-                in.groups(), [&](std::size_t g) { relu_forward(in.group(g), out.group(g), in.group_size); });
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                kernels::relu_forward(in.group(g), out.group(g), in.group_size);
+            });
         }
         static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
                             output_view<T, Input> out) {
@@ -29,10 +31,12 @@ struct relu {
             if (in_gradient.data() == nullptr)
                 return;
             p.threads.for_each(out.groups(), [&](std::size_t g) {
-                relu_backward(out.group(g), out_gradient.group(g), in_gradient.group(g), out.group_size);
+                kernels::relu_backward(out.group(g), out_gradient.group(g), in_gradient.group(g),
+                                       out.group_size);
             });
         }
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

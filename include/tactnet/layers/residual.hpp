@@ -1,9 +1,10 @@
 #pragma once
 
-#include <tactnet/kernels/elementwise.hpp>
+#include <tactnet/kernels/batch/elementwise.hpp>
 #include <tactnet/layers/sequence.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannels, std::size_t SkipRows,
           std::size_t SkipColumns, std::size_t SkipChannels>
@@ -65,10 +66,10 @@ struct residual {
                 skip_memory.resize(samples);
                 const std::size_t groups = groups_of<T>(samples);
                 if constexpr (main::keeps_output)
-                    main_output.resize(groups * lanes<T> * output.size());
+                    main_output.resize(groups * kernels::lanes<T> * output.size());
                 if constexpr (projects) {
-                    skip_output.resize(groups * lanes<T> * output.size());
-                    skip_gradient.resize(groups * lanes<T> * Input.size());
+                    skip_output.resize(groups * kernels::lanes<T> * output.size());
+                    skip_gradient.resize(groups * kernels::lanes<T> * Input.size());
                 }
             }
         };
@@ -139,10 +140,12 @@ struct residual {
         template <shape Shape>
         static void sum(const pass& p, input_view<T, Shape> a, input_view<T, Shape> b,
                         output_view<T, Shape> to) {
-            p.threads.for_each(
-                to.groups(), [&](std::size_t g) { add(a.group(g), b.group(g), to.group(g), to.group_size); });
+            p.threads.for_each(to.groups(), [&](std::size_t g) {
+                kernels::add(a.group(g), b.group(g), to.group(g), to.group_size);
+            });
         }
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/unroll.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/layers/layer_list.hpp>
 #include <tactnet/layers/stages.hpp>
 
@@ -8,7 +8,8 @@
 #include <array>
 #include <string>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Layers one after the other, as one layer. Without any it passes its input on.
 template <class... Specs>
@@ -41,21 +42,21 @@ struct sequence {
             /// Keeps what is there when it gets less.
             void resize(std::size_t count) {
                 samples = count;
-                unroll<size>([&](auto i) {
+                kernels::unroll<size>([&](auto i) {
                     if constexpr (list::template source<i>() == i && !list::template is_last<i>())
-                        grow(outputs[i], groups_of<T>(count) * lanes<T> * at<i>::output.size());
+                        grow(outputs[i], groups_of<T>(count) * kernels::lanes<T> * at<i>::output.size());
                     detail::get<i>(inner).resize(count);
                 });
             }
             void make_room_for_gradients(std::size_t groups, std::size_t threads) {
                 const std::size_t at_once = std::min(groups, threads);
-                unroll<size>([&](auto i) {
+                kernels::unroll<size>([&](auto i) {
                     for (aligned_vector<T>& g : gradients)
-                        grow(g, at_once * lanes<T> * at<i>::input.size());
+                        grow(g, at_once * kernels::lanes<T> * at<i>::input.size());
                     if constexpr (i > 0)
                         if constexpr (staged::template starts_backward<i>())
                             for (aligned_vector<T>& g : stage_gradients)
-                                grow(g, groups * lanes<T> * at<i>::input.size());
+                                grow(g, groups * kernels::lanes<T> * at<i>::input.size());
                 });
             }
 
@@ -67,7 +68,7 @@ struct sequence {
         };
 
         static void prepare(const pass& p, const T* values, const T* running, memory& m) {
-            unroll<size>([&](auto i) {
+            kernels::unroll<size>([&](auto i) {
                 static_assert(listed_layer<at<i>>, "sequence: expected layers, by parts or not");
                 at<i>::prepare(p, values + list::template parameter_offset<i>,
                                running + list::template statistic_offset<i>, detail::get<i>(m.inner));
@@ -77,7 +78,7 @@ struct sequence {
                           input_view<T, Input> in, output_view<T, output> out) {
             if constexpr (size == 0)
                 copy(p, in, out);
-            unroll<size>([&](auto i) {
+            kernels::unroll<size>([&](auto i) {
                 at<i>::infer(at_depth(p, i), values + list::template parameter_offset<i>,
                              running + list::template statistic_offset<i>, detail::get<i>(m.inner),
                              input_of<i>(m, in, out), output_of<i>(m, out));
@@ -89,7 +90,7 @@ struct sequence {
                 copy(p, in, out);
             else if constexpr (at<0>::observes)
                 forward_stage<0, 0>(p, values, running, m, in, out);
-            unroll<size>([&](auto begin) {
+            kernels::unroll<size>([&](auto begin) {
                 if constexpr (staged::template starts_forward<begin>())
                     forward_stage<begin, staged::template forward_end<begin>()>(p, values, running, m, in,
                                                                                 out);
@@ -107,7 +108,7 @@ struct sequence {
                 backward_stage<size, size>(p, values, m, in, out, from, nullptr, gradients);
             }
             std::size_t stages = 0;
-            unroll<size>([&](auto reversed) {
+            kernels::unroll<size>([&](auto reversed) {
                 constexpr std::size_t end = size - reversed;
                 if constexpr (staged::template starts_backward<end>()) {
                     constexpr std::size_t begin = staged::template backward_begin<end>();
@@ -121,9 +122,9 @@ struct sequence {
     private:
         template <std::size_t Begin, std::size_t End, class Body>
         static void for_each_part_layer(const Body& body) {
-            unroll<End - Begin>([&](auto offset) {
+            kernels::unroll<End - Begin>([&](auto offset) {
                 if constexpr (at<Begin + offset>::by_parts)
-                    body(constant<Begin + offset>{});
+                    body(kernels::constant<Begin + offset>{});
             });
         }
 
@@ -138,7 +139,7 @@ struct sequence {
             });
             for_each_part<at<Begin>::by_parts>(
                 p, in.groups(), [&](const pass& part, std::size_t first, std::size_t last) {
-                    unroll<End - Begin>([&](auto offset) {
+                    kernels::unroll<End - Begin>([&](auto offset) {
                         constexpr std::size_t i = Begin + offset;
                         at<i>::forward(at_depth(part, i), values + list::template parameter_offset<i>,
                                        running + list::template statistic_offset<i>, detail::get<i>(m.inner),
@@ -165,7 +166,7 @@ struct sequence {
                     input_view<T, at<End - 1>::output> whole(from, in.samples());
                     const std::size_t samples = whole.part(first, last).samples();
                     const T* above = whole.part(first, last).data();
-                    unroll<End - Begin>([&](auto offset) {
+                    kernels::unroll<End - Begin>([&](auto offset) {
                         constexpr std::size_t i = End - 1 - offset;
                         output_view<T, at<i>::input> below(m.gradients[i % 2].data(), samples);
                         if constexpr (i == Begin)
@@ -235,4 +236,5 @@ struct as_sequence<sequence<Specs...>> {
 template <class Spec>
 using as_sequence = typename detail::as_sequence<Spec>::type;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <tactnet/kernels/softmax.hpp>
+#include <tactnet/kernels/rows/softmax.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <array>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Softmax over the channels of every pixel, for lists that end in probabilities. The networks of the paper
 /// end in logits; training joins softmax and cross-entropy (training/loss.hpp), which is exact where
@@ -25,7 +26,7 @@ struct softmax {
                     std::array<T, Input.channels> x;
                     for (std::size_t c = 0; c < Input.channels; ++c)
                         x[c] = in.group(g)[first + c * plane];
-                    softmax_of<T>(x, x);
+                    kernels::softmax_of<T>(x, x);
                     for (std::size_t c = 0; c < Input.channels; ++c)
                         out.group(g)[first + c * plane] = x[c];
                 });
@@ -55,7 +56,7 @@ struct softmax {
         }
 
     private:
-        static constexpr std::size_t plane = Input.area() * lanes<T>;
+        static constexpr std::size_t plane = Input.area() * kernels::lanes<T>;
 
         /// Lanes without a sample too: what is left in them would reach the layers around.
         template <class Body>
@@ -66,4 +67,5 @@ struct softmax {
     };
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

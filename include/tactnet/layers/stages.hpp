@@ -10,7 +10,8 @@
 // the caches. Sums over the batch are added group after group in any case, so results do not depend on the
 // parts.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Where the stages of a list begin and end. Forward, a stage is the layers Begin … End − 1 in this order; on
 /// the way back, End − 1 … Begin.
@@ -76,4 +77,5 @@ void for_each_part(const pass& p, std::size_t groups, const Body& body) {
     }
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -8,7 +8,8 @@
 #include <span>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -77,8 +78,8 @@ public:
     static constexpr std::size_t parameter_bytes = (parameters + statistics) * sizeof(T);
 
     /// Batches to fill and to read: samples interleaved by `lanes<T>` (see tensor/batch.hpp).
-    using input_batch = batch<T, input_shape, lanes<T>>;
-    using output_batch = batch<T, output_shape, lanes<T>>;
+    using input_batch = batch<T, input_shape, kernels::lanes<T>>;
+    using output_batch = batch<T, output_shape, kernels::lanes<T>>;
     using const_input = typename input_batch::const_view_type;
     using const_output = typename output_batch::const_view_type;
     using input_type = typename input_batch::view_type;
@@ -100,7 +101,8 @@ public:
     };
 
     /// All zero but for scales and running variances, which are one. See initialise() in training.
-    basic_network() : values_(padded_size<T>(parameters)), statistics_(padded_size<T>(statistics)) {
+    basic_network()
+        : values_(kernels::padded_size<T>(parameters)), statistics_(kernels::padded_size<T>(statistics)) {
         for_each_parameter([](const parameter& p, std::span<T> values) {
             if (p.what == role::scale || p.what == role::running_variance)
                 std::fill(values.begin(), values.end(), T{1});
@@ -161,7 +163,8 @@ public:
         const auto begin = [&](std::size_t part) { return (groups * part + parts - 1) / parts; };
         for (std::size_t part = 0; part < parts; ++part) {
             const std::size_t first = begin(part), last = begin(part + 1);
-            const std::size_t count = std::min(last * lanes<T>, in.samples()) - first * lanes<T>;
+            const std::size_t count =
+                std::min(last * kernels::lanes<T>, in.samples()) - first * kernels::lanes<T>;
             space.resize(count);
             logit_layers::infer(make_pass(threads), values_.data(), statistics_.data(), space.memory_,
                                 const_input(in.group(first), count), output_type(out.group(first), count));
@@ -196,4 +199,5 @@ private:
 template <shape Input, class... Specs>
 using network = basic_network<float, Input, Specs...>;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

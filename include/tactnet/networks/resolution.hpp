@@ -2,7 +2,8 @@
 
 #include <tactnet/tensor/shape.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The resolutions of the paper. The array itself has 28 × 50 tactels; the others are made from it by
 /// resizing.
@@ -21,4 +22,5 @@ enum class resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
                             : resolution::r28x50;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

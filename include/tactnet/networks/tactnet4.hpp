@@ -4,7 +4,8 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/resolution.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Kernels of TactNet-4's three convolutions.
 struct tactnet4_form {
@@ -27,4 +28,5 @@ using tactnet4 = network<Input,                                                 
                          conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>, //
                          dense<Classes>>;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

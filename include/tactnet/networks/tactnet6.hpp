@@ -4,7 +4,8 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/resolution.hpp>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What varies in TactNet-6: the kernel of the second and the fifth convolution and the strides of the pools.
 struct tactnet6_form {
@@ -47,4 +48,5 @@ using tactnet6 = network<Input,                                                 
 template <shape Input, std::size_t Classes>
 using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()>;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The pools of TactResNet, which was published for 28 × 50 only.
 struct tactresnet_form {
@@ -40,4 +41,5 @@ using tactresnet = network<Input,                                               
                            max_pool<Form.last_pool, 1, valid>,                                          //
                            dense<Classes>>;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -4,10 +4,10 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
-#include <tactnet/sensors/tekscan_ascii.hpp>
-#include <tactnet/sensors/tekscan_binary.hpp>
-#include <tactnet/sensors/tekscan_map.hpp>
-#include <tactnet/sensors/tekscan_text.hpp>
+#include <tactnet/sensors/tekscan/ascii.hpp>
+#include <tactnet/sensors/tekscan/binary.hpp>
+#include <tactnet/sensors/tekscan/map.hpp>
+#include <tactnet/sensors/tekscan/text.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -19,7 +19,8 @@
 #include <variant>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -151,4 +152,5 @@ private:
     bool known_ = false;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

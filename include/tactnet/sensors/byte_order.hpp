@@ -9,7 +9,8 @@
 #include <cstdint>
 #include <span>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The unsigned number at the start of `bytes`, which holds at least one, lowest byte first.
 template <std::unsigned_integral T>
@@ -29,4 +30,5 @@ template <std::unsigned_integral T>
     return value;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -16,7 +16,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Tekscan's 6077 sensor with the electronics of Gandarias et al. 2019: what calibration and simulation need.
 struct tekscan_6077 {
@@ -116,4 +117,5 @@ private:
     return gains;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -18,7 +18,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The most rows × columns that a source may announce, so that a few damaged bytes cannot ask for all memory.
 inline constexpr std::size_t largest_frame_cells = std::size_t{1} << 20;
@@ -124,4 +125,5 @@ private:
     decode_status status_ = decode_status::reading;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -18,7 +18,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What the cells of a frame count: the steps of the device's converter, or pressure.
 enum class pressure_unit : std::uint8_t { raw, pascal };
@@ -86,4 +87,5 @@ struct frame_view {
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -20,7 +20,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// How a cell is sent.
 enum class cell_format : std::uint8_t { uint8, uint16_little, uint16_big, float32_little };
@@ -175,4 +176,5 @@ private:
     bool in_step_ = false; ///< behind a frame
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

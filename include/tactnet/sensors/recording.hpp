@@ -20,7 +20,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Frames and where they come from.
 class recording {
@@ -115,4 +116,5 @@ enum class damaged_file : std::uint8_t {
     return result;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

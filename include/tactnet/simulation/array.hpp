@@ -4,7 +4,8 @@
 
 #include <cstddef>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 namespace simulation {
 
 /// An array of tactels: its size, and how far they are apart. By default the Tekscan 6077 of the paper: 27.6
@@ -20,4 +21,5 @@ struct array {
 };
 
 } // namespace simulation
+} // namespace TACTNET_ARCH
 } // namespace tactnet

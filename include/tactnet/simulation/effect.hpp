@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <concepts>
@@ -11,7 +11,8 @@
 // units; bound to the shape of what reaches it, it may carry a state: what the sensor was made with, what it
 // remembers of earlier frames.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 namespace simulation {
 
 /// Where on the way from the object to the file an effect happens, in the order of physics. A scene lists its
@@ -97,4 +98,5 @@ template <class Effect, shape Shape>
 }
 
 } // namespace simulation
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/simulation/array.hpp>
-#include <tactnet/simulation/contact.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
@@ -17,7 +17,8 @@
 // A scene is a type: an array, a contact, and the effects that matter. What is not in the list is not there:
 // it takes no time, no memory and no code.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 namespace simulation {
 
 namespace detail {
@@ -210,4 +211,5 @@ private:
 };
 
 } // namespace simulation
+} // namespace TACTNET_ARCH
 } // namespace tactnet

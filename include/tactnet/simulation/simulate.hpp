@@ -1,12 +1,13 @@
 #pragma once
 
-#include <tactnet/simulation/paper_objects.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/scene.hpp>
 
 #include <cstddef>
 #include <cstdint>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 namespace simulation {
 
 /// One frame of a touch through a scene, with the memory that the scene has of earlier frames.
@@ -31,4 +32,5 @@ void simulate_paper_touch(Scene& scene, std::size_t label, std::uint64_t seed, s
 }
 
 } // namespace simulation
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/dense_rows.hpp>
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/kernels/rows/dense.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/dual_solver.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -20,7 +20,8 @@
 // descent method for large-scale linear SVM", ICML 2008): one sample at a time, in random order, with
 // shrinking.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 enum class linear_loss {
     hinge,        ///< max(0, 1 − y f(x))
@@ -132,8 +133,8 @@ private:
         gradient_range range;
         for (std::size_t k = 0; k < active.size();) {
             const std::size_t i = active[k];
-            const double g =
-                sides_[i] * dot(weights_.data(), rows_.row(i), rows_.stride()) - 1 + ridge(i) * alpha_[i];
+            const double g = sides_[i] * kernels::dot(weights_.data(), rows_.row(i), rows_.stride()) - 1 +
+                             ridge(i) * alpha_[i];
             const bool at_zero = alpha_[i] == 0, at_cost = alpha_[i] == highest_alpha(i);
             if ((at_zero && g > before.upper()) || (at_cost && g < before.lower())) {
                 std::swap(active[k], active.back());
@@ -153,8 +154,8 @@ private:
         // A sample of zeros has no curvature: its bound is the answer.
         const double curvature = std::max(rows_.norm(i) + ridge(i), std::numeric_limits<double>::min());
         alpha_[i] = std::clamp(old - g / curvature, 0.0, highest_alpha(i));
-        add_multiple(weights_.data(), static_cast<float>((alpha_[i] - old) * sides_[i]), rows_.row(i),
-                     rows_.stride());
+        kernels::add_multiple(weights_.data(), static_cast<float>((alpha_[i] - old) * sides_[i]),
+                              rows_.row(i), rows_.stride());
     }
     [[nodiscard]] descent_solution finish(solver_report report) {
         // From the coefficients once more, free of what single precision has gathered.
@@ -182,4 +183,5 @@ private:
     aligned_vector<float> weights_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

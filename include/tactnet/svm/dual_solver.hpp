@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/working_set.hpp>
+#include <tactnet/kernels/rows/working_set.hpp>
 #include <tactnet/svm/kernel_cache.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
@@ -18,7 +18,8 @@
 // with the gradient g = y − K β. A pair of samples is optimal when none that may rise has a larger g than one
 // that may fall.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Two classes: which samples, on which side, and what an error on each costs at most.
 struct binary_problem {
@@ -66,21 +67,21 @@ public:
                                       ? options_.iteration_limit
                                       : std::max<std::size_t>(10'000'000, 100 * count_);
         activate_all();
-        chosen_sample rising = steepest(gradient_.data(), up_.data(), padded());
+        kernels::chosen_sample rising = kernels::steepest(gradient_.data(), up_.data(), padded());
         std::size_t until_shrinking = shrinking_interval();
         solver_report report;
         while (true) {
             const float* row = kernel_row(rising.index);
-            const chosen_partner partner =
-                best_partner(gradient_.data(), low_.data(), row, diagonal_.data(), diagonal_[rising.index],
-                             rising.value, least_curvature, padded());
+            const kernels::chosen_partner partner =
+                kernels::best_partner(gradient_.data(), low_.data(), row, diagonal_.data(),
+                                      diagonal_[rising.index], rising.value, least_curvature, padded());
             report.violation = std::max(rising.value - partner.lowest, 0.0);
             report.converged = !(report.violation > options_.tolerance);
             if (report.converged || report.iterations == limit) {
                 if (active_.size() == count_)
                     break;
                 activate_all();
-                rising = steepest(gradient_.data(), up_.data(), padded());
+                rising = kernels::steepest(gradient_.data(), up_.data(), padded());
                 until_shrinking = shrinking_interval();
                 continue;
             }
@@ -89,7 +90,7 @@ public:
             if (options_.shrinking && --until_shrinking == 0) {
                 until_shrinking = shrinking_interval();
                 if (shrink(rising.value))
-                    rising = steepest(gradient_.data(), up_.data(), padded());
+                    rising = kernels::steepest(gradient_.data(), up_.data(), padded());
             }
         }
         return finish(report, rising.value);
@@ -109,7 +110,7 @@ private:
     }
 
     /// Moves along one pair of coordinates as far as the curvature or a bound allows.
-    chosen_sample step(std::size_t i, std::size_t j, const float* row_i) {
+    kernels::chosen_sample step(std::size_t i, std::size_t j, const float* row_i) {
         const float* row_j = kernel_row(j);
         const std::size_t a = active_[i], b = active_[j];
         const double curvature =
@@ -129,8 +130,8 @@ private:
         }
         bound(i);
         bound(j);
-        return move_along(gradient_.data(), row_i, row_j, std::min({step, room_i, room_j}), up_.data(),
-                          padded());
+        return kernels::move_along(gradient_.data(), row_i, row_j, std::min({step, room_i, room_j}),
+                                   up_.data(), padded());
     }
     /// Notes which ways a sample may move.
     void bound(std::size_t position) {
@@ -161,7 +162,7 @@ private:
     /// Arrays for the active samples; what is behind them may not move.
     void resize() {
         constexpr double infinity = std::numeric_limits<double>::infinity();
-        const std::size_t n = active_.size(), whole = padded_size<double>(n);
+        const std::size_t n = active_.size(), whole = kernels::padded_size<double>(n);
         gradient_.resize(whole);
         diagonal_.resize(whole);
         up_.resize(whole);
@@ -239,4 +240,5 @@ private:
     aligned_vector<double> gradient_, diagonal_, up_, low_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// For a number of features that is known when running only.
 inline constexpr std::size_t dynamic_features = std::dynamic_extent;
@@ -78,4 +79,5 @@ inline void check_samples(feature_rows<> rows, std::span<const std::size_t> labe
     check_finite(rows);
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

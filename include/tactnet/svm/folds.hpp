@@ -1,13 +1,14 @@
 #pragma once
 
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Which part each sample is in when they are divided for cross-validation: classes are drawn apart, and
 /// dealt out in turn, so that each part has about as many of each.
@@ -25,4 +26,5 @@ deal_folds(const std::vector<std::vector<std::size_t>>& samples_of_classes, std:
     return fold_of;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/packed_rows.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/kernels/rows/packed.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/kernel_space.hpp>
 #include <tactnet/svm/kernels.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -15,7 +15,8 @@
 // is found in one product and serves all problems over the same samples, or found one by one where it is too
 // large.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// A kernel of all pairs of samples.
 class gram_matrix {
@@ -31,7 +32,7 @@ public:
                                               thread_pool& threads) {
         const std::size_t n = columns.size();
         gram_matrix gram(n);
-        constexpr std::size_t width = packed_rows::panel_width;
+        constexpr std::size_t width = kernels::packed_rows::panel_width;
         threads.on_each_thread([&](thread_pool::share part) {
             for (std::size_t panel = part.index; panel * width < n; panel += part.threads) {
                 const std::size_t first = panel * width;
@@ -57,7 +58,7 @@ private:
         : size_(samples), stride_(padded(samples)), values_(samples * stride_) {}
 
     [[nodiscard]] static std::size_t padded(std::size_t samples) {
-        constexpr std::size_t width = packed_rows::panel_width;
+        constexpr std::size_t width = kernels::packed_rows::panel_width;
         return (samples + width - 1) / width * width;
     }
     [[nodiscard]] float* row(std::size_t index) { return values_.data() + index * stride_; }
@@ -118,4 +119,5 @@ private:
     aligned_vector<float> scratch_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/folds.hpp>
 #include <tactnet/svm/kernel_samples.hpp>
 #include <tactnet/svm/kernel_training.hpp>
@@ -13,7 +13,8 @@
 #include <stdexcept>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What to try: every kernel with every cost.
 template <svm_kernel Kernel>
@@ -141,4 +142,5 @@ grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::s
     return result;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/vector.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 #include <span>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Rows of a kernel matrix, those used last, within a bound on memory. Rows are of the active samples alone,
 /// padded with zeros to whole vectors.
@@ -88,4 +89,5 @@ private:
     std::vector<std::list<entry>::iterator> places_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

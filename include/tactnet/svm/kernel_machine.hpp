@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/thread_pool.hpp>
-#include <tactnet/kernels/weighted_rows.hpp>
+#include <tactnet/kernels/rows/weighted.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/kernel_space.hpp>
 #include <tactnet/svm/kernels.hpp>
@@ -22,7 +22,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// All that a trained machine is: what a file holds.
 template <svm_kernel Kernel>
@@ -65,7 +66,7 @@ public:
         space_ = kernel_space<Kernel>(vectors);
         columns_ = kernel_columns<Kernel>(space_.place(vectors), all, space_.scale());
         const std::size_t each = parts_.coefficients_each();
-        width_ = padded_size<double>(each);
+        width_ = kernels::padded_size<double>(each);
         coefficients_.resize(all.size() * width_);
         for (const std::size_t v : all)
             std::copy_n(parts_.coefficients.data() + v * each, each, coefficients_.data() + v * width_);
@@ -132,7 +133,7 @@ public:
 
 private:
     /// Rows at a time: their kernel values stay in the cache.
-    static constexpr std::size_t block_rows = 8 * packed_rows::block_rows;
+    static constexpr std::size_t block_rows = 8 * kernels::packed_rows::block_rows;
 
     void evaluate(feature_rows<> rows, std::span<double> values) const {
         const std::vector<float> standard =
@@ -152,7 +153,8 @@ private:
             if (pairs) {
                 add_pairs(weights, sums, out);
             } else {
-                weighted_row_sums(weights, coefficients_.data(), support_vectors(), width_, sums.data());
+                kernels::weighted_row_sums(weights, coefficients_.data(), support_vectors(), width_,
+                                           sums.data());
                 for (std::size_t c = 0; c < classes(); ++c)
                     out[c] += sums[c];
             }
@@ -162,8 +164,8 @@ private:
         std::size_t first = 0;
         for (std::size_t c = 0; c < classes(); ++c) {
             const std::size_t count = parts_.support_counts[c];
-            weighted_row_sums(weights + first, coefficients_.data() + first * width_, count, width_,
-                              sums.data() + c * width_);
+            kernels::weighted_row_sums(weights + first, coefficients_.data() + first * width_, count, width_,
+                                       sums.data() + c * width_);
             first += count;
         }
         std::size_t machine = 0;
@@ -239,4 +241,5 @@ void kernel_machine_parameters<Kernel>::check() const {
     }
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/dual_solver.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/gram_matrix.hpp>
@@ -15,7 +15,8 @@
 // The samples of a training set as solvers see them. Problems over the same samples share one matrix of the
 // kernel, where it fits into the memory allowed; searches for γ share the distances behind it.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Samples placed for a kernel, with the products or squared distances of all pairs where these fit.
 template <svm_kernel Kernel>
@@ -88,4 +89,5 @@ private:
     std::optional<gram_matrix> gram_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

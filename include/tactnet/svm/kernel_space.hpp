@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/packed_rows.hpp>
-#include <tactnet/kernels/vector.hpp>
+#include <tactnet/kernels/rows/packed.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/kernels.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -20,7 +20,8 @@
 // taken around the middle of the samples and in a unit of their size, and close pairs are measured once more
 // directly.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Samples as a kernel space holds them.
 struct placed_rows {
@@ -136,7 +137,7 @@ public:
     /// whatever the rows beside it; for a pair of samples whichever is the row.
     void measure(const placed_rows& rows, std::size_t first, std::size_t count, float* out,
                  std::size_t stride) const {
-        for (std::size_t column = 0; column < size(); column += packed_rows::panel_width)
+        for (std::size_t column = 0; column < size(); column += kernels::packed_rows::panel_width)
             measure_panel(column, rows, first, count, out + column, stride);
     }
     /// The columns of one panel alone, to the beginning of `out`.
@@ -154,19 +155,19 @@ private:
     static constexpr float close = 0x1p-6F;
 
     void to_distances(std::size_t column, const placed_rows& rows, std::size_t row, float* products) const {
-        using v = vector<float>;
+        using v = kernels::vector<float>;
         const v own(rows.norm(row)), minus_two(-2.0F), zero(0.0F), limit(close);
-        for (std::size_t j = 0; j < packed_rows::panel_width; j += lanes<float>) {
-            const v both = own + load(norms_.data() + column + j);
-            const v distance = multiply_add(minus_two, load(products + j), both);
-            store(products + j, distance);
-            if (any_of<float>(distance < limit * both))
+        for (std::size_t j = 0; j < kernels::packed_rows::panel_width; j += kernels::lanes<float>) {
+            const v both = own + kernels::load(norms_.data() + column + j);
+            const v distance = kernels::multiply_add(minus_two, kernels::load(products + j), both);
+            kernels::store(products + j, distance);
+            if (kernels::any_of<float>(distance < limit * both))
                 measure_close(column + j, rows, row, products + j);
         }
     }
     void measure_close(std::size_t column, const placed_rows& rows, std::size_t row, float* distances) const {
         const float* a = rows.original.row(row).data();
-        const std::size_t end = std::min(column + lanes<float>, size());
+        const std::size_t end = std::min(column + kernels::lanes<float>, size());
         for (std::size_t j = column; j < end; ++j)
             if (distances[j - column] < close * (rows.norm(row) + norms_[j]))
                 distances[j - column] = squared_distance(a, originals_[j]);
@@ -180,10 +181,11 @@ private:
         return static_cast<float>(sum);
     }
 
-    packed_rows packed_;
+    kernels::packed_rows packed_;
     aligned_vector<float> norms_;
     std::vector<const float*> originals_;
     float scale_ = 1;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/folds.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
 #include <tactnet/svm/kernel_samples.hpp>
@@ -15,7 +15,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 template <svm_kernel Kernel>
 struct kernel_training_options {
@@ -167,4 +168,5 @@ train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     return {kernel_machine<Kernel, Features>(std::move(parts)), std::move(reports)};
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/exponential.hpp>
+#include <tactnet/kernels/simd/exponential.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 
 #include <algorithm>
@@ -15,7 +15,8 @@
 // What two samples have in common. A kernel is a function of their product or of their squared distance,
 // which are found for whole matrices at once.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// x · y
 struct linear_kernel {
@@ -62,7 +63,7 @@ struct rbf_kernel {
     void apply(float* distances, std::size_t count, double unit) const {
         // A factor beyond float gives the same as the largest: 1 at distance 0, else 0.
         const double factor = std::min(*gamma * unit, double{std::numeric_limits<float>::max()});
-        negative_exponentials(distances, count, static_cast<float>(factor));
+        kernels::negative_exponentials(distances, count, static_cast<float>(factor));
     }
 };
 
@@ -74,4 +75,5 @@ concept svm_kernel = requires(const Kernel kernel, feature_rows<> rows, float* v
     kernel.apply(values, count, 1.0);
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/packed_rows.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/kernels/rows/packed.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/coordinate_descent.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/multiclass.hpp>
@@ -16,7 +16,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// All that a trained linear machine is: what a file holds.
 struct linear_machine_parameters {
@@ -51,8 +52,8 @@ public:
         if (Features != dynamic_features && parts_.features != Features)
             throw std::invalid_argument("linear machine: expected " + std::to_string(Features) +
                                         " features, found " + std::to_string(parts_.features));
-        packed_ = packed_rows(classes(), features(),
-                              [&](std::size_t c) { return parts_.weights.data() + c * features(); });
+        packed_ = kernels::packed_rows(classes(), features(),
+                                       [&](std::size_t c) { return parts_.weights.data() + c * features(); });
     }
 
     [[nodiscard]] const linear_machine_parameters& parameters() const { return parts_; }
@@ -94,7 +95,7 @@ public:
 
 private:
     linear_machine_parameters parts_;
-    packed_rows packed_;
+    kernels::packed_rows packed_;
 };
 
 struct linear_training_options {
@@ -156,4 +157,5 @@ train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     return {linear_machine<Features>(std::move(parts)), std::move(reports)};
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -14,7 +14,8 @@
 
 // Many classes by machines of two.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 enum class multiclass {
     one_versus_one, ///< a machine for every pair, which votes for one of both
@@ -130,4 +131,5 @@ binary_problems(const class_members& classes, std::span<const double> costs, mul
     return first_largest(votes);
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -10,7 +10,8 @@
 
 // Probabilities out of decision values.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// P(first class | value) = 1 / (1 + exp(slope · value + offset))
 struct sigmoid {
@@ -120,4 +121,5 @@ struct sigmoid {
     return p;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

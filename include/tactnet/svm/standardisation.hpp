@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Every feature less its mean, by its deviation, both of the training set. A feature that is constant there
 /// is only centred.
@@ -85,4 +86,5 @@ private:
     std::vector<float> values_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

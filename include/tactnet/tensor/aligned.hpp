@@ -6,7 +6,8 @@
 #include <new>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// An allocator whose memory vector loads may be aligned on.
 template <class T>
@@ -32,4 +33,5 @@ struct aligned_allocator {
 template <class T>
 using aligned_vector = std::vector<T, aligned_allocator<T>>;
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -6,7 +6,8 @@
 
 // Apart from aligned.hpp, whose allocator throws: deployed networks do without exceptions and heap.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// One cache line, and the widest vector register there is.
 inline constexpr std::size_t alignment = 64;
@@ -17,4 +18,5 @@ inline constexpr std::size_t alignment = 64;
     return (count + line - 1) / line * line;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

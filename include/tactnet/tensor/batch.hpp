@@ -14,7 +14,8 @@
 // zeros in inputs and in gradients, on which sums over a batch rely; what layers make of them in between
 // means nothing.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Samples that someone else owns, as a batch: whole groups of memory, aligned to 64 bytes. T may be const.
 template <class T, shape Shape, std::size_t Lanes>
@@ -92,4 +93,5 @@ private:
     std::size_t samples_ = 0;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

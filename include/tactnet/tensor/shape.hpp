@@ -7,7 +7,8 @@
 
 // Sizes known when compiling. All of these are structural types, so that they can be template arguments.
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The size of one sample: a pressure image of `rows` × `columns` tactels, or a stack of `channels` such
 /// maps. Elements are ordered [channel][row][column].
@@ -114,4 +115,5 @@ private:
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -6,7 +6,8 @@
 #include <array>
 #include <cstddef>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// A sample that owns its elements, in place: no heap. Ordered [channel][row][column].
 template <class T, shape Shape>
@@ -41,4 +42,5 @@ private:
     alignas(alignment) std::array<T, Shape.size()> elements_{};
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

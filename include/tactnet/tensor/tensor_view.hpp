@@ -7,7 +7,8 @@
 #include <span>
 #include <type_traits>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// A sample that someone else owns: `Shape.size()` elements, ordered [channel][row][column]. T may be const.
 template <class T, shape Shape>
@@ -40,4 +41,5 @@ private:
     T* data_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

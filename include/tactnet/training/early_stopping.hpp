@@ -5,7 +5,8 @@
 #include <cstddef>
 #include <limits>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Stops when the validation loss has not fallen below its smallest value for `patience` checks. A patience
 /// of 0 never stops.
@@ -33,4 +34,5 @@ private:
     double smallest_ = std::numeric_limits<double>::infinity();
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

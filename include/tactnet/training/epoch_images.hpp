@@ -12,7 +12,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// What each epoch of a training shows: which images, in what order and batches, and how they are varied. All
 /// of it is a function of (seed, epoch, image), so that any of it can be made again.
@@ -88,4 +89,5 @@ private:
     std::vector<tensor<float, Input>> sixfold_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/image/normalisation.hpp>
-#include <tactnet/kernels/thread_pool.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/training/loss.hpp>
 #include <tactnet/training/metrics.hpp>
 
@@ -13,7 +13,8 @@
 #include <string>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Images of one size, stored one after the other as 8-bit counts, and the class of each. A view.
 struct labelled_images {
@@ -87,4 +88,5 @@ evaluate(const Network& network, const normalisation<Network::input_shape>& norm
     return result;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/random.hpp>
 #include <tactnet/layers/layer.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,8 @@
 #include <span>
 #include <variant>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Weights from N(0, deviation²), as in the paper.
 struct fixed_normal {
@@ -39,4 +40,5 @@ void initialise(Network& network, const initialisation& rule, std::uint64_t seed
     });
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -7,7 +7,8 @@
 #include <cstddef>
 #include <span>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Softmax with cross-entropy, in double and from the largest logit down: no overflow, no logarithm of a
 /// rounded probability. Only the first `classes` logits take part. Label smoothing gives each class
@@ -40,4 +41,5 @@ double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span
     return total / count;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

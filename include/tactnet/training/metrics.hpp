@@ -8,7 +8,8 @@
 #include <span>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Counts of (true class, recognised class).
 class confusion_matrix {
@@ -65,4 +66,5 @@ struct mean_and_deviation {
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/vector.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <cmath>
@@ -9,7 +9,8 @@
 #include <span>
 #include <variant>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Stochastic gradient descent with momentum. `l2` is added to the gradient of weights (not of biases,
 /// scales, shifts), as in the paper.
@@ -46,14 +47,16 @@ template <class T>
 void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::span<T> values,
                std::span<const T> gradients, std::span<const T> decayed) {
     ++state.steps;
-    const vector<T> momentum(static_cast<T>(rule.momentum)), l2(static_cast<T>(rule.l2)),
+    const kernels::vector<T> momentum(static_cast<T>(rule.momentum)), l2(static_cast<T>(rule.l2)),
         r(static_cast<T>(rate));
-    for (std::size_t i = 0; i < values.size(); i += lanes<T>) {
-        const vector<T> value = load<T>(&values[i]);
-        const vector<T> gradient = multiply_add<T>(l2 * load(&decayed[i]), value, load(&gradients[i]));
-        const vector<T> velocity = multiply_add<T>(momentum, load<T>(&state.first[i]), gradient);
-        store(&state.first[i], velocity);
-        store(&values[i], value - r * velocity);
+    for (std::size_t i = 0; i < values.size(); i += kernels::lanes<T>) {
+        const kernels::vector<T> value = kernels::load<T>(&values[i]);
+        const kernels::vector<T> gradient =
+            kernels::multiply_add<T>(l2 * kernels::load(&decayed[i]), value, kernels::load(&gradients[i]));
+        const kernels::vector<T> velocity =
+            kernels::multiply_add<T>(momentum, kernels::load<T>(&state.first[i]), gradient);
+        kernels::store(&state.first[i], velocity);
+        kernels::store(&values[i], value - r * velocity);
     }
 }
 
@@ -63,20 +66,23 @@ void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::s
     ++state.steps;
     const auto steps = static_cast<double>(state.steps);
     const double correction1 = 1 - std::pow(rule.beta1, steps), correction2 = 1 - std::pow(rule.beta2, steps);
-    const vector<T> beta1(static_cast<T>(rule.beta1)), rest1(static_cast<T>(1 - rule.beta1));
-    const vector<T> beta2(static_cast<T>(rule.beta2)), rest2(static_cast<T>(1 - rule.beta2));
-    const vector<T> step(static_cast<T>(rate / correction1)),
+    const kernels::vector<T> beta1(static_cast<T>(rule.beta1)), rest1(static_cast<T>(1 - rule.beta1));
+    const kernels::vector<T> beta2(static_cast<T>(rule.beta2)), rest2(static_cast<T>(1 - rule.beta2));
+    const kernels::vector<T> step(static_cast<T>(rate / correction1)),
         unbias(static_cast<T>(1 / std::sqrt(correction2)));
-    const vector<T> epsilon(static_cast<T>(rule.epsilon)), decay(static_cast<T>(rate * rule.decay));
-    for (std::size_t i = 0; i < values.size(); i += lanes<T>) {
-        const vector<T> value = load<T>(&values[i]), gradient = load(&gradients[i]);
-        const vector<T> first = multiply_add<T>(beta1, load<T>(&state.first[i]), rest1 * gradient);
-        const vector<T> second =
-            multiply_add<T>(beta2, load<T>(&state.second[i]), rest2 * gradient * gradient);
-        store(&state.first[i], first);
-        store(&state.second[i], second);
-        const vector<T> shrunk = value - decay * load(&decayed[i]) * value;
-        store(&values[i], shrunk - step * first / (square_root<T>(second) * unbias + epsilon));
+    const kernels::vector<T> epsilon(static_cast<T>(rule.epsilon)), decay(static_cast<T>(rate * rule.decay));
+    for (std::size_t i = 0; i < values.size(); i += kernels::lanes<T>) {
+        const kernels::vector<T> value = kernels::load<T>(&values[i]),
+                                 gradient = kernels::load(&gradients[i]);
+        const kernels::vector<T> first =
+            kernels::multiply_add<T>(beta1, kernels::load<T>(&state.first[i]), rest1 * gradient);
+        const kernels::vector<T> second =
+            kernels::multiply_add<T>(beta2, kernels::load<T>(&state.second[i]), rest2 * gradient * gradient);
+        kernels::store(&state.first[i], first);
+        kernels::store(&state.second[i], second);
+        const kernels::vector<T> shrunk = value - decay * kernels::load(&decayed[i]) * value;
+        kernels::store(&values[i],
+                       shrunk - step * first / (kernels::square_root<T>(second) * unbias + epsilon));
     }
 }
 
@@ -86,4 +92,5 @@ void take_step(const optimiser& rule, optimiser_state<T>& state, double rate, st
     std::visit([&](const auto& chosen) { take_step(chosen, state, rate, values, gradients, decayed); }, rule);
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// One epoch of a training.
 struct epoch_report {
@@ -85,4 +86,5 @@ struct training_progress {
     }
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

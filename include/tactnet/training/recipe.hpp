@@ -10,7 +10,8 @@
 #include <cstdint>
 #include <string_view>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// How counts become the input of the network.
 enum class input_rule {
@@ -87,4 +88,5 @@ private:
     using schedule_type = tactnet::schedule;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -7,7 +7,8 @@
 #include <numbers>
 #include <variant>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The learning rate stays.
 struct constant_rate {};
@@ -48,4 +49,5 @@ using schedule = std::variant<constant_rate, step_drop, one_cycle>;
     return std::visit([&](const auto& chosen) { return rate_at(chosen, rate, epoch, epochs); }, rule);
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/random.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,8 @@
 #include <span>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// Shares of each class: the paper's 32, 8 and 10 of 50. The rest of the rounding goes to training.
 struct split_shares {
@@ -64,4 +65,5 @@ enum class split_rule {
     return result;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet::inline TACTNET_ARCH {
+namespace tactnet {
+inline namespace TACTNET_ARCH {
 
 /// The loss is no longer a finite number.
 struct training_diverged : std::runtime_error {
@@ -254,4 +255,5 @@ private:
     typename Network::output_batch out_, out_gradient_;
 };
 
+} // namespace TACTNET_ARCH
 } // namespace tactnet

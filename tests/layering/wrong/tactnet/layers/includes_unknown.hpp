@@ -1,4 +1,4 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/cellar/wine.hpp>
+#include <tactnet/detail/config.hpp>

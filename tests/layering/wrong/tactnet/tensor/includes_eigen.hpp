@@ -1,4 +1,5 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+
 #include <Eigen/Core>

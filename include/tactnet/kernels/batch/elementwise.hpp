@@ -1,0 +1,40 @@
+#pragma once
+
+#include <tactnet/kernels/simd/vector.hpp>
+
+#include <cstddef>
+
+// Element by element over `count` values, a multiple of the lanes. Outputs may be the same memory as inputs.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// output = max(input, 0); NaN stays NaN.
+template <class T>
+void relu_forward(const T* input, T* output, std::size_t count) {
+    const vector<T> zero(T{});
+    for (std::size_t i = 0; i < count; i += lanes<T>) {
+        const vector<T> x = load(input + i);
+        store(output + i, choose<T>(x < zero, zero, x));
+    }
+}
+
+/// The gradient passes where the output is positive.
+template <class T>
+void relu_backward(const T* output, const T* output_gradient, T* input_gradient, std::size_t count) {
+    const vector<T> zero(T{});
+    for (std::size_t i = 0; i < count; i += lanes<T>)
+        store(input_gradient + i, choose<T>(load(output + i) > zero, load(output_gradient + i), zero));
+}
+
+/// sum = a + b
+template <class T>
+void add(const T* a, const T* b, T* sum, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += lanes<T>)
+        store(sum + i, load(a + i) + load(b + i));
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

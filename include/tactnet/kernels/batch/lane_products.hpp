@@ -1,0 +1,62 @@
+#pragma once
+
+#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+// Products of a matrix and one group of samples, which lie side by side in the lanes: no sum runs across
+// lanes, and a sample's result does not depend on its neighbours. Every sum is taken in one fixed order.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Where the elements of a matrix lie: (row, column) at row · `row` + column · `column`. A transposed matrix
+/// is the same memory with the two exchanged.
+struct matrix_layout {
+    std::size_t row, column;
+};
+
+/// Rows that are summed at once: each input is read once for all of them, their chains of multiply-adds hide
+/// each other's latency, and all fit into 16 registers.
+inline constexpr std::size_t lane_product_rows = 12;
+
+/// put(row, sum) for every row of matrix (Rows × Columns) · values, where `values` holds one vector for each
+/// column of the matrix.
+template <std::size_t Rows, std::size_t Columns, matrix_layout Layout, class T, class Put>
+[[gnu::flatten]] void lane_product(const T* matrix, const T* values, Put&& put) {
+    // Blocks as equal as can be: a single row left over would wait for itself.
+    constexpr std::size_t passes = (Rows + lane_product_rows - 1) / lane_product_rows;
+    blocked<Rows, (Rows + passes - 1) / passes>([&](auto rows, std::size_t first) {
+        const T* from = matrix + first * Layout.row;
+        std::array<vector<T>, rows> sums;
+        unroll<rows>([&](auto r) { sums[r] = vector<T>(T{}); });
+        for (std::size_t c = 0; c < Columns; ++c, from += Layout.column) {
+            const vector<T> value = load(values + c * lanes<T>);
+            unroll<rows>(
+                [&](auto r) { sums[r] = multiply_add(vector<T>(from[r * Layout.row]), value, sums[r]); });
+        }
+        unroll<rows>([&](auto r) { put(first + r, sums[r]); });
+    });
+}
+
+/// Up to `lanes<T>` features of one group, turned: to[sample][feature] = from[feature][sample], with zeros
+/// behind the last feature. From one feature, or one sample, to the next it is a stride.
+template <class T>
+void turn_lanes(const T* from, std::size_t features, T* to, std::size_t from_stride = lanes<T>,
+                std::size_t to_stride = lanes<T>) {
+    constexpr std::size_t width = lanes<T>;
+    for (std::size_t f = 0; f < features; ++f)
+        for (std::size_t sample = 0; sample < width; ++sample)
+            to[sample * to_stride + f] = from[f * from_stride + sample];
+    for (std::size_t f = features; f < width; ++f)
+        for (std::size_t sample = 0; sample < width; ++sample)
+            to[sample * to_stride + f] = T{};
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+// Matrix times vector for one frame, for deployed networks: outputs side by side in vectors, one input at a
+// time spread over all lanes.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// A dense layer behind a map that lies pixel by pixel.
+struct frame_dense {
+    shape input;
+    std::size_t input_stride; ///< elements from one pixel of the input to the next
+    std::size_t outputs;
+
+    /// Elements of the map, padded channels included.
+    [[nodiscard]] constexpr std::size_t inputs() const { return input.area() * input_stride; }
+
+    /// The widest vectors that leave the fewest lanes empty: what counts are the weights read from memory.
+    [[nodiscard]] constexpr std::size_t width() const {
+        std::size_t best = lanes_for<float>(outputs);
+        for (std::size_t w = best; w >= fewest_lanes<float>; w /= 2)
+            if ((outputs + w - 1) / w * w < (outputs + best - 1) / best * best)
+                best = w;
+        return best;
+    }
+    [[nodiscard]] constexpr std::size_t vectors() const { return (outputs + width() - 1) / width(); }
+    [[nodiscard]] constexpr std::size_t output_stride() const { return vectors() * width(); }
+    [[nodiscard]] constexpr std::size_t block_vectors() const { return std::min<std::size_t>(vectors(), 4); }
+    [[nodiscard]] constexpr std::size_t weights() const { return inputs() * output_stride(); }
+};
+
+/// Weights in the order of use: blocks of vectors of outputs, then [input][output of the block]; zeros where
+/// there is no channel or no output. `weight(output, channel, pixel)`.
+template <frame_dense D, class Weight>
+constexpr void pack_dense_weights(float* packed, Weight&& weight) {
+    const std::size_t block = D.block_vectors() * D.width();
+    for (std::size_t first = 0; first < D.output_stride(); first += block)
+        for (std::size_t input = 0; input < D.inputs(); ++input)
+            for (std::size_t o = first; o < std::min(first + block, D.output_stride()); ++o)
+                *packed++ = o < D.outputs && input % D.input_stride < D.input.channels
+                                ? weight(o, input % D.input_stride, input / D.input_stride)
+                                : 0.0f;
+}
+
+/// output = bias + weights · input. Several partial sums: one chain of additions would wait for each of them.
+template <frame_dense D>
+[[gnu::flatten]] void multiply_frame(const float* input, const float* weights, const float* bias,
+                                     float* output) {
+    constexpr std::size_t width = D.width();
+    using wide = sized_vector<float, width>;
+    blocked<D.vectors(), D.block_vectors()>([&](auto vectors, std::size_t first) {
+        constexpr std::size_t parts = std::max<std::size_t>(8 / vectors, 1);
+        register_block<wide, parts, vectors> sums;
+        unroll<parts * vectors>([&](auto i) __attribute__((always_inline)) {
+            sums[i / vectors][i % vectors] = wide(0.0f);
+        });
+        const float* w = weights + first * width * D.inputs();
+        const auto add = [&](auto part, std::size_t i) __attribute__((always_inline)) {
+            const wide x(input[i]);
+            unroll<vectors>([&](auto v) __attribute__((always_inline)) {
+                sums[part][v] =
+                    fused_multiply_add(load_as<wide>(w + (i * vectors + v) * width), x, sums[part][v]);
+            });
+        };
+        for (std::size_t i = 0; i + parts <= D.inputs(); i += parts)
+            unroll<parts>([&](auto p) __attribute__((always_inline)) { add(p, i + p); });
+        unroll<D.inputs() % parts>([&](auto p) __attribute__((always_inline)) {
+            add(p, D.inputs() / parts * parts + p);
+        });
+        unroll<vectors>([&](auto v) __attribute__((always_inline)) {
+            wide sum = load_as<wide>(bias + (first + v) * width);
+            unroll<parts>([&](auto p) __attribute__((always_inline)) { sum = sum + sums[p][v]; });
+            store_as(output + (first + v) * width, sum);
+        });
+    });
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <tactnet/kernels/batch/pooling.hpp>
+#include <tactnet/kernels/simd/sized_vector.hpp>
+
+#include <cstddef>
+
+// Max pooling of one frame that lies pixel by pixel: for windows that overlap, which a convolution cannot
+// take along.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// output = the largest value of each window. `Stride` elements from one pixel to the next, in both maps.
+template <sliding_window W, std::size_t Stride>
+[[gnu::flatten]] void pool_frame(const float* input, float* output) {
+    const auto pool = [&](auto width, auto load_pixel, auto store_pixel, auto largest_of) {
+        for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
+            for (std::size_t channel = 0; channel < Stride; channel += width) {
+                const auto at = [&](std::size_t y, std::size_t x) {
+                    return load_pixel(input + (y * W.input.columns + x) * Stride + channel);
+                };
+                auto largest = at(rows.begin, columns.begin);
+                for (std::size_t y = rows.begin; y < rows.end; ++y)
+                    for (std::size_t x = columns.begin; x < columns.end; ++x)
+                        largest = largest_of(at(y, x), largest);
+                store_pixel(output + o * Stride + channel, largest);
+            }
+        });
+    };
+    if constexpr (Stride % fewest_lanes<float> == 0) {
+        constexpr std::size_t width = [] {
+            std::size_t w = lanes<float>;
+            while (Stride % w != 0)
+                w /= 2;
+            return w;
+        }();
+        using wide = sized_vector<float, width>;
+        pool(
+            constant<width>{}, [](const float* from) { return load_as<wide>(from); },
+            [](float* to, const wide& value) { store_as(to, value); },
+            [](const wide& a, const wide& b) { return maximum_or_second(a, b); });
+    } else {
+        pool(
+            constant<1>{}, [](const float* from) { return *from; },
+            [](float* to, float value) { *to = value; }, [](float a, float b) { return a > b ? a : b; });
+    }
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,301 @@
+#pragma once
+
+#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <array>
+#include <cstddef>
+
+// Winograd's convolutions F(2 × 2, 3 × 3) and F(2 × 2, 2 × 2) (Winograd, 1980; Lavin and Gray, 2016) of one
+// frame, for deployed networks. A tile of 2 × 2 outputs takes 16 products a channel instead of 36, or 9
+// instead of 16: input tiles and kernels are transformed, multiplied element by element (which is a matrix
+// product over the channels for each element) and transformed back. All factors of the transforms are 1 and
+// ½, so that little accuracy is lost. A tile of outputs is also a window of the pools in these networks.
+//
+// With d the input tile, g the kernel, y the outputs: y = Aᵀ [(G g Gᵀ) ∘ (Bᵀ d B)] A.
+//
+// clang-format off
+//   3 × 3:   Bᵀ = 1  0 −1  0     G = 1  0  0     Aᵀ = 1  1  1  0
+//                 0  1  1  0         ½  ½  ½          0  1 −1 −1
+//                 0 −1  1  0         ½ −½  ½
+//                 0  1  0 −1         0  0  1
+//
+//   2 × 2:   Bᵀ = 1 −1  0        G = 1  0        Aᵀ = 1  1  0
+//                 0  1  0            1  1             0  1 −1
+//                 0  1 −1            0  1
+// clang-format on
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// How a convolution is cut into tiles.
+template <frame_convolution C>
+struct winograd_tiles {
+    /// Rows and columns of an input tile, and of the transformed kernel.
+    static constexpr std::size_t side = C.window.kernel.rows + 1, elements = side * side;
+    static constexpr std::size_t rows = (C.rows() + 1) / 2, columns = (C.columns() + 1) / 2;
+    static constexpr std::size_t count = rows * columns;
+
+    static constexpr std::size_t channels = C.window.input.channels;
+    static constexpr std::size_t input_width = lanes_for<float>(channels);
+    static constexpr std::size_t input_vectors = (channels + input_width - 1) / input_width;
+    static constexpr std::size_t input_stride = input_vectors * input_width;
+    static constexpr std::size_t block_stride = C.block_vectors() * C.width();
+
+    /// Tiles from the first transform to the last: as many as the first level of cache holds, where the
+    /// kernels are small enough to be read for each of these bands; else all.
+    static constexpr std::size_t band = [] {
+        constexpr std::size_t cache = 24 * 1024 / sizeof(float), small_kernels = 64 * 1024 / sizeof(float);
+        constexpr std::size_t of_a_tile = elements * (input_stride + block_stride);
+        if (elements * channels * C.output_stride() > small_kernels)
+            return count;
+        const std::size_t bands = (count + std::max<std::size_t>(cache / of_a_tile, 8) - 1) /
+                                  std::max<std::size_t>(cache / of_a_tile, 8);
+        return (count + bands - 1) / bands;
+    }();
+    /// Tiles in a register block: as many as registers allow, evenly spread.
+    static constexpr std::size_t block = [] {
+        constexpr std::size_t most =
+            std::max<std::size_t>((vector_registers == 32 ? 24 : 12) / C.block_vectors(), 1);
+        return (band + (band + most - 1) / most - 1) / ((band + most - 1) / most);
+    }();
+
+    /// Up to a whole cache line, so that the products behind are aligned.
+    static constexpr std::size_t transformed_input = whole_lines(elements * band * input_stride);
+    static constexpr std::size_t products = elements * band * block_stride;
+    /// Elements of scratch memory.
+    static constexpr std::size_t scratch = transformed_input + products;
+    /// Elements of the transformed, packed kernels.
+    static constexpr std::size_t weights = elements * channels * C.output_stride();
+
+    static constexpr bool possible = (C.window.kernel == extent(3) || C.window.kernel == extent(2)) &&
+                                     C.window.stride == extent(1) &&
+                                     (C.pool == extent(1) || C.pool == extent(2)) &&
+                                     C.input_stride % input_width == 0 && C.input_stride >= input_stride;
+    /// Whether fewer vector operations are needed than with taps on real pixels. Transforms count with their
+    /// loads and stores; register blocks of few tiles wait for the weights.
+    static constexpr bool pays = [] {
+        if (!possible || block * C.block_vectors() < 8)
+            return false;
+        const std::size_t direct = C.window.taps_on_pixels() * channels * C.vectors();
+        const std::size_t tiled = elements * count * channels * C.vectors() +
+                                  4 * elements * count * input_vectors + 3 * elements * count * C.vectors();
+        return tiled * 21 < direct * 20;
+    }();
+};
+
+/// Kernels as G g Gᵀ in the order of use: blocks of vectors of filters, then [element][channel][filter of the
+/// block]. `weight(filter, channel, row, column)`.
+template <frame_convolution C, class Weight>
+constexpr void pack_winograd_weights(float* packed, Weight&& weight) {
+    using tiles = winograd_tiles<C>;
+    constexpr std::size_t kernel = tiles::side - 1, channels = tiles::channels;
+    constexpr std::size_t block = C.block_vectors() * C.width();
+    // A line of G times three or two numbers.
+    const auto transformed = [](std::size_t line, const auto& g) {
+        if (line == 0)
+            return g[0];
+        if (line == kernel)
+            return g[kernel - 1];
+        if constexpr (kernel == 2)
+            return g[0] + g[1];
+        else
+            return 0.5 * (g[0] + (line == 1 ? g[1] : -g[1]) + g[2]);
+    };
+    for (std::size_t first = 0; first < C.output_stride(); first += block) {
+        const std::size_t count = std::min(block, C.output_stride() - first);
+        for (std::size_t channel = 0; channel < channels; ++channel)
+            for (std::size_t f = 0; f < count; ++f) {
+                std::array<std::array<double, kernel>, tiles::side> half{};
+                for (std::size_t column = 0; column < kernel && first + f < C.filters; ++column) {
+                    std::array<double, kernel> g{};
+                    for (std::size_t row = 0; row < kernel; ++row)
+                        g[row] = static_cast<double>(weight(first + f, channel, row, column));
+                    for (std::size_t line = 0; line < tiles::side; ++line)
+                        half[line][column] = transformed(line, g);
+                }
+                for (std::size_t e = 0; e < tiles::elements; ++e)
+                    packed[(e * channels + channel) * count + f] =
+                        static_cast<float>(transformed(e % tiles::side, half[e / tiles::side]));
+            }
+        packed += tiles::elements * channels * count;
+    }
+}
+
+namespace detail {
+
+/// Bᵀ times a column of d, or a row of d times B.
+template <class Vector, std::size_t Side>
+[[gnu::always_inline]] inline std::array<Vector, Side>
+winograd_input_line(const std::array<Vector, Side>& d) {
+    if constexpr (Side == 3)
+        return {d[0] - d[1], d[1], d[1] - d[2]};
+    else
+        return {d[0] - d[2], d[1] + d[2], d[2] - d[1], d[1] - d[3]};
+}
+/// Aᵀ times a column of products, or a row of them times A.
+template <class Vector, std::size_t Side>
+[[gnu::always_inline]] inline std::array<Vector, 2> winograd_output_line(const std::array<Vector, Side>& m) {
+    if constexpr (Side == 3)
+        return {m[0] + m[1], m[1] - m[2]};
+    else
+        return {m[0] + m[1] + m[2], m[1] - m[2] - m[3]};
+}
+
+} // namespace detail
+
+/// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); what lies outside the image
+/// is zero.
+template <frame_convolution C>
+[[gnu::flatten, gnu::noinline]] void transform_winograd_input(const float* input, float* transformed,
+                                                              std::size_t first, std::size_t last) {
+    using tiles = winograd_tiles<C>;
+    using wide = sized_vector<float, tiles::input_width>;
+    constexpr std::size_t side = tiles::side;
+    alignas(alignment) static constexpr std::array<float, tiles::input_stride> outside{};
+    for (std::size_t tile = first; tile < last; ++tile) {
+        const auto top = static_cast<std::ptrdiff_t>(tile / tiles::columns * 2) -
+                         static_cast<std::ptrdiff_t>(C.window.top);
+        const auto left = static_cast<std::ptrdiff_t>(tile % tiles::columns * 2) -
+                          static_cast<std::ptrdiff_t>(C.window.left);
+        std::array<const float*, tiles::elements> pixels;
+        unroll<tiles::elements>([&](auto e) __attribute__((always_inline)) {
+            const std::ptrdiff_t y = top + static_cast<std::ptrdiff_t>(e / side),
+                                 x = left + static_cast<std::ptrdiff_t>(e % side);
+            const bool inside = y >= 0 && y < static_cast<std::ptrdiff_t>(C.window.input.rows) && x >= 0 &&
+                                x < static_cast<std::ptrdiff_t>(C.window.input.columns);
+            pixels[e] = inside ? input + (y * static_cast<std::ptrdiff_t>(C.window.input.columns) + x) *
+                                             static_cast<std::ptrdiff_t>(C.input_stride)
+                               : outside.data();
+        });
+        float* const to = transformed + (tile - first) * tiles::input_stride;
+        for (std::size_t channel = 0; channel < tiles::input_stride; channel += tiles::input_width) {
+            std::array<std::array<wide, side>, side> d;
+            unroll<side>([&](auto x) __attribute__((always_inline)) {
+                std::array<wide, side> column;
+                unroll<side>([&](auto y) __attribute__((always_inline)) {
+                    column[y] = load_as<wide>(pixels[y * side + x] + channel);
+                });
+                column = detail::winograd_input_line(column);
+                unroll<side>([&](auto y) __attribute__((always_inline)) { d[y][x] = column[y]; });
+            });
+            unroll<side>([&](auto y) __attribute__((always_inline)) {
+                const std::array<wide, side> line = detail::winograd_input_line(d[y]);
+                unroll<side>([&](auto x) __attribute__((always_inline)) {
+                    store_as(to + (y * side + x) * tiles::band * tiles::input_stride + channel, line[x]);
+                });
+            });
+        }
+    }
+}
+
+/// products[tile][filter] of one element and `Tiles` tiles: a matrix product over the channels.
+template <frame_convolution C, std::size_t Vectors, std::size_t Tiles>
+[[gnu::flatten, gnu::noinline]] void multiply_winograd_tiles(const float* input, const float* weights,
+                                                             float* products) {
+    using tiles = winograd_tiles<C>;
+    using wide = sized_vector<float, C.width()>;
+    register_block<wide, Tiles, Vectors> sums;
+    unroll<Tiles * Vectors>([&](auto i) __attribute__((always_inline)) {
+        sums[i / Vectors][i % Vectors] = wide(0.0f);
+    });
+    for (std::size_t channel = 0; channel < tiles::channels; ++channel) {
+        std::array<wide, Vectors> w;
+        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+            w[v] = load_as<wide>(weights + (channel * Vectors + v) * C.width());
+        });
+        unroll<Tiles>([&](auto t) __attribute__((always_inline)) {
+            const wide x(input[t * tiles::input_stride + channel]);
+            unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+                sums[t][v] = fused_multiply_add(w[v], x, sums[t][v]);
+            });
+        });
+    }
+    unroll<Tiles * Vectors>([&](auto i) __attribute__((always_inline)) {
+        store_as(products + i * C.width(), sums[i / Vectors][i % Vectors]);
+    });
+}
+
+/// Outputs of the tiles [first, last): Aᵀ m A, bias, the other term of a sum, max pool, ReLU.
+template <frame_convolution C, std::size_t Vectors>
+[[gnu::flatten, gnu::noinline]] void transform_winograd_output(const float* products, const float* bias,
+                                                               float* output, std::size_t first,
+                                                               std::size_t last) {
+    using tiles = winograd_tiles<C>;
+    using wide = sized_vector<float, C.width()>;
+    constexpr std::size_t width = C.width(), side = tiles::side;
+    for (std::size_t tile = first; tile < last; ++tile) {
+        const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
+        const bool below = top + 1 < C.rows(), right = left + 1 < C.columns();
+        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+            std::array<std::array<wide, side>, 2> half;
+            unroll<side>([&](auto x) __attribute__((always_inline)) {
+                std::array<wide, side> column;
+                unroll<side>([&](auto y) __attribute__((always_inline)) {
+                    column[y] = load_as<wide>(
+                        products + (((y * side + x) * tiles::band + tile - first) * Vectors + v) * width);
+                });
+                const std::array<wide, 2> sums = detail::winograd_output_line(column);
+                half[0][x] = sums[0], half[1][x] = sums[1];
+            });
+            const std::array<std::array<wide, 2>, 2> y{detail::winograd_output_line(half[0]),
+                                                       detail::winograd_output_line(half[1])};
+            const wide start = load_as<wide>(bias + v * width);
+            const auto finished = [&](wide value) {
+                return C.rectified ? maximum_or_second(wide(0.0f), value) : value;
+            };
+            if constexpr (C.pool == extent(2)) {
+                wide largest = y[0][0];
+                if (right)
+                    largest = maximum_or_second(y[0][1], largest);
+                if (below)
+                    largest = maximum_or_second(y[1][0], largest);
+                if (right && below)
+                    largest = maximum_or_second(y[1][1], largest);
+                store_as(output + tile * C.output_stride() + v * width, finished(largest + start));
+            } else {
+                unroll<4>([&](auto i) __attribute__((always_inline)) {
+                    if ((i / 2 == 1 && !below) || (i % 2 == 1 && !right))
+                        return;
+                    float* const to =
+                        output + ((top + i / 2) * C.output_columns() + left + i % 2) * C.output_stride() +
+                        v * width;
+                    wide value = y[i / 2][i % 2] + start;
+                    if constexpr (C.adds)
+                        value = value + load_as<wide>(to);
+                    store_as(to, finished(value));
+                });
+            }
+        });
+    }
+}
+
+/// output = the fused step, as convolve_frame. `scratch` holds winograd_tiles<C>::scratch elements.
+template <frame_convolution C>
+void convolve_frame_by_tiles(const float* input, const float* weights, const float* bias, float* output,
+                             float* scratch) {
+    static_assert(!C.adds || C.pool == extent(1), "convolve_frame_by_tiles: a sum is not pooled");
+    using tiles = winograd_tiles<C>;
+    float* const products = scratch + tiles::transformed_input;
+    blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
+        transform_winograd_input<C>(input, scratch, first_tile, first_tile + band);
+        blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
+            const std::size_t first = first_vector * C.width();
+            const float* w = weights + first * tiles::elements * tiles::channels;
+            for (std::size_t e = 0; e < tiles::elements; ++e)
+                blocked<band, tiles::block>([&](auto count, std::size_t tile) {
+                    multiply_winograd_tiles<C, vectors, count>(
+                        scratch + (e * tiles::band + tile) * tiles::input_stride,
+                        w + e * tiles::channels * vectors * C.width(),
+                        products + (e * tiles::band + tile) * vectors * C.width());
+                });
+            transform_winograd_output<C, vectors>(products, bias + first, output + first, first_tile,
+                                                  first_tile + band);
+        });
+    });
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <tactnet/kernels/map/hartley.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Convolution of a map with a kernel as large as the map reaches and even in both directions, as an
+/// influence that depends on distance is:
+///
+///     to(y, x) = Σ kernel(|y − y'|, |x − x'|) from(y', x').
+///
+/// Beyond the map there is nothing: it is padded with zeros, so that nothing wraps around. Maps are of
+/// double, rows `stride` apart, aligned, and zero between the last column and the next row. The work memory
+/// is taken when this is made; a convolution takes none. One of them serves one thread.
+template <shape Shape>
+class even_convolution {
+    static constexpr std::size_t power_of_two(std::size_t least) {
+        std::size_t power = 4;
+        while (power < least)
+            power *= 2;
+        return power;
+    }
+    static constexpr std::size_t width = lanes<double>;
+    static constexpr std::size_t tall = power_of_two(2 * Shape.rows - 1),
+                                 wide = power_of_two(2 * Shape.columns - 1);
+
+public:
+    /// From one row of a map to the next.
+    static constexpr std::size_t stride = padded_size<double>(Shape.columns);
+    static constexpr std::size_t size = Shape.rows * stride;
+    /// Of a kernel, transformed: sums of kernels are sums of these.
+    using spectrum = aligned_vector<double>;
+
+    even_convolution() : upright_(stride * tall), lying_(frequencies * wide) {}
+
+    /// `kernel(rows, columns)`: what a cell does to another so many rows and columns away.
+    template <class Kernel>
+    [[nodiscard]] spectrum spectrum_of(const Kernel& kernel) {
+        std::fill(upright_.begin(), upright_.end(), 0.0);
+        for (std::size_t y = 0; y < Shape.rows; ++y)
+            for (std::size_t x = 0; x < Shape.columns; ++x) {
+                const double value = kernel(y, x);
+                upright(y, x) = value;
+                upright(y > 0 ? tall - y : 0, x) = value;
+            }
+        transform_columns();
+        std::fill(lying_.begin(), lying_.end(), 0.0);
+        turn();
+        for (std::size_t f = 0; f < frequencies; ++f)
+            for (std::size_t x = 1; x < Shape.columns; ++x)
+                lying(f, wide - x) = lying(f, x);
+        for (std::size_t group = 0; group < frequencies; group += width)
+            along_rows_.to_reversed(lying_.data() + group * wide);
+        spectrum result(lying_);
+        for (double& each : result)
+            each /= static_cast<double>(tall * wide); // of the transforms back and forth
+        return result;
+    }
+
+    /// `to` may be `from`.
+    void operator()(const spectrum& kernel, const double* from, double* to) noexcept {
+        for (std::size_t group = 0; group < stride; group += width) {
+            double* const block = upright_.data() + group * tall;
+            for (std::size_t y = 0; y < Shape.rows; ++y)
+                store(block + y * width, load(from + y * stride + group));
+            std::fill(block + Shape.rows * width, block + tall * width, 0.0);
+        }
+        transform_columns();
+        turn();
+        for (std::size_t group = 0; group < frequencies; group += width) {
+            double* const block = lying_.data() + group * wide;
+            std::fill(block + Shape.columns * width, block + wide * width, 0.0);
+            along_rows_.to_reversed(block);
+            const double* const factors = kernel.data() + group * wide;
+            for (std::size_t i = 0; i < wide * width; i += width)
+                store(block + i, load(block + i) * load(factors + i));
+            along_rows_.from_reversed(block);
+        }
+        turn_back();
+        for (std::size_t group = 0; group < stride; group += width) {
+            double* const block = upright_.data() + group * tall;
+            along_columns_.from_reversed(block);
+            for (std::size_t y = 0; y < Shape.rows; ++y)
+                store(to + y * stride + group, load(block + y * width));
+        }
+    }
+
+private:
+    // Signals lie side by side in blocks of one vector, all samples of a block one after the other.
+    static constexpr std::size_t frequencies = padded_size<double>(tall);
+    double& upright(std::size_t row, std::size_t column) {
+        return upright_[column / width * width * tall + row * width + column % width];
+    }
+    double& lying(std::size_t frequency, std::size_t column) {
+        return lying_[frequency / width * width * wide + column * width + frequency % width];
+    }
+
+    void transform_columns() {
+        for (std::size_t group = 0; group < stride; group += width)
+            along_columns_.to_reversed(upright_.data() + group * tall);
+    }
+    void turn() {
+        for (std::size_t group = 0; group < frequencies; group += width)
+            for (std::size_t x = 0; x < Shape.columns; ++x)
+                for (std::size_t f = group; f < std::min(group + width, tall); ++f)
+                    lying(f, x) = upright(f, x);
+    }
+    void turn_back() {
+        for (std::size_t group = 0; group < stride; group += width)
+            for (std::size_t f = 0; f < tall; ++f)
+                for (std::size_t x = group; x < std::min(group + width, Shape.columns); ++x)
+                    upright(f, x) = lying(f, x);
+    }
+
+    hartley<tall> along_columns_;
+    hartley<wide> along_rows_;
+    aligned_vector<double> upright_, lying_;
+};
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <tactnet/kernels/simd/row_vector.hpp>
+#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Convolution of a map with few weights that are even in both directions, in place and written out: faster
+/// than even_convolution for weights that reach some ten cells, and for maps with many empty rows.
+///
+///     map(y, x) ← max(0, Σ weight(|i|, |j|) map(y + i, x + j)),    |i| ≤ reach.rows, |j| ≤ reach.columns.
+///
+/// Beyond the map there is nothing. Values of the map below zero and NaN count as zero, and infinite ones as
+/// the largest number. The work memory is taken when this is made. One of them serves one thread.
+template <shape Shape>
+class even_stencil {
+    static constexpr std::size_t width = row_lanes<float>(Shape.columns),
+                                 vectors = row_vectors(Shape.columns, width);
+    using wide = sized_vector<float, width>;
+    // Rows with room for the longest reach on both sides.
+    static constexpr std::size_t margin = (Shape.columns + width - 1) / width * width, row_size = 3 * margin;
+
+public:
+    /// `weight(rows, columns)`; a reach beyond the map is cut.
+    template <class Weight>
+    even_stencil(extent reach, const Weight& weight)
+        : reach_(std::min(reach.rows, Shape.rows - 1), std::min(reach.columns, Shape.columns - 1)),
+          rows_(Shape.rows * row_size, 0.0f),
+          pair_(row_size, 0.0f) {
+        for (std::size_t i = 0; i <= reach_.rows; ++i)
+            for (std::size_t j = 0; j <= 2 * reach_.columns; ++j)
+                weights_.push_back(weight(i, j < reach_.columns ? reach_.columns - j : j - reach_.columns));
+    }
+
+    void operator()(float* map) noexcept {
+        std::array<bool, Shape.rows> empty;
+        for (std::size_t y = 0; y < Shape.rows; ++y) {
+            float* const row = rows_.data() + y * row_size + margin;
+            float largest = 0;
+            for (std::size_t x = 0; x < Shape.columns; ++x) {
+                const float value = map[y * Shape.columns + x];
+                row[x] = value > 0 ? std::min(value, std::numeric_limits<float>::max()) : 0;
+                largest = row[x] > largest ? row[x] : largest;
+            }
+            empty[y] = !(largest > 0);
+        }
+        for (std::size_t y = 0; y < Shape.rows; ++y)
+            blocked<vectors, 8>([&](auto count, std::size_t first) {
+                std::array<wide, count> sums;
+                unroll<count>([&](auto v) { sums[v] = wide(0); });
+                for (std::size_t i = 0; i <= reach_.rows; ++i)
+                    if (const float* const row = rows_apart(y, i, empty))
+                        add<count>(row, weights_.data() + i * (2 * reach_.columns + 1), first, sums);
+                unroll<count>([&](auto v) {
+                    store_in_row<Shape.columns, width>(map + y * Shape.columns +
+                                                           row_vector_begin(first + v, Shape.columns, width),
+                                                       maximum_or_second(sums[v], wide(0)));
+                });
+            });
+    }
+
+private:
+    /// The rows y − i and y + i, added, or nothing if both are empty: they have the same weights.
+    const float* rows_apart(std::size_t y, std::size_t i, const std::array<bool, Shape.rows>& empty) {
+        const bool above = i <= y && !empty[y - i], below = i > 0 && y + i < Shape.rows && !empty[y + i];
+        const float* const a = rows_.data() + (above ? y - i : 0) * row_size;
+        const float* const b = rows_.data() + (below ? y + i : 0) * row_size;
+        if (!above || !below)
+            return above ? a : below ? b : nullptr;
+        for (std::size_t x = margin; x < 2 * margin; x += width)
+            store_as(pair_.data() + x, load_as<wide>(a + x) + load_as<wide>(b + x));
+        return pair_.data();
+    }
+    template <std::size_t Count>
+    void add(const float* row, const float* weights, std::size_t first, std::array<wide, Count>& sums) const {
+        for (std::size_t j = 0; j <= 2 * reach_.columns; ++j) {
+            const float* const from = row + margin + j - reach_.columns;
+            const wide weight(weights[j]);
+            unroll<Count>([&](auto v) {
+                sums[v] = fused_multiply_add(
+                    load_anywhere<wide>(from + row_vector_begin(first + v, Shape.columns, width)), weight,
+                    sums[v]);
+            });
+        }
+    }
+
+    extent reach_;
+    aligned_vector<float> rows_, pair_, weights_;
+};
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

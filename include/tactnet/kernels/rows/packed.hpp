@@ -1,0 +1,103 @@
+#pragma once
+
+#include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+// Products of every row of one matrix with every row of another: A · Bᵀ, where B is kept in the order of use.
+// Unlike a general matrix product, every sum is taken in one fixed order, whatever the number of rows: a row
+// alone gives the same bits as in a batch.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// The rows of B: features of as many rows as fill a panel lie side by side.
+class packed_rows {
+public:
+    /// Vectors side by side in a panel, and rows of A at once: all sums stay in registers.
+    static constexpr std::size_t panel_vectors = vector_registers / 8, block_rows = 6;
+    static constexpr std::size_t panel_width = panel_vectors * lanes<float>;
+
+    packed_rows() = default;
+    /// row(i) points to the `features` values of row i.
+    template <class Row>
+    packed_rows(std::size_t rows, std::size_t features, const Row& row)
+        : rows_(rows), features_(features), values_(padded_rows() * features) {
+        for (std::size_t i = 0; i < rows; ++i) {
+            const float* from = row(i);
+            float* to = values_.data() + i / panel_width * panel_width * features + i % panel_width;
+            for (std::size_t f = 0; f < features; ++f)
+                to[f * panel_width] = from[f];
+        }
+    }
+
+    [[nodiscard]] std::size_t rows() const { return rows_; }
+    [[nodiscard]] std::size_t features() const { return features_; }
+    /// Rows in whole panels: what `products` writes for each row of A. Those behind the last are zero.
+    [[nodiscard]] std::size_t padded_rows() const {
+        return (rows_ + panel_width - 1) / panel_width * panel_width;
+    }
+
+    /// out[i][j] = row i of A · row j of B. Rows of A begin `stride` floats apart, those of `out` (aligned)
+    /// `out_stride`, a multiple of the panel width.
+    void products(const float* a, std::size_t count, std::size_t stride, float* out,
+                  std::size_t out_stride) const {
+        for (std::size_t first = 0; first < rows_; first += panel_width)
+            panel_products(first, a, count, stride, out + first, out_stride);
+    }
+    /// The columns first … first + panel_width − 1 of that alone, to the beginning of `out`.
+    void panel_products(std::size_t first, const float* a, std::size_t count, std::size_t stride, float* out,
+                        std::size_t out_stride) const {
+        const float* panel = values_.data() + first * features_;
+        std::size_t i = 0;
+        for (; i + block_rows <= count; i += block_rows)
+            block<block_rows>(panel, a + i * stride, stride, out + i * out_stride, out_stride);
+        for (; i < count; ++i)
+            block<1>(panel, a + i * stride, stride, out + i * out_stride, out_stride);
+    }
+
+private:
+    /// Terms added in registers before they go to the total: the error grows with the run and with the number
+    /// of runs, not with their product.
+    static constexpr std::size_t run = 128;
+
+    template <std::size_t Rows>
+    [[gnu::flatten]] void block(const float* panel, const float* a, std::size_t stride, float* out,
+                                std::size_t out_stride) const {
+        using v = vector<float>;
+        for (std::size_t first = 0; first == 0 || first < features_; first += run) {
+            const std::size_t end = std::min(first + run, features_);
+            register_block<v, Rows, panel_vectors> sums;
+            unroll<Rows>([&](auto r) { unroll<panel_vectors>([&](auto p) { sums[r][p] = v(0.0F); }); });
+            for (std::size_t f = first; f < end; ++f) {
+                std::array<v, panel_vectors> b;
+                unroll<panel_vectors>(
+                    [&](auto p) { b[p] = load(panel + f * panel_width + p * lanes<float>); });
+                unroll<Rows>([&](auto r) {
+                    const v value(a[r * stride + f]);
+                    unroll<panel_vectors>(
+                        [&](auto p) { sums[r][p] = multiply_add(value, b[p], sums[r][p]); });
+                });
+            }
+            unroll<Rows>([&](auto r) {
+                unroll<panel_vectors>([&](auto p) {
+                    float* to = out + r * out_stride + p * lanes<float>;
+                    store(to, first == 0 ? sums[r][p] : load(to) + sums[r][p]);
+                });
+            });
+        }
+    }
+
+    std::size_t rows_ = 0, features_ = 0;
+    aligned_vector<float> values_;
+};
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/runtime/random.hpp>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+
+// Standard normal numbers by the hundreds: the words of Philox in whole vectors, then Box and Muller's
+// transform.
+//
+// The numbers have the same bits with every instruction set, with and without fused multiply-adds. For that,
+// no rounded product is ever added to anything, since a compiler may fuse the two: logarithm and tangent are
+// continued fractions (Abramowitz, Stegun, Handbook of Mathematical Functions, 4.1.39 with 4.6.33, and
+// 4.3.94), whose steps are a division and a difference, and those are rounded alike everywhere.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// The normal numbers of a random stream, in groups of which each can be had by itself.
+class normal_numbers {
+    static constexpr std::size_t blocks = 16; ///< counters side by side: the most lanes that a vector has
+    static_assert(blocks % lanes<float> == 0);
+    using words = std::array<std::uint32_t, blocks>;
+
+public:
+    static constexpr std::size_t group_size = 4 * blocks;
+
+    explicit normal_numbers(const random_stream& random)
+        : key_(random.key()), counter_(random.next_counter()) {}
+
+    /// The numbers index · group_size … of the stream, to aligned memory. None is beyond ±6.7.
+    void group(std::uint32_t index, float* to) const {
+        alignas(64) std::array<words, 4> random;
+        philox_blocks(index * static_cast<std::uint32_t>(blocks), random);
+        box_muller(random[0], random[1], to);
+        box_muller(random[2], random[3], to + 2 * blocks);
+    }
+    /// The first `count` numbers of the stream, one call of use(i, number) each.
+    template <class Use>
+    void each(std::size_t count, const Use& use) const {
+        alignas(64) std::array<float, group_size> numbers;
+        for (std::size_t first = 0; first < count; first += group_size) {
+            group(static_cast<std::uint32_t>(first / group_size), numbers.data());
+            const std::size_t here = count - first < group_size ? count - first : group_size;
+            for (std::size_t i = 0; i < here; ++i)
+                use(first + i, numbers[i]);
+        }
+    }
+
+private:
+    /// philox() of runtime/random.hpp for counters one after the other, the same words. Plain loops, which
+    /// compilers turn into vectors of the products that xsimd has none for.
+    void philox_blocks(std::uint32_t first, std::array<words, 4>& x) const {
+        for (std::size_t i = 0; i < blocks; ++i) {
+            x[0][i] = counter_[0] + first + static_cast<std::uint32_t>(i);
+            x[1][i] = counter_[1], x[2][i] = counter_[2], x[3][i] = counter_[3];
+        }
+        std::array<std::uint32_t, 2> key = key_;
+        for (int round = 0; round < 10; ++round) {
+            for (std::size_t i = 0; i < blocks; ++i) {
+                const std::uint64_t a = std::uint64_t{0xD2511F53} * x[0][i],
+                                    b = std::uint64_t{0xCD9E8D57} * x[2][i];
+                x[0][i] = static_cast<std::uint32_t>(b >> 32) ^ x[1][i] ^ key[0];
+                x[1][i] = static_cast<std::uint32_t>(b);
+                x[2][i] = static_cast<std::uint32_t>(a >> 32) ^ x[3][i] ^ key[1];
+                x[3][i] = static_cast<std::uint32_t>(a);
+            }
+            key[0] += 0x9E3779B9;
+            key[1] += 0xBB67AE85;
+        }
+    }
+
+    /// radius · cosine for each block, and then radius · sine.
+    static void box_muller(const words& for_radius, const words& for_angle, float* to) {
+        using v = vector<float>;
+        // Uniform in (0, 1] as power · mantissa, with a mantissa in [√½, √2). The angle in half a turn; the
+        // other half is a radius below zero.
+        alignas(64) std::array<float, blocks> power, mantissa, quarter_angle, sign;
+        constexpr std::uint32_t root_half = std::bit_cast<std::uint32_t>(0x1.6a09e6p-1F);
+        for (std::size_t i = 0; i < blocks; ++i) {
+            const float uniform =
+                (static_cast<float>(static_cast<std::int32_t>(for_radius[i] >> 1)) + 0.5F) * 0x1p-31F;
+            const auto bits = std::bit_cast<std::uint32_t>(uniform);
+            const auto exponent = static_cast<std::int32_t>(bits - root_half) >> 23;
+            power[i] = static_cast<float>(exponent);
+            mantissa[i] = std::bit_cast<float>(bits - (static_cast<std::uint32_t>(exponent) << 23));
+            quarter_angle[i] = static_cast<float>(static_cast<std::int32_t>(for_angle[i] << 1)) *
+                               static_cast<float>(std::numbers::pi / 4 * 0x1p-31);
+            sign[i] = static_cast<std::int32_t>(for_angle[i]) < 0 ? -1.0F : 1.0F;
+        }
+        for (std::size_t i = 0; i < blocks; i += lanes<float>) {
+            const v logarithm = load(power.data() + i) + log2_of(load(mantissa.data() + i));
+            const v radius =
+                square_root<float>(logarithm * v(-2 * std::numbers::ln2_v<float>)) * load(sign.data() + i);
+            // Of half the angle: t = x / d, then cos = (1 − t²) / (1 + t²) and sin = 2 t / (1 + t²).
+            const v x = load(quarter_angle.data() + i);
+            const v d = tangent_denominator(x * x);
+            const v t_squared = (x * x) / (d * d);
+            const v scaled = radius / (v(1) + t_squared);
+            store<float>(to + i, scaled * (v(1) - t_squared));
+            store<float>(to + blocks + i, scaled * (v(2) * x / d));
+        }
+    }
+    /// log₂ m = 2 atanh z / ln 2 with z = (m − 1) / (m + 1), to 5·10⁻⁹ of itself and rounding.
+    static vector<float> log2_of(const vector<float>& m) {
+        using v = vector<float>;
+        const v z = (m - v(1)) / (m + v(1));
+        const v t = z * z;
+        return v(2 / std::numbers::ln2_v<float>) * z /
+               (v(1) - t / (v(3) - v(4) * t / (v(5) - v(9) * t / v(7))));
+    }
+    /// x / tan x for |x| ≤ π / 4, from x², to 2·10⁻⁸ of itself and rounding.
+    static vector<float> tangent_denominator(const vector<float>& square) {
+        using v = vector<float>;
+        return v(1) - square / (v(3) - square / (v(5) - square / (v(7) - square / v(9))));
+    }
+
+    std::array<std::uint32_t, 2> key_;
+    std::array<std::uint32_t, 4> counter_;
+};
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,188 @@
+#pragma once
+
+#include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+// Vectors along the rows of images, which are neither aligned nor of whole vectors.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+#ifndef TACTNET_NO_SIMD
+
+template <class Vector, class T>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_anywhere(const T* from) {
+    return Vector::load_unaligned(from);
+}
+template <class Vector, class T>
+[[gnu::always_inline]] inline void store_anywhere(T* to, const Vector& values) {
+    values.store_unaligned(to);
+}
+/// Kept within low … high; NaN is `low`. In the compilers' own terms, which become two instructions.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector kept_within(const Vector& a, const Vector& low,
+                                                               const Vector& high) {
+    const auto above = a.data > low.data ? a.data : low.data;
+    return Vector(above < high.data ? above : high.data);
+}
+/// `yes` where a is zero, else `no`.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector where_zero(const Vector& a, const Vector& yes,
+                                                              const Vector& no) {
+    return xsimd::select(a == Vector(0), yes, no);
+}
+/// Whether all are numbers: no NaN and no infinity.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline bool all_finite(const Vector& a) {
+    return xsimd::all(a - a == Vector(0));
+}
+/// Towards zero; for magnitudes below 2³¹.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector truncated(const Vector& a) {
+    return xsimd::to_float(xsimd::to_int(a));
+}
+/// Whole numbers, as such.
+template <class Vector>
+[[gnu::always_inline]] inline void store_whole(std::int32_t* to, const Vector& a) {
+    xsimd::to_int(a).store_unaligned(to);
+}
+/// The elements of even and those of odd number of two vectors that stand for one sequence.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> unzipped(const Vector& a, const Vector& b) {
+    return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
+        return std::array{Vector(__builtin_shufflevector(a.data, b.data, (2 * I)...)),
+                          Vector(__builtin_shufflevector(a.data, b.data, (2 * I + 1)...))};
+    }
+    (std::make_integer_sequence<int, static_cast<int>(Vector::size)>{});
+}
+/// The other way round: elements of `a` and `b` in turns.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> zipped(const Vector& a, const Vector& b) {
+    constexpr int size = static_cast<int>(Vector::size);
+    return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
+        return std::array{
+            Vector(__builtin_shufflevector(a.data, b.data, (I / 2 + I % 2 * size)...)),
+            Vector(__builtin_shufflevector(a.data, b.data, (size / 2 + I / 2 + I % 2 * size)...))};
+    }
+    (std::make_integer_sequence<int, size>{});
+}
+/// Each element of a vector three times, as three vectors.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 3> thrice(const Vector& a) {
+    constexpr int size = static_cast<int>(Vector::size);
+    return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
+        return std::array{Vector(__builtin_shufflevector(a.data, a.data, (I / 3)...)),
+                          Vector(__builtin_shufflevector(a.data, a.data, ((size + I) / 3)...)),
+                          Vector(__builtin_shufflevector(a.data, a.data, ((2 * size + I) / 3)...))};
+    }
+    (std::make_integer_sequence<int, size>{});
+}
+
+#else
+
+template <class Vector, class T>
+[[nodiscard]] inline Vector load_anywhere(const T* from) {
+    return *from;
+}
+template <class Vector, class T>
+inline void store_anywhere(T* to, const Vector& values) {
+    *to = values.value;
+}
+template <class Vector>
+[[nodiscard]] inline Vector kept_within(const Vector& a, const Vector& low, const Vector& high) {
+    return a > low ? (a < high ? a : high) : low;
+}
+template <class Vector>
+[[nodiscard]] inline Vector where_zero(const Vector& a, const Vector& yes, const Vector& no) {
+    return a == Vector(0) ? yes : no;
+}
+template <class Vector>
+[[nodiscard]] inline bool all_finite(const Vector& a) {
+    return a - a == Vector(0);
+}
+template <class Vector>
+[[nodiscard]] inline Vector truncated(const Vector& a) {
+    return static_cast<float>(static_cast<std::int32_t>(a.value));
+}
+template <class Vector>
+inline void store_whole(std::int32_t* to, const Vector& a) {
+    *to = static_cast<std::int32_t>(a.value);
+}
+template <class Vector>
+[[nodiscard]] inline std::array<Vector, 2> unzipped(const Vector& a, const Vector& b) {
+    return {a, b};
+}
+template <class Vector>
+[[nodiscard]] inline std::array<Vector, 2> zipped(const Vector& a, const Vector& b) {
+    return {a, b};
+}
+template <class Vector>
+[[nodiscard]] inline std::array<Vector, 3> thrice(const Vector& a) {
+    return {a, a, a};
+}
+
+#endif
+
+/// Vector i of the result holds the elements i, i + Ways, i + 2 · Ways … of vectors that stand for one
+/// sequence. `Ways` is a power of two.
+template <class Vector, std::size_t Ways>
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, Ways>
+unzipped(const std::array<Vector, Ways>& sequence) {
+    if constexpr (Ways == 1) {
+        return sequence;
+    } else {
+        std::array<Vector, Ways / 2> even, odd;
+        unroll<Ways / 2>([&](auto i) {
+            const auto halves = unzipped(sequence[2 * i], sequence[2 * i + 1]);
+            even[i] = halves[0], odd[i] = halves[1];
+        });
+        even = unzipped(even), odd = unzipped(odd);
+        std::array<Vector, Ways> result;
+        unroll<Ways / 2>([&](auto i) { result[2 * i] = even[i], result[2 * i + 1] = odd[i]; });
+        return result;
+    }
+}
+
+/// How many vectors cover `count` elements, and where each begins. The last one reaches back over its
+/// neighbour, so that none reaches beyond the end, unless there are fewer elements than lanes.
+[[nodiscard]] constexpr std::size_t row_vectors(std::size_t count, std::size_t lanes_of_one) {
+    return (count + lanes_of_one - 1) / lanes_of_one;
+}
+[[nodiscard]] constexpr std::size_t row_vector_begin(std::size_t index, std::size_t count,
+                                                     std::size_t lanes_of_one) {
+    const std::size_t begin = index * lanes_of_one;
+    return begin + lanes_of_one <= count || count < lanes_of_one ? begin : count - lanes_of_one;
+}
+
+/// Lanes for rows of `count` elements. Where one register of 64 bytes takes as long as two of 32 (it never
+/// takes longer), the halves leave less of the last one unused.
+template <class T>
+[[nodiscard]] constexpr std::size_t row_lanes(std::size_t count) {
+    const std::size_t width = lanes_for<T>(count);
+    const bool halves =
+        width * sizeof(T) == 64 && row_vectors(count, width / 2) < 2 * row_vectors(count, width);
+    return halves ? width / 2 : width;
+}
+
+/// Stores a vector along a row of `Count` elements: all of it, or as many as there are.
+template <std::size_t Count, std::size_t Lanes, class Vector>
+[[gnu::always_inline]] inline void store_in_row(float* to, const Vector& values) {
+    if constexpr (Count >= Lanes) {
+        store_anywhere(to, values);
+    } else {
+        alignas(64) std::array<float, Lanes> all;
+        store_as(all.data(), values);
+        for (std::size_t i = 0; i < Count; ++i)
+            to[i] = all[i];
+    }
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

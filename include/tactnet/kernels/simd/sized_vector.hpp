@@ -1,0 +1,95 @@
+#pragma once
+
+#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <array>
+#include <cstddef>
+
+// Vectors of a chosen number of lanes. The widest register is the best one only where there is enough to fill
+// it: eight filters fit a register of eight lanes, and leave one of sixteen half empty.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+#ifndef TACTNET_NO_SIMD
+
+template <class T, std::size_t Lanes>
+using sized_vector = xsimd::make_sized_batch_t<T, Lanes>;
+
+/// The narrowest vector of this instruction set: 16 bytes.
+template <class T>
+inline constexpr std::size_t fewest_lanes = 16 / sizeof(T);
+
+template <class Vector, class T>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_as(const T* from) {
+    return Vector::load_aligned(from);
+}
+template <class Vector, class T>
+[[gnu::always_inline]] inline void store_as(T* to, const Vector& values) {
+    values.store_aligned(to);
+}
+/// The larger of both; `b` where one is NaN. Not xsimd::max: GCC 12's own header warns of it.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
+    return xsimd::select(a > b, a, b);
+}
+
+#else
+
+template <class T, std::size_t>
+using sized_vector = vector<T>;
+template <class T>
+inline constexpr std::size_t fewest_lanes = 1;
+
+template <class Vector, class T>
+[[nodiscard]] inline Vector load_as(const T* from) {
+    return *from;
+}
+template <class Vector, class T>
+inline void store_as(T* to, const Vector& values) {
+    *to = values.value;
+}
+template <class Vector>
+[[nodiscard]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
+    return a > b ? a : b;
+}
+
+#endif
+
+/// Lanes of the vectors that hold `count` values side by side: the widest that they fill, or the narrowest.
+template <class T>
+[[nodiscard]] constexpr std::size_t lanes_for(std::size_t count) {
+    std::size_t width = lanes<T>;
+    while (width > count && width > fewest_lanes<T>)
+        width /= 2;
+    return width;
+}
+
+/// start + the lanes of a vector, from the first to the last. `Lanes` are those of `Vector`.
+template <class T, std::size_t Lanes, class Sum = T, class Vector>
+[[nodiscard]] inline Sum add_lanes(const Vector& values, Sum start = Sum{}) {
+    alignas(alignment) std::array<T, Lanes> flat;
+    store_as(flat.data(), values);
+    for (const T lane : flat)
+        start += static_cast<Sum>(lane);
+    return start;
+}
+/// totals[i] += lane i, in double.
+template <class T>
+inline void add_each_lane(double* totals, const vector<T>& values) {
+    alignas(alignment) std::array<T, lanes<T>> flat;
+    store(flat.data(), values);
+    for (std::size_t lane = 0; lane < lanes<T>; ++lane)
+        totals[lane] += static_cast<double>(flat[lane]);
+}
+
+/// Rows × columns × vectors of accumulators that stay in registers.
+template <class Vector, std::size_t Pixels, std::size_t Vectors>
+using register_block = std::array<std::array<Vector, Vectors>, Pixels>;
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// A number as a type, so that a lambda's argument can be a constant.
+template <std::size_t N>
+using constant = std::integral_constant<std::size_t, N>;
+
+/// body(constant<0>{}), …, body(constant<Count - 1>{}), written out by the compiler.
+template <std::size_t Count, class Body>
+[[gnu::always_inline]] inline constexpr void unroll(Body&& body) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+        (body(constant<I>{}), ...);
+    }
+    (std::make_index_sequence<Count>{});
+}
+
+/// Splits `Total` into blocks of `Block` and one smaller rest: body(constant<size>{}, first), where the size
+/// is a constant and the first element is not.
+template <std::size_t Total, std::size_t Block, class Body>
+[[gnu::always_inline]] inline constexpr void blocked(Body&& body) {
+    for (std::size_t first = 0; first + Block <= Total; first += Block)
+        body(constant<Block>{}, first);
+    if constexpr (Total % Block != 0)
+        body(constant<Total % Block>{}, Total / Block * Block);
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

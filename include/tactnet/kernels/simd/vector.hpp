@@ -1,0 +1,185 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
+
+#ifndef TACTNET_NO_SIMD
+#include <xsimd/xsimd.hpp>
+#endif
+
+// The few vector operations that the kernels use, on xsimd's widest batch for the instruction set compiled
+// for, or on plain numbers when there is none. Kernels name no instruction set.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+#ifndef TACTNET_NO_SIMD
+
+template <class T>
+using vector = xsimd::batch<T>;
+template <class T>
+using mask = typename xsimd::batch<T>::batch_bool_type;
+/// Elements in one vector register: also the samples in one group of a batch.
+template <class T>
+inline constexpr std::size_t lanes = xsimd::batch<T>::size;
+
+template <class T>
+[[nodiscard]] inline vector<T> load(const T* from) {
+    return vector<T>::load_aligned(from);
+}
+template <class T>
+inline void store(T* to, const vector<T>& values) {
+    values.store_aligned(to);
+}
+/// a · b + c, of vectors of any width, rounded once where the instruction set can.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector fused_multiply_add(const Vector& a, const Vector& b,
+                                                                      const Vector& c) {
+    // xsimd 8 has no instruction of AVX-512 behind this, and Clang does not find it by itself.
+#if defined(__clang__)
+    if constexpr (sizeof(Vector) == 64) {
+#pragma clang fp contract(fast)
+        return Vector(a.data * b.data + c.data);
+    }
+#endif
+    return xsimd::fma(a, b, c);
+}
+template <class T>
+[[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
+    return fused_multiply_add(a, b, c);
+}
+template <class T>
+[[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
+    return xsimd::sqrt(a);
+}
+template <class T>
+[[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {
+    return xsimd::select(condition, yes, no);
+}
+/// Whether the condition holds in one lane at least.
+template <class T>
+[[nodiscard]] inline bool any_of(const mask<T>& condition) {
+    return xsimd::any(condition);
+}
+/// As many floats as a vector of doubles has lanes, exactly. Of any alignment.
+[[nodiscard]] inline vector<double> widen(const float* from) {
+    // By the compiler's own vectors: xsimd 8 converts through memory.
+    using floats [[gnu::vector_size(sizeof(float) * lanes<double>)]] = float;
+    using doubles [[gnu::vector_size(sizeof(double) * lanes<double>)]] = double;
+    floats narrow;
+    std::memcpy(&narrow, from, sizeof(narrow));
+    return vector<double>(__builtin_convertvector(narrow, doubles));
+}
+/// Element i of the result is the sum over the lanes of rows[i]. Registers of 64 bytes are folded to halves
+/// first: xsimd 8's own sums of those come out in another order in single precision.
+template <class T>
+[[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, lanes<T>>& rows) {
+    if constexpr (sizeof(vector<T>) <= 32) {
+        return xsimd::haddp(rows.data());
+    } else {
+        constexpr std::size_t narrow = lanes<T> / 2;
+        using half = xsimd::make_sized_batch_t<T, narrow>;
+        alignas(64) std::array<T, lanes<T>> flat;
+        alignas(64) std::array<T, lanes<T>> sums;
+        for (std::size_t first = 0; first < lanes<T>; first += narrow) {
+            std::array<half, narrow> folded;
+            for (std::size_t i = 0; i < narrow; ++i) {
+                store(flat.data(), rows[first + i]);
+                folded[i] = half::load_aligned(flat.data()) + half::load_aligned(flat.data() + narrow);
+            }
+            xsimd::haddp(folded.data()).store_aligned(sums.data() + first);
+        }
+        return load(sums.data());
+    }
+}
+
+#else
+
+/// A register of one lane, so that kernels read the same with and without SIMD.
+template <class T>
+struct vector {
+    T value;
+
+    vector() = default;
+    vector(T v) : value(v) {}
+    friend vector operator+(vector a, vector b) { return a.value + b.value; }
+    friend vector operator-(vector a, vector b) { return a.value - b.value; }
+    friend vector operator*(vector a, vector b) { return a.value * b.value; }
+    friend vector operator/(vector a, vector b) { return a.value / b.value; }
+    friend vector& operator+=(vector& a, vector b) { return a = a + b; }
+    friend bool operator>(vector a, vector b) { return a.value > b.value; }
+    friend bool operator<(vector a, vector b) { return a.value < b.value; }
+    friend bool operator==(vector a, vector b) { return a.value == b.value; }
+    friend bool operator!=(vector a, vector b) { return a.value != b.value; }
+};
+template <class T>
+using mask = bool;
+template <class T>
+inline constexpr std::size_t lanes = 1;
+
+template <class T>
+[[nodiscard]] inline vector<T> load(const T* from) {
+    return *from;
+}
+template <class T>
+inline void store(T* to, const vector<T>& values) {
+    *to = values.value;
+}
+template <class T>
+[[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
+    return a * b + c;
+}
+template <class Vector>
+[[nodiscard]] inline Vector fused_multiply_add(const Vector& a, const Vector& b, const Vector& c) {
+    return a * b + c;
+}
+template <class T>
+[[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
+    return std::sqrt(a.value);
+}
+template <class T>
+[[nodiscard]] inline vector<T> choose(bool condition, const vector<T>& yes, const vector<T>& no) {
+    return condition ? yes : no;
+}
+template <class T>
+[[nodiscard]] inline bool any_of(bool condition) {
+    return condition;
+}
+[[nodiscard]] inline vector<double> widen(const float* from) {
+    return static_cast<double>(*from);
+}
+template <class T>
+[[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, 1>& rows) {
+    return rows[0];
+}
+
+#endif
+
+/// The larger of both; a NaN in either is kept, so that a broken number is seen and not hidden by a pool.
+template <class T>
+[[nodiscard]] inline vector<T> maximum_keeping_nan(const vector<T>& a, const vector<T>& b) {
+    return choose<T>((a > b) || !(a == a), a, b); // xsimd 8's != takes NaN as equal to itself with AVX-512
+}
+
+/// Elements in whole vectors that hold `count`.
+template <class T>
+[[nodiscard]] constexpr std::size_t padded_size(std::size_t count) {
+    return (count + lanes<T> - 1) / lanes<T> * lanes<T>;
+}
+
+/// Vector registers that kernels may plan with.
+#if defined(__AVX512F__) || defined(__aarch64__)
+inline constexpr std::size_t vector_registers = 32;
+#else
+inline constexpr std::size_t vector_registers = 16;
+#endif
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

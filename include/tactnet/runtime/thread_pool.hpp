@@ -1,0 +1,108 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Threads that divide work into equal, fixed shares, for one caller at a time. Which thread does what
+/// depends on the counts alone, and nothing is added up across shares, so results cannot depend on timing.
+/// One thread starts none.
+class thread_pool {
+public:
+    /// Throws std::system_error when the system refuses a thread; those that run already are ended first.
+    explicit thread_pool(std::size_t threads = 1) : thread_pool(without_workers{}, threads) {
+        workers_.reserve(threads_ - 1);
+        for (std::size_t index = 1; index < threads_; ++index)
+            workers_.emplace_back([this, index] { work(index); });
+    }
+    thread_pool(const thread_pool&) = delete;
+    thread_pool& operator=(const thread_pool&) = delete;
+    ~thread_pool() {
+        call_ = nullptr;
+        announce();
+        for (std::thread& worker : workers_)
+            worker.join();
+    }
+
+    [[nodiscard]] std::size_t threads() const { return threads_; }
+
+    /// One thread's part of some work: which of `threads` it is.
+    struct share {
+        std::size_t index, threads;
+
+        /// Its part of 0 … count − 1.
+        [[nodiscard]] std::size_t begin(std::size_t count) const { return count * index / threads; }
+        [[nodiscard]] std::size_t end(std::size_t count) const { return count * (index + 1) / threads; }
+    };
+
+    /// body(share) on every thread. Must not throw, nor call this again.
+    template <class Body>
+    void on_each_thread(const Body& body) {
+        if (threads_ == 1)
+            return body(share{0, 1});
+        body_ = &body;
+        call_ = [](const void* f, share part) noexcept { (*static_cast<const Body*>(f))(part); };
+        busy_.store(threads_ - 1, std::memory_order_relaxed);
+        announce();
+        body(share{0, threads_});
+        for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != 0; ++spin)
+            if (spin > patience)
+                std::this_thread::yield();
+    }
+    /// body(i) for 0 … count − 1.
+    template <class Body>
+    void for_each(std::size_t count, const Body& body) {
+        if (count == 1)
+            return body(std::size_t{0});
+        on_each_thread([&](share part) {
+            for (std::size_t i = part.begin(count); i < part.end(count); ++i)
+                body(i);
+        });
+    }
+
+private:
+    // A constructor of its own: once it is done the destructor cleans up, whatever the public one throws.
+    struct without_workers {};
+    thread_pool(without_workers, std::size_t threads) : threads_(threads > 0 ? threads : 1) {}
+
+    // Layers follow each other within microseconds: a short wait in place saves the way through the
+    // scheduler.
+    static constexpr std::size_t patience = 4096;
+
+    void announce() {
+        round_.fetch_add(1, std::memory_order_release);
+        round_.notify_all();
+    }
+    void work(std::size_t index) {
+        std::uint32_t seen = 0;
+        while (true) {
+            for (std::size_t spin = 0; spin < patience && round_.load(std::memory_order_acquire) == seen;
+                 ++spin) {
+            }
+            round_.wait(seen, std::memory_order_acquire);
+            ++seen; // one at a time: a round is not announced before the last one is done
+            if (!call_)
+                return;
+            call_(body_, share{index, threads_});
+            busy_.fetch_sub(1, std::memory_order_release);
+        }
+    }
+
+    std::size_t threads_;
+    std::atomic<std::uint32_t> round_{0};
+    std::atomic<std::size_t> busy_{0};
+    void (*call_)(const void*, share) noexcept = nullptr;
+    const void* body_ = nullptr;
+    std::vector<std::thread> workers_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,258 @@
+#pragma once
+
+// Tekscan's text recordings (.csv, .asf): a header up to 'ASCII_DATA @@', frames of one line and as many rows
+// as the header says, and a closing '@@'. Programs of different versions, countries and spreadsheets write
+// them differently; what they mean is the same, and is checked: rows, columns, the number of frames, the sum
+// of each frame where it is given, and that the cells without a tactel stay the same.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/text.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan/header.hpp>
+#include <tactnet/sensors/tekscan/row.hpp>
+#include <tactnet/sensors/tekscan/text.hpp>
+#include <tactnet/sensors/text/lines.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Decodes a text recording. A frame comes out when the line behind it has come, which shows that it has no
+/// row too many. Pressures come out in pascal, whatever unit they are written in. Times are those of the
+/// frames' lines; a time without a unit is in seconds, unless the header's SECONDS_PER_FRAME shows it to be
+/// in milliseconds; without a time, frames are SECONDS_PER_FRAME apart.
+///
+/// Memory: one frame (six bytes a cell, at most largest_frame_cells cells), and one line and one header of at
+/// most largest_header_bytes and largest_header_lines, the header cut into keys and values.
+class tekscan_ascii : public decoder_base {
+public:
+    tekscan_ascii() { described().format = "Tekscan ASCII"; }
+
+    template <class Sink>
+    decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
+        if (status() != decode_status::damaged &&
+            !lines_.push(bytes, [&](const text_line& line) { return take(line, sink); }) && lines_.too_long())
+            fail_at({{}, lines_.byte(), lines_.number()}, 0,
+                    "a line of at most " + std::to_string(largest_header_bytes) + " bytes", "a longer one");
+        return status();
+    }
+
+    template <class Sink>
+    decode_status finish(Sink&& sink) {
+        if (status() != decode_status::damaged)
+            lines_.finish([&](const text_line& line) { return take(line, sink); });
+        if (status() == decode_status::reading)
+            end(last_, "the end of the data", sink);
+        return status();
+    }
+
+    /// Frames whose 'Raw Sum' was given and is that of their cells.
+    [[nodiscard]] std::uint64_t matching_sums() const noexcept { return matching_sums_; }
+
+private:
+    template <class Sink>
+    bool take(const text_line& line, Sink& sink) {
+        last_ = {{}, line.byte + line.text.size(), line.number};
+        if (header_.next() == tekscan_header::part::header)
+            return take_header(line);
+        const bool plain_row = !line.text.empty() && (detail::is_digit(line.text[0]) || line.text[0] == 'B');
+        if (plain_row && status() == decode_status::reading)
+            return take_row(line);
+        std::string storage;
+        const std::string_view text = without_decoration(line.text, storage);
+        // Some systems end text files with a control character.
+        if (text.empty() || text == "\x1A")
+            return true;
+        if (status() == decode_status::finished)
+            return fail_at(line, 0, "nothing behind the closing @@", in_quotes(text, 20));
+        if (text == "@@")
+            return end(line, "'@@'", sink);
+        if (begins_frame(text))
+            return take_frame_line(line, text, sink);
+        // Data that end inside a line which is not of the frame: that frame is whole.
+        if (!line.ended && row_ == description().rows)
+            return close_frame(line, in_quotes(text, 20), sink) &&
+                   fail_at(line, 0, "a whole line", "the end of the data after " + in_quotes(text, 20));
+        return take_row(line);
+    }
+
+    bool take_header(const text_line& line) {
+        if (auto problem = header_.take(line.text, described()))
+            return fail_at(line, 0, std::move(problem->expected), std::move(problem->found));
+        if (header_.next() == tekscan_header::part::map)
+            return fail_at(line, 0, "a line 'ASCII_DATA @@'", "a map of a sensor");
+        return true;
+    }
+
+    template <class Sink>
+    bool take_frame_line(const text_line& line, std::string_view text, Sink& sink) {
+        if (open_ && !announced_)
+            return fail_at(line, 0, "the end, behind a frame without a line 'Frame'", in_quotes(text, 20));
+        if (open_ && !close_frame(line, in_quotes(text, 20), sink))
+            return false;
+        const auto found = scan_frame_line(text);
+        if (!found)
+            return fail_at(line, 0, "'Frame', its number and a time with a decimal point, if any",
+                           in_quotes(text));
+        if (announced_ && found->number <= frame_.number)
+            return fail_at(line, 0, "a frame after number " + std::to_string(frame_.number),
+                           "number " + std::to_string(found->number));
+        frame_ = *found;
+        if (!announced_)
+            first_ = frame_;
+        announced_ = open_ = true;
+        return true;
+    }
+
+    bool take_row(const text_line& line) {
+        const std::size_t rows = description().rows, columns = description().columns;
+        if (row_ == rows)
+            return fail_at(line, 0, std::to_string(rows) + " rows in a frame", "one more");
+        open_ = true;
+        if (exists_.size() < (row_ + 1) * columns) {
+            make_room((row_ + 1) * columns);
+            exists_.resize((row_ + 1) * columns);
+        }
+        const row_outcome outcome =
+            scan_tekscan_row(line.text, header_.cell_scale(), cells().subspan(row_ * columns, columns),
+                             std::span(exists_).subspan(row_ * columns, columns), sum_);
+        if (outcome.wrong != nullptr)
+            return refuse_row(line, outcome);
+        // A last line that is cut inside its last number would be another number. Only a sum shows that it is
+        // not.
+        if (!line.ended && outcome.cut && !checks_sum())
+            return fail_at(line, line.text.size(), "a line end behind the last number, or it may be cut",
+                           "the end of the data");
+        cut_ = !line.ended && outcome.cut;
+        ++row_;
+        return true;
+    }
+
+    bool refuse_row(const text_line& line, const row_outcome& outcome) {
+        const std::size_t columns = description().columns;
+        const auto at = static_cast<std::size_t>(outcome.wrong - line.text.data());
+        const std::string where =
+            outcome.column == columns
+                ? " after " + std::to_string(columns) + " columns"
+                : " in column " + std::to_string(outcome.column + 1) + " of " + std::to_string(columns);
+        const std::string_view rest = line.text.substr(at);
+        return fail_at(line, at, outcome.expected + where,
+                       !rest.empty() ? in_quotes(rest, 20)
+                       : line.ended  ? "the end of the line"
+                                     : "the end of the data");
+    }
+
+    /// Checks the frame whose rows are read and hands it out. `line` is the one behind it, `what` says of
+    /// what.
+    template <class Sink>
+    bool close_frame(const text_line& line, const std::string& what, Sink& sink) {
+        if (row_ < description().rows)
+            return fail_at(line, 0, std::to_string(description().rows) + " rows",
+                           std::to_string(row_) + " before " + what);
+        if (!sum_matches())
+            return fail_at(line, 0,
+                           "cells with a sum of " + shortest_text(*frame_.raw_sum) + " as the frame says",
+                           shortest_text(sum_));
+        if (frames() == 0)
+            described().mask = exists_;
+        const auto [now, first] = std::mismatch(exists_.begin(), exists_.end(), description().mask.begin());
+        if (now != exists_.end()) {
+            const auto cell = static_cast<std::size_t>(now - exists_.begin());
+            return fail_at(line, 0, "tactels in the same cells as in the first frame",
+                           std::string(*now != 0 ? "a tactel" : "none") + " in row " +
+                               std::to_string(cell / description().columns + 1) + ", column " +
+                               std::to_string(cell % description().columns + 1));
+        }
+        matching_sums_ += checks_sum() ? 1 : 0;
+        give(sink, announced_ ? frame_.number : 1, seconds());
+        row_ = 0;
+        sum_ = 0;
+        open_ = false;
+        return true;
+    }
+
+    /// The closing line, or the end of the data.
+    template <class Sink>
+    bool end(const text_line& line, const std::string& what, Sink& sink) {
+        if (header_.next() == tekscan_header::part::header)
+            return fail_at(line, 0, "a header that ends with 'ASCII_DATA @@'", what);
+        if (open_ && !close_frame(line, what, sink))
+            return false;
+        // A single frame without a line of its own may come from a longer recording that the header tells of.
+        if (!announced_ && frames() == 1)
+            described().frames.reset();
+        const std::uint64_t expected = description().frames.value_or(std::max<std::uint64_t>(frames(), 1));
+        if (frames() != expected)
+            return fail_at(line, 0, std::to_string(expected) + " frames",
+                           std::to_string(frames()) + " before " + what);
+        set_status(decode_status::finished);
+        return true;
+    }
+
+    /// Sums are of raw counts, so they say nothing about pressures.
+    [[nodiscard]] bool checks_sum() const {
+        return frame_.raw_sum && description().unit == pressure_unit::raw;
+    }
+    /// Where cells have decimals, each may have been rounded by half a tenth, and the sum by half a count. A
+    /// last line that may be cut gets no such allowance.
+    [[nodiscard]] bool sum_matches() {
+        if (!checks_sum() || sum_ == *frame_.raw_sum)
+            return true;
+        const auto all = cells();
+        if (cut_ || std::all_of(all.begin(), all.end(), [](float c) { return c == std::floor(c); }))
+            return false;
+        const auto pressed = std::count_if(all.begin(), all.end(), [](float c) { return c > 0; });
+        return std::abs(sum_ - *frame_.raw_sum) <= 0.5 + 0.05 * static_cast<double>(pressed);
+    }
+
+    [[nodiscard]] std::optional<double> seconds() {
+        const auto each = description().seconds_per_frame;
+        if (!frame_.stamp) {
+            if (!each)
+                return std::nullopt;
+            return static_cast<double>(frame_.number - first_.number) * *each;
+        }
+        if (frame_.stamp_unit)
+            return *frame_.stamp * *frame_.stamp_unit;
+        // Between seconds and milliseconds lies a factor of 1000; what is beyond its middle is milliseconds.
+        const std::uint64_t steps = frame_.number - (frames() > 0 ? first_.number : 1);
+        const double since = *frame_.stamp - (frames() > 0 ? first_.stamp.value_or(0) : 0);
+        if (!plain_stamp_unit_ && since > 0 && steps > 0 && each.value_or(0) > 0)
+            plain_stamp_unit_ = since / (static_cast<double>(steps) * *each) > std::sqrt(1000.0) ? 1e-3 : 1.0;
+        return *frame_.stamp * plain_stamp_unit_.value_or(1);
+    }
+
+    /// False, so that no more lines are read.
+    bool fail_at(const text_line& line, std::size_t column, std::string expected, std::string found) {
+        const bool in_header = header_.next() == tekscan_header::part::header;
+        fail({line.byte + column, line.number, in_header ? 0 : frames() + 1, std::move(expected),
+              std::move(found), missing_frames()});
+        return false;
+    }
+
+    line_splitter lines_;
+    tekscan_header header_;
+    tekscan_frame_line frame_, first_;
+    text_line last_; ///< where the last line ended
+    std::vector<std::uint8_t> exists_;
+    std::uint64_t matching_sums_ = 0;
+    std::size_t row_ = 0; ///< the next one of the frame
+    double sum_ = 0;
+    bool cut_ = false;       ///< the last row may lack digits
+    bool open_ = false;      ///< a frame has begun
+    bool announced_ = false; ///< by a line 'Frame'
+    std::optional<double> plain_stamp_unit_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,255 @@
+#pragma once
+
+// Tekscan's binary recordings (.fsx): a text header, the bytes 0A BB BA, and frames. A frame is runs of cells
+// that are not zero, { u16 cell, u8 count, count bytes }, up to FFFF, and records { u16 tag, u16 length, data
+// }, up to FFFF; where the next frame would begin, FF FE ends the recording. All numbers have their lowest
+// byte first. The cells are raw counts, whatever unit the header names for showing them.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/byte_order.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan/binary_header.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Decodes a binary recording. Each frame comes out with its last byte. Frames without a time of their own
+/// are SECONDS_PER_FRAME apart.
+///
+/// Memory: one frame (five bytes a cell, at most 65 279 cells), one header of at most largest_header_bytes
+/// and largest_header_lines, as it stands and cut into keys and values, and one run or record of a few bytes.
+class tekscan_binary : public decoder_base {
+public:
+    /// Where the mask of the sensor's map is given, a run on a cell without a tactel is an error, and so is a
+    /// mask of another size.
+    explicit tekscan_binary(std::vector<std::uint8_t> mask = {}) {
+        described().format = "Tekscan binary";
+        described().mask = std::move(mask);
+    }
+
+    template <class Sink>
+    decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
+        while (!bytes.empty() && status() != decode_status::damaged) {
+            if (status() == decode_status::finished) {
+                fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
+                break;
+            }
+            const std::size_t taken = part_ == part::header      ? take_header(bytes)
+                                      : part_ == part::run_cells ? take_run(bytes)
+                                      : part_ == part::data      ? take_record(bytes)
+                                                                 : take_number(bytes, sink);
+            byte_ += taken;
+            bytes = bytes.subspan(taken);
+        }
+        return status();
+    }
+
+    template <class Sink>
+    decode_status finish(Sink&&) {
+        if (status() == decode_status::reading)
+            fail_at(byte_,
+                    part_ == part::header ? "a header that ends with the bytes 0A BB BA"
+                                          : "frames and a closing FF FE",
+                    "the end of the data");
+        return status();
+    }
+
+private:
+    enum class part : std::uint8_t { header, run_cell, run_count, run_cells, tag, length, data };
+    static constexpr std::uint16_t end_of_list = 0xFFFF, end_of_recording = 0xFEFF;
+    static_assert(tekscan_binary_header::largest_cells <= end_of_recording);
+
+    std::size_t take_header(std::span<const std::byte> bytes) {
+        const std::size_t taken = header_.take(bytes, described());
+        if (header_.problem()) {
+            fail(*header_.problem());
+        } else if (header_.complete()) {
+            make_room();
+            part_ = part::run_cell;
+        }
+        return taken;
+    }
+
+    /// Gathers the one or two bytes of the number that is next.
+    template <class Sink>
+    std::size_t take_number(std::span<const std::byte> bytes, Sink& sink) {
+        const std::size_t size = part_ == part::run_count ? 1 : 2;
+        if (gathered_ == 0)
+            number_byte_ = byte_;
+        if (gathered_ == 0 && bytes.size() >= size) {
+            number(bytes, sink);
+            return size;
+        }
+        small_[gathered_++] = bytes[0];
+        if (gathered_ == size) {
+            gathered_ = 0;
+            number(small_, sink);
+        }
+        return 1;
+    }
+
+    template <class Sink>
+    void number(std::span<const std::byte> bytes, Sink& sink) {
+        if (part_ == part::run_count) {
+            count_ = static_cast<std::size_t>(bytes[0]);
+            if (count_ == 0 || cell_ + count_ > description().cells())
+                return fail_at(number_byte_,
+                               "a run of 1 to " + std::to_string(description().cells() - cell_) +
+                                   " cells from cell " + std::to_string(cell_),
+                               std::to_string(count_));
+            part_ = part::run_cells;
+            return;
+        }
+        const auto value = little_endian<std::uint16_t>(bytes);
+        if (part_ == part::run_cell)
+            begin_run(value);
+        else if (part_ == part::tag)
+            begin_record(value, sink);
+        else
+            record_length(value);
+    }
+
+    void begin_run(std::uint16_t value) {
+        if (value == end_of_list) {
+            part_ = part::tag;
+        } else if (value == end_of_recording && !in_frame_) {
+            end();
+        } else if (value >= description().cells() || value < cell_) {
+            fail_at(number_byte_,
+                    "a run from cell " + std::to_string(cell_) + " of " +
+                        std::to_string(description().cells()) + " on, FFFF or, behind a frame, FF FE",
+                    "cell " + std::to_string(value));
+        } else {
+            cell_ = value;
+            part_ = part::run_count;
+            in_frame_ = true;
+        }
+    }
+
+    std::size_t take_run(std::span<const std::byte> bytes) {
+        const std::size_t taken = std::min(bytes.size(), count_);
+        float* const to = cells().data() + cell_;
+        const auto* const from = reinterpret_cast<const std::uint8_t*>(bytes.data());
+        for (std::size_t i = 0; i < taken; ++i)
+            to[i] = static_cast<float>(from[i]);
+        if (!description().mask.empty() && !on_tactels(taken))
+            return 0;
+        cell_ += taken;
+        count_ -= taken;
+        if (count_ == 0)
+            part_ = part::run_cell;
+        return taken;
+    }
+
+    bool on_tactels(std::size_t count) {
+        for (std::size_t i = cell_; i < cell_ + count; ++i)
+            if (!description().exists(i)) {
+                fail_at(byte_ + i - cell_, "counts on tactels of the map only",
+                        "one in cell " + std::to_string(i));
+                return false;
+            }
+        return true;
+    }
+
+    template <class Sink>
+    void begin_record(std::uint16_t value, Sink& sink) {
+        if (value == end_of_list)
+            return end_frame(sink);
+        tag_ = value;
+        part_ = part::length;
+    }
+
+    void record_length(std::uint16_t value) {
+        const std::size_t wanted = tag_ == frame_number ? 4 : tag_ == microseconds ? 8 : value;
+        if (value != wanted)
+            return fail_at(number_byte_,
+                           "a record " + std::to_string(tag_) + " of " + std::to_string(wanted) + " bytes",
+                           std::to_string(value));
+        count_ = value;
+        gathered_ = 0;
+        part_ = count_ > 0 ? part::data : part::tag;
+    }
+
+    /// Records with unknown tags are passed over.
+    std::size_t take_record(std::span<const std::byte> bytes) {
+        const std::size_t taken = std::min(bytes.size(), count_);
+        const bool known = tag_ == frame_number || tag_ == microseconds;
+        if (known)
+            std::copy_n(bytes.begin(), taken, small_.begin() + static_cast<std::ptrdiff_t>(gathered_));
+        gathered_ += taken;
+        count_ -= taken;
+        if (count_ > 0)
+            return taken;
+        if (tag_ == frame_number)
+            number_ = little_endian<std::uint32_t>(small_);
+        else if (tag_ == microseconds)
+            microseconds_ = little_endian<std::uint64_t>(small_);
+        gathered_ = 0;
+        part_ = part::tag;
+        return taken;
+    }
+
+    template <class Sink>
+    void end_frame(Sink& sink) {
+        const std::uint64_t number = number_.value_or(last_number_ + 1);
+        if (frames() > 0 && number <= last_number_)
+            return fail_at(number_byte_, "a frame after number " + std::to_string(last_number_),
+                           "number " + std::to_string(number));
+        if (description().frames && frames() == *description().frames)
+            return fail_at(number_byte_, std::to_string(frames()) + " frames as the header announces",
+                           "one more");
+        if (frames() == 0)
+            first_number_ = number;
+        last_number_ = number;
+        std::optional<double> seconds;
+        if (microseconds_)
+            seconds = static_cast<double>(*microseconds_) / 1e6;
+        else if (description().seconds_per_frame)
+            seconds = static_cast<double>(number - first_number_) * *description().seconds_per_frame;
+        give(sink, number, seconds);
+        std::fill(cells().begin(), cells().end(), 0.0f);
+        cell_ = 0;
+        number_.reset();
+        microseconds_.reset();
+        in_frame_ = false;
+        part_ = part::run_cell;
+    }
+
+    void end() {
+        if (missing_frames().value_or(0) > 0)
+            return fail_at(number_byte_,
+                           std::to_string(*description().frames) + " frames as the header announces",
+                           std::to_string(frames()) + " before FF FE");
+        set_status(decode_status::finished);
+    }
+
+    void fail_at(std::size_t byte, std::string expected, std::string found) {
+        fail({byte, 0, part_ == part::header ? 0 : frames() + 1, std::move(expected), std::move(found),
+              missing_frames()});
+    }
+
+    static constexpr std::uint16_t frame_number = 1, microseconds = 2; ///< tags
+
+    tekscan_binary_header header_;
+    part part_ = part::header;
+    std::size_t byte_ = 0, number_byte_ = 0; ///< of what comes next, and of the number that is read
+    std::array<std::byte, 8> small_{};       ///< a number that arrives in pieces
+    std::size_t gathered_ = 0, cell_ = 0, count_ = 0;
+    std::uint16_t tag_ = 0;
+    bool in_frame_ = false; ///< between the first run of a frame and its end
+    std::optional<std::uint64_t> number_, microseconds_;
+    std::uint64_t first_number_ = 0, last_number_ = 0;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

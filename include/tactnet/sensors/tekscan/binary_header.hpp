@@ -1,0 +1,94 @@
+#pragma once
+
+// The text in front of a Tekscan binary recording, up to the bytes 0A BB BA, which may arrive in any pieces.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan/header.hpp>
+#include <tactnet/sensors/text/numbers.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Gathers the header and reads it as a whole.
+class tekscan_binary_header {
+public:
+    /// The cell numbers that are not needed for marks.
+    static constexpr std::size_t largest_cells = 0xFEFF;
+
+    /// Takes bytes up to the end of the header, and returns how many. Once `complete`, `to` is filled.
+    std::size_t take(std::span<const std::byte> bytes, recording_description& to) {
+        const std::size_t before = text_.size();
+        const std::size_t taken = std::min(bytes.size(), largest_header_bytes - before);
+        text_.append(reinterpret_cast<const char*>(bytes.data()), taken);
+        const std::size_t from = before - std::min(before, mark.size() - 1);
+        const std::size_t end = text_.find(mark, from);
+        if (end != std::string::npos) {
+            text_.resize(end);
+            read(to);
+            text_ = {};
+            complete_ = true;
+            return end + mark.size() - before;
+        }
+        if (taken < bytes.size())
+            problem_ = {text_.size(),
+                        0,
+                        0,
+                        "a header of at most " + std::to_string(largest_header_bytes) + " bytes",
+                        "a longer one",
+                        {}};
+        return taken;
+    }
+
+    [[nodiscard]] bool complete() const noexcept { return complete_; }
+    /// What is wrong with the header, if anything.
+    [[nodiscard]] const std::optional<decoding_error>& problem() const noexcept { return problem_; }
+
+private:
+    static constexpr std::string_view mark = "\n\xBB\xBA";
+
+    void read(recording_description& to) {
+        tekscan_header header(tekscan_header::unit_of::display);
+        std::string_view rest = text_;
+        for (std::size_t line = 1; !rest.empty(); ++line) {
+            const std::size_t length = std::min(rest.find('\n'), rest.size());
+            std::string_view text = rest.substr(0, length);
+            if (text.ends_with('\r'))
+                text.remove_suffix(1);
+            const auto byte = static_cast<std::size_t>(text.data() - text_.data());
+            if (auto problem = header.take(text, to))
+                return refuse(byte, line, std::move(*problem));
+            rest.remove_prefix(std::min(length + 1, rest.size()));
+        }
+        if (auto problem = header.complete(to))
+            return refuse(0, 1, std::move(*problem));
+        const std::string size = std::to_string(to.rows) + " x " + std::to_string(to.columns);
+        if (to.cells() > largest_cells)
+            return refuse(0, 1, {"at most " + std::to_string(largest_cells) + " cells", size});
+        if (!to.mask.empty() && to.mask.size() != to.cells())
+            return refuse(0, 1, {"the size of the map, " + std::to_string(to.mask.size()) + " cells", size});
+        for (const auto& [key, value] : to.header)
+            if (key == "FRAMES")
+                to.frames = whole_number(value);
+    }
+
+    void refuse(std::size_t byte, std::size_t line, text_problem problem) {
+        problem_ = {byte, line, 0, std::move(problem.expected), std::move(problem.found), {}};
+    }
+
+    std::string text_; ///< until it is read
+    bool complete_ = false;
+    std::optional<decoding_error> problem_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

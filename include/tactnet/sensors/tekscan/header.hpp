@@ -1,0 +1,215 @@
+#pragma once
+
+// The text in front of Tekscan's recordings and maps: lines of a key and a value, up to the one that begins
+// the data. Versions differ in which keys they write, in units and in what a spreadsheet has added since.
+// Keys that matter for the cells must make sense; all others are kept as they stand.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/text.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan/text.hpp>
+#include <tactnet/sensors/text/measures.hpp>
+#include <tactnet/sensors/text/numbers.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// What was expected of a text and what was found instead.
+struct text_problem {
+    std::string expected, found;
+};
+
+/// Fills a description, line by line.
+class tekscan_header {
+public:
+    using part = tekscan_part;
+    /// What UNITS names: the unit that cells are written in, or one for showing raw counts, which may be any.
+    enum class unit_of : std::uint8_t { cells, display };
+
+    explicit tekscan_header(unit_of unit = unit_of::cells) : unit_(unit) {}
+
+    /// One line. Returns what is wrong with it, if anything.
+    [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
+        bytes_ += line.size() + 1;
+        if (bytes_ > largest_header_bytes || ++lines_ > largest_header_lines)
+            return text_problem{"a header of at most " + std::to_string(largest_header_bytes) +
+                                    " bytes and " + std::to_string(largest_header_lines) + " lines",
+                                "a longer one"};
+        std::string storage;
+        const std::string_view text = without_decoration(line, storage);
+        const tekscan_header_line cut = cut_header_line(text);
+        if (const part behind = part_behind(cut); behind != part::header)
+            return begin_data(behind, to);
+        if (in_block_) {
+            take_block_line(text, to.header.back().second);
+            return std::nullopt;
+        }
+        const bool may_be_comment = std::exchange(next_is_comment_, false);
+        if (text.empty())
+            return std::nullopt;
+        return key_and_value(text, cut.key, cut.value, may_be_comment, to);
+    }
+
+    /// What comes next: more header, or the data.
+    [[nodiscard]] part next() const noexcept { return part_; }
+    /// What a written cell is multiplied by to be in the description's unit.
+    [[nodiscard]] double cell_scale() const noexcept { return cell_scale_; }
+
+    /// To be called at the end of a header that no line ends.
+    [[nodiscard]] std::optional<text_problem> complete(recording_description& to) const {
+        for (const auto& [key, value] : {std::pair("ROWS", to.rows), std::pair("COLS", to.columns)})
+            if (value == 0)
+                return text_problem{std::string("a line '") + key + "' in the header", "none"};
+        if (to.rows > largest_frame_cells / to.columns)
+            return text_problem{"at most " + std::to_string(largest_frame_cells) + " cells",
+                                std::to_string(to.rows) + " x " + std::to_string(to.columns)};
+        if (first_frame_ && last_frame_) {
+            if (*last_frame_ < *first_frame_ || *last_frame_ - *first_frame_ == UINT64_MAX)
+                return text_problem{"an END_FRAME not before START_FRAME " + std::to_string(*first_frame_),
+                                    std::to_string(*last_frame_)};
+            to.frames = *last_frame_ - *first_frame_ + 1;
+        }
+        return std::nullopt;
+    }
+
+private:
+    enum class understanding : std::uint8_t { done, not_needed, size, count, number, units };
+
+    static constexpr std::string_view end_mark = "@@";
+
+    std::optional<text_problem> begin_data(part next, recording_description& to) {
+        auto problem = complete(to);
+        if (!problem)
+            part_ = next;
+        return problem;
+    }
+
+    /// Text between 'KEY @@' and '@@'.
+    void take_block_line(std::string_view text, std::string& to) {
+        if (text == end_mark)
+            in_block_ = false;
+        else
+            to.append(to.empty() ? "" : "\n").append(text);
+    }
+
+    std::optional<text_problem> key_and_value(std::string_view text, std::string_view key,
+                                              std::string_view value, bool may_be_comment,
+                                              recording_description& to) {
+        if (value == end_mark || ((key == "COMMENTS:" || key == "COMMENTS") && value.empty())) {
+            in_block_ = !value.empty();
+            next_is_comment_ = value.empty();
+            if (next_is_comment_)
+                comment_ = to.header.size();
+            to.header.emplace_back(key, "");
+            return std::nullopt;
+        }
+        // Behind an empty COMMENTS: stands free text, perhaps of several lines, unless there is none and the
+        // header just goes on. What cannot be a line of the header is text, and so is what begins with a key
+        // that has come in front of it.
+        const auto before = std::find_if(to.header.begin(), to.header.end(),
+                                         [&](const auto& line) { return line.first == key; });
+        const bool known = before != to.header.end();
+        const bool repeats =
+            comment_ && known && before < to.header.begin() + static_cast<std::ptrdiff_t>(*comment_);
+        const auto how = repeats ? understanding::not_needed : understand(key, value, to);
+        if (may_be_comment && how != understanding::done) {
+            to.header.back().second = text;
+            return std::nullopt;
+        }
+        if (how != understanding::done && how != understanding::not_needed) {
+            if (!comment_ || value.find(' ') == std::string_view::npos)
+                return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
+            to.header[*comment_].second.append("\n").append(text);
+            return std::nullopt;
+        }
+        if (how == understanding::done && known && before->second != value)
+            return text_problem{"one line " + in_quotes(key),
+                                in_quotes(before->second) + " and " + in_quotes(value)};
+        to.header.emplace_back(key, value);
+        return std::nullopt;
+    }
+
+    /// Takes the value of a key that matters; tells what it should have been.
+    understanding understand(std::string_view key, std::string_view value, recording_description& to) {
+        if (key == "ROWS" || key == "COLS") {
+            const auto size = whole_number(value).value_or(0);
+            if (size == 0 || size > largest_frame_cells)
+                return understanding::size;
+            (key == "ROWS" ? to.rows : to.columns) = static_cast<std::size_t>(size);
+        } else if (key == "START_FRAME" || key == "END_FRAME") {
+            const auto number = whole_number(value);
+            if (!number)
+                return understanding::count;
+            (key == "START_FRAME" ? first_frame_ : last_frame_) = number;
+        } else if (key == "ROW_SPACING") {
+            return to_base(value, length_units, {}, to.row_spacing);
+        } else if (key == "COL_SPACING") {
+            return to_base(value, length_units, {}, to.column_spacing);
+        } else if (key == "SENSEL_AREA") {
+            return to_base(value, area_units, {}, to.cell_area);
+        } else if (key == "SATURATION_PRESSURE") {
+            return to_base(value, pressure_units, {}, to.saturation_pressure);
+        } else if (key == "SECONDS_PER_FRAME") {
+            return to_base(value, time_units, 1, to.seconds_per_frame);
+        } else if (key == "NOISE_THRESHOLD") {
+            return to_base(value, {}, 1, to.noise_threshold);
+        } else if (key == "UNITS" && unit_ == unit_of::cells) {
+            const auto size = unit_size(pressure_units, value);
+            if (!size && !same_letters(value, "raw"))
+                return understanding::units;
+            to.unit = size ? pressure_unit::pascal : pressure_unit::raw;
+            cell_scale_ = size.value_or(1);
+        } else {
+            if (key == "VERSION")
+                to.version = value;
+            return understanding::not_needed;
+        }
+        return understanding::done;
+    }
+
+    /// A measure in base units. Without a unit it is in `plain` base units; a unit that is not known, or no
+    /// number at all, leaves it empty. Only a number that can be read in two ways is refused.
+    static understanding to_base(std::string_view value, std::span<const measure_unit> units,
+                                 std::optional<double> plain, std::optional<double>& to) {
+        const auto found = scan_measure(value);
+        if (!found)
+            return value.empty() || !detail::is_digit(value.front()) ? understanding::done
+                                                                     : understanding::number;
+        const auto size = found->unit.empty() ? plain : unit_size(units, found->unit);
+        to = size ? std::optional(found->number * *size) : std::nullopt;
+        return understanding::done;
+    }
+
+    static std::string wanted(understanding how) {
+        switch (how) {
+        case understanding::size:
+            return "a number of rows or columns from 1 to " + std::to_string(largest_frame_cells);
+        case understanding::count:
+            return "the number of a frame";
+        case understanding::number:
+            return "a number with a decimal point, if any";
+        default:
+            return "raw or a unit of pressure such as kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2";
+        }
+    }
+
+    std::optional<std::uint64_t> first_frame_, last_frame_;
+    double cell_scale_ = 1;
+    std::size_t bytes_ = 0, lines_ = 0;
+    bool in_block_ = false, next_is_comment_ = false;
+    std::optional<std::size_t> comment_; ///< which line of the description is the last COMMENTS:
+    unit_of unit_;
+    part part_ = part::header;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

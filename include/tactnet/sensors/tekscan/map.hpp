@@ -1,0 +1,146 @@
+#pragma once
+
+// Tekscan's maps of sensors (.mp): a text header, and behind 'SENSOR_MAP @@' for each cell, row by row, the
+// place of its tactel in what the electronics scan. A cell without a tactel has no place: a negative number,
+// 65535 or B.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/text.hpp>
+#include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan/header.hpp>
+#include <tactnet/sensors/tekscan/text.hpp>
+#include <tactnet/sensors/text/lines.hpp>
+#include <tactnet/sensors/text/numbers.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Decodes a map. No frame comes out of it: its description, with the mask, is complete once it is finished.
+///
+/// Memory: three bytes a cell, of at most largest_frame_cells, one line and one header as for tekscan_ascii.
+class tekscan_map : public decoder_base {
+public:
+    tekscan_map() { described().format = "Tekscan map"; }
+
+    template <class Sink>
+    decode_status push(std::span<const std::byte> bytes, Sink&&) {
+        if (status() != decode_status::damaged &&
+            !lines_.push(bytes, [&](const text_line& line) { return take(line); }) && lines_.too_long())
+            fail({lines_.byte(),
+                  lines_.number(),
+                  0,
+                  "a line of at most " + std::to_string(largest_header_bytes) + " bytes",
+                  "a longer one",
+                  {}});
+        return status();
+    }
+
+    template <class Sink>
+    decode_status finish(Sink&&) {
+        if (status() != decode_status::damaged)
+            lines_.finish([&](const text_line& line) { return take(line); });
+        if (status() == decode_status::reading)
+            fail_at(lines_.byte(), lines_.number(),
+                    header_.next() == tekscan_header::part::map
+                        ? std::to_string(description().cells()) + " places and a closing '@@'"
+                        : "a header that ends with 'SENSOR_MAP @@'",
+                    "the end of the data after " + std::to_string(places_.size()) + " places");
+        return status();
+    }
+
+    /// The place of each cell's tactel, row by row; `no_place` where there is none.
+    [[nodiscard]] std::span<const std::uint16_t> places() const noexcept { return places_; }
+    static constexpr std::uint16_t no_place = 0xFFFF;
+
+private:
+    bool take(const text_line& line) {
+        if (header_.next() == tekscan_header::part::header) {
+            if (auto problem = header_.take(line.text, described()))
+                return fail_at(line.byte, line.number, std::move(problem->expected),
+                               std::move(problem->found));
+            if (header_.next() == tekscan_header::part::cells)
+                return fail_at(line.byte, line.number, "a line 'SENSOR_MAP @@'", "a recording");
+            return true;
+        }
+        std::string storage;
+        const std::string_view text = without_decoration(line.text, storage);
+        if (text.empty())
+            return true;
+        // Behind the map some versions go on with more of their own.
+        if (status() == decode_status::finished)
+            return true;
+        if (text == "@@")
+            return end(line);
+        return take_places(line, text);
+    }
+
+    bool take_places(const text_line& line, std::string_view text) {
+        while (!text.empty()) {
+            const std::size_t length = std::min(text.find_first_of(",; \t"), text.size());
+            const std::string_view field = text.substr(0, length);
+            text = trimmed(text.substr(length));
+            if (!text.empty() && is_separator(text.front()))
+                text = trimmed(text.substr(1));
+            const auto place = scan_place(field);
+            if (!place)
+                return fail_at(line.byte, line.number, "a place from 0 to 65534, or B", in_quotes(field));
+            if (places_.size() == description().cells())
+                return fail_at(line.byte, line.number, std::to_string(description().cells()) + " places",
+                               "more");
+            places_.push_back(*place);
+        }
+        return true;
+    }
+
+    static std::optional<std::uint16_t> scan_place(std::string_view field) {
+        if (field == "B" || field == "b")
+            return no_place;
+        const bool negative = field.starts_with('-');
+        const auto number = whole_number(field.substr(negative ? 1 : 0));
+        if (!number || *number > no_place)
+            return std::nullopt;
+        return negative ? no_place : static_cast<std::uint16_t>(*number);
+    }
+
+    bool end(const text_line& line) {
+        if (places_.size() != description().cells())
+            return fail_at(line.byte, line.number, std::to_string(description().cells()) + " places",
+                           std::to_string(places_.size()) + " before '@@'");
+        std::vector<bool> used(no_place);
+        for (const std::uint16_t place : places_) {
+            if (place == no_place)
+                continue;
+            if (used[place])
+                return fail_at(line.byte, line.number, "one cell at each place",
+                               "two at place " + std::to_string(place));
+            used[place] = true;
+        }
+        described().mask.resize(places_.size());
+        std::transform(places_.begin(), places_.end(), described().mask.begin(),
+                       [](std::uint16_t place) { return static_cast<std::uint8_t>(place != no_place); });
+        set_status(decode_status::finished);
+        return true;
+    }
+
+    bool fail_at(std::size_t byte, std::size_t line, std::string expected, std::string found) {
+        fail({byte, line, 0, std::move(expected), std::move(found), {}});
+        return false;
+    }
+
+    line_splitter lines_;
+    tekscan_header header_{tekscan_header::unit_of::display};
+    std::vector<std::uint16_t> places_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

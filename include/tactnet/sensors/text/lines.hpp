@@ -1,0 +1,95 @@
+#pragma once
+
+// Text that arrives in pieces, cut into lines: LF, CR LF or both in one file. A line that is whole in one
+// piece is never copied; one that is not is kept until its end comes, up to a limit.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/decoder.hpp>
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// One line without its end.
+struct text_line {
+    /// The character behind the last one may be read, and is a line end or NUL.
+    std::string_view text;
+    std::size_t byte = 0;   ///< where it starts
+    std::size_t number = 0; ///< from 1
+    bool ended = true;      ///< false for a last line without a line end
+};
+
+/// Cuts bytes into lines.
+class line_splitter {
+public:
+    /// Calls take(text_line) for each line that has come to its end, until it returns false. Returns false
+    /// when it did, or when a line is longer than largest_header_bytes (see `too_long`).
+    template <class Take>
+    bool push(std::span<const std::byte> bytes, Take&& take) {
+        const char* at = reinterpret_cast<const char*>(bytes.data());
+        const char* const end = at + bytes.size();
+        while (at != end) {
+            const auto* newline =
+                static_cast<const char*>(std::memchr(at, '\n', static_cast<std::size_t>(end - at)));
+            const char* const stop = newline != nullptr ? newline : end;
+            if (started_.size() + static_cast<std::size_t>(stop - at) > largest_header_bytes) {
+                too_long_ = true;
+                return false;
+            }
+            if (newline == nullptr) {
+                started_.append(at, end);
+                return true;
+            }
+            bool go_on = false;
+            if (started_.empty()) {
+                go_on = give(std::string_view(at, static_cast<std::size_t>(stop - at)), take);
+            } else {
+                started_.append(at, stop);
+                go_on = give(started_, take);
+                started_.clear();
+            }
+            at = newline + 1;
+            if (!go_on)
+                return false;
+        }
+        return true;
+    }
+
+    /// What stands behind the last line end, if anything.
+    template <class Take>
+    void finish(Take&& take) {
+        if (!started_.empty())
+            give(started_, take, false);
+        started_.clear();
+    }
+
+    [[nodiscard]] bool too_long() const noexcept { return too_long_; }
+    /// Where the line that has not ended starts, and its number.
+    [[nodiscard]] std::size_t byte() const noexcept { return byte_; }
+    [[nodiscard]] std::size_t number() const noexcept { return number_ + 1; }
+
+private:
+    template <class Take>
+    bool give(std::string_view text, Take& take, bool ended = true) {
+        text_line line{text, byte_, ++number_, ended};
+        byte_ += text.size() + (ended ? 1 : 0);
+        while (!line.text.empty() && line.text.back() == '\r')
+            line.text.remove_suffix(1);
+        constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+        if (number_ == 1 && line.text.starts_with(byte_order_mark))
+            line.text.remove_prefix(byte_order_mark.size());
+        return take(line);
+    }
+
+    std::string started_;
+    std::size_t byte_ = 0, number_ = 0;
+    bool too_long_ = false;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,205 @@
+#pragma once
+
+// The packets of Weiss Robotics' tactile controllers: AA AA AA, an identifier, u16 size, as many bytes of
+// payload, and a CRC-16, all numbers with their lowest byte first. A frame has the identifier 0 and a payload
+// of u32 time stamp, u8 flags and cells: u16 each, or, with the lowest flag set, in runs of a u16 each, whose
+// low 12 bits are the value and whose high 4 bits are how many cells have it. The controllers differ in which
+// bytes the checksum covers.
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/byte_order.hpp>
+#include <tactnet/sensors/decoder.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// CRC-16 with polynomial 1021 in a table of its plain, not reflected, form, but shifted to the right, as
+/// these controllers do; starts at FFFF.
+class weiss_checksum {
+public:
+    constexpr void add(std::span<const std::byte> bytes) noexcept {
+        for (const std::byte byte : bytes)
+            value_ = static_cast<std::uint16_t>(table[(value_ ^ static_cast<std::uint8_t>(byte)) & 0xFFU] ^
+                                                (value_ >> 8U));
+    }
+    [[nodiscard]] constexpr std::uint16_t value() const noexcept { return value_; }
+
+private:
+    static constexpr auto table = [] {
+        std::array<std::uint16_t, 256> entries{};
+        for (std::size_t i = 0; i < entries.size(); ++i) {
+            std::uint32_t entry = static_cast<std::uint32_t>(i) << 8U;
+            for (int bit = 0; bit < 8; ++bit)
+                entry = (entry << 1U) ^ ((entry & 0x8000U) != 0 ? 0x1021U : 0U);
+            entries[i] = static_cast<std::uint16_t>(entry);
+        }
+        return entries;
+    }();
+
+    std::uint16_t value_ = 0xFFFF;
+};
+
+/// What a live stream needs to know beforehand: it does not tell.
+struct weiss_array {
+    std::size_t rows = 0, columns = 0;
+    std::optional<double> row_spacing{}, column_spacing{}; ///< metres
+    double seconds_per_tick = 1e-3;                        ///< of the time stamp
+};
+
+/// Which bytes the checksum covers.
+enum class weiss_coverage : std::uint8_t { whole_packet, without_preamble };
+
+/// Decodes a live stream of packets. One may join it at any byte: what is no packet is passed over and
+/// counted. A packet with a wrong checksum or a frame of another size is reported as damaged, and decoding
+/// goes on behind it. Packets with other identifiers, answers to commands, are passed over. A push that
+/// reports damage has taken all its bytes; `error` is the last one's, `damaged_packets` counts them.
+///
+/// Memory: one frame of four bytes a cell and one packet, of two bytes a cell and 13 more, but at least 263
+/// and at most 65 543.
+class weiss_decoder : public decoder_base {
+public:
+    weiss_decoder(std::string format, const weiss_array& array, weiss_coverage coverage)
+        : decoder_base(describe(std::move(format), array)),
+          coverage_(coverage),
+          seconds_per_tick_(array.seconds_per_tick) {
+        buffer_.reserve(header_size + largest_payload() + checksum_size);
+    }
+
+    template <class Sink>
+    decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
+        set_status(decode_status::reading);
+        for (const std::byte byte : bytes) {
+            buffer_.push_back(byte);
+            ++byte_;
+            while (!buffer_.empty() && complete(sink)) {
+            }
+        }
+        return status();
+    }
+
+    /// A live stream may end anywhere; a packet that is not whole is reported.
+    template <class Sink>
+    decode_status finish(Sink&&) {
+        set_status(decode_status::finished);
+        if (!buffer_.empty())
+            report(byte_, "a whole packet", std::to_string(buffer_.size()) + " bytes of one");
+        buffer_.clear();
+        return status();
+    }
+
+    [[nodiscard]] std::uint64_t damaged_packets() const noexcept { return damaged_; }
+    /// Bytes that belong to no packet.
+    [[nodiscard]] std::uint64_t skipped_bytes() const noexcept { return skipped_; }
+
+private:
+    static constexpr std::size_t preamble_size = 3, header_size = 6, checksum_size = 2, stamp_and_flags = 5;
+    static constexpr std::byte preamble{0xAA};
+    static constexpr std::byte frame_identifier{0};
+
+    static recording_description describe(std::string format, const weiss_array& array) {
+        if (array.rows == 0 || array.columns == 0 || array.rows > largest_frame_cells / array.columns)
+            throw std::invalid_argument("weiss_decoder: expected 1 to " +
+                                        std::to_string(largest_frame_cells) + " cells, found " +
+                                        std::to_string(array.rows) + " x " + std::to_string(array.columns));
+        recording_description description;
+        description.format = std::move(format);
+        description.rows = array.rows;
+        description.columns = array.columns;
+        description.row_spacing = array.row_spacing;
+        description.column_spacing = array.column_spacing;
+        return description;
+    }
+
+    /// No more than a frame needs, or an answer to a command: a damaged size cannot keep the stream waiting.
+    [[nodiscard]] std::size_t largest_payload() const {
+        return std::clamp<std::size_t>(stamp_and_flags + 2 * description().cells(), 255, 0xFFFF);
+    }
+
+    /// Looks at what has arrived of a packet. True if it has changed the buffer, and must look again.
+    template <class Sink>
+    bool complete(Sink& sink) {
+        const std::span<const std::byte> packet(buffer_);
+        const auto is_preamble = [](std::byte b) { return b == preamble; };
+        if (!std::all_of(packet.begin(),
+                         packet.begin() + static_cast<std::ptrdiff_t>(std::min(packet.size(), preamble_size)),
+                         is_preamble))
+            return skip_one();
+        if (packet.size() < header_size)
+            return false;
+        const std::size_t size = little_endian<std::uint16_t>(packet.subspan(4));
+        if (size > largest_payload())
+            return skip_one();
+        if (packet.size() < header_size + size + checksum_size)
+            return false;
+        weiss_checksum checksum;
+        const std::size_t from = coverage_ == weiss_coverage::whole_packet ? 0 : preamble_size;
+        checksum.add(packet.subspan(from, header_size + size - from));
+        const auto given = little_endian<std::uint16_t>(packet.subspan(header_size + size));
+        if (given != checksum.value()) {
+            report(byte_ - packet.size(), "a checksum of " + std::to_string(checksum.value()),
+                   std::to_string(given));
+            return skip_one();
+        }
+        if (packet[preamble_size] == frame_identifier)
+            read_frame(packet.subspan(header_size, size), sink);
+        buffer_.clear();
+        return true;
+    }
+
+    bool skip_one() {
+        ++skipped_;
+        buffer_.erase(buffer_.begin());
+        return true;
+    }
+
+    template <class Sink>
+    void read_frame(std::span<const std::byte> payload, Sink& sink) {
+        const std::size_t size = description().cells();
+        const std::size_t start = byte_ - buffer_.size();
+        if (payload.size() < stamp_and_flags)
+            return report(start, "a frame with a time stamp", std::to_string(payload.size()) + " bytes");
+        const auto stamp = little_endian<std::uint32_t>(payload);
+        const bool runs = (payload[4] & std::byte{1}) != std::byte{0};
+        payload = payload.subspan(stamp_and_flags);
+        std::size_t cell = 0;
+        for (; payload.size() >= 2; payload = payload.subspan(2)) {
+            const auto word = little_endian<std::uint16_t>(payload);
+            const std::size_t count = runs ? word >> 12U : 1;
+            if (count > size - cell || count == 0)
+                return report(start, "runs of 1 to 15 cells, " + std::to_string(size) + " in all",
+                              std::to_string(count) + " behind " + std::to_string(cell));
+            std::fill_n(cells().begin() + static_cast<std::ptrdiff_t>(cell), count,
+                        static_cast<float>(runs ? word & 0x0FFFU : word));
+            cell += count;
+        }
+        if (cell != size || !payload.empty())
+            return report(start, std::to_string(size) + " cells",
+                          std::to_string(cell) + (payload.empty() ? "" : " and half of one"));
+        give(sink, frames() + 1, static_cast<double>(stamp) * seconds_per_tick_);
+    }
+
+    void report(std::size_t byte, std::string expected, std::string found) {
+        ++damaged_;
+        fail({byte, 0, frames() + 1, std::move(expected), std::move(found), {}});
+    }
+
+    weiss_coverage coverage_;
+    double seconds_per_tick_;
+    std::vector<std::byte> buffer_;
+    std::size_t byte_ = 0;
+    std::uint64_t damaged_ = 0, skipped_ = 0;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

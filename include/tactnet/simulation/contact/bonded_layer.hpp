@@ -1,0 +1,81 @@
+#pragma once
+
+#include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/elasticity/layer_compliance.hpp>
+#include <tactnet/simulation/elasticity/polonsky_keer.hpp>
+#include <tactnet/simulation/elasticity/radial_kernel.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// How cells on a bonded layer act on one another: as on a half space, Love's exact sum, less what the rigid
+/// base holds back, which is smooth on the scale of the thickness. At a distance r from a point force F it is
+///
+///     F / (π E* h) ∫₀^∞ (1 − M(x)) J₀(x r / h) dx.
+class layer_influence {
+public:
+    /// Thickness in metres, zero or more. What is thinner than a hundredth of a cell counts as that.
+    layer_influence(double thickness, double poisson, double cell)
+        : cell_(cell),
+          thickness_(thickness > 1e-2 * cell ? thickness / cell : 1e-2),
+          held_back_([=](double x) { return layer_stiffening(x, poisson); }, 16) {}
+
+    /// Metres under 1 Pa on a cell so many cells away, for E / (1 − ν²) = 1 Pa.
+    [[nodiscard]] double operator()(std::size_t rows, std::size_t columns) const {
+        const double x = static_cast<double>(columns), y = static_cast<double>(rows);
+        if (std::hypot(x, y) > radial_kernel::reach * thickness_ + 1)
+            return 0; // and not the difference of two rounded numbers
+        const rectangle square{x - 0.5, x + 0.5, y - 0.5, y + 0.5};
+        const double held = integrate(square, 2 * thickness_, [&](double across, double along) {
+            return held_back_(std::hypot(across, along) / thickness_);
+        });
+        // An incompressible layer thin beside a cell gives by less than the difference is rounded to. A
+        // cell's own share must be more than that, or the solver would find pressures that pull the surface
+        // down.
+        const double least = rows + columns == 0 ? 1e-6 * std::min(thickness_, 1.0) : 0;
+        return cell_ * ((love_integral(x, y) - held / thickness_) / std::numbers::pi + least);
+    }
+
+private:
+    double cell_, thickness_; // in cells
+    radial_kernel held_back_;
+};
+
+/// A soft layer on a rigid sensor, bonded to it: most sensors. By default 3 mm of soft rubber foam.
+///
+/// Cells should be no larger than about twice the thickness if ν is close to ½: such a layer gives way by
+/// flowing sideways, and hardly at all in the middle of a cell that is pressed evenly.
+struct bonded_layer {
+    double young = 1e5;      ///< E in pascals
+    double poisson = 0.3;    ///< ν, more than −1 and at most ½
+    double thickness = 3e-3; ///< metres; infinite for a half space
+    contact_accuracy accuracy{};
+
+    template <shape Shape>
+    class bound : public polonsky_keer<Shape> {
+    public:
+        bound(const bonded_layer& model, double cell)
+            : bound(model, cell, layer_influence(model.thickness, model.poisson, cell)) {}
+
+    private:
+        bound(const bonded_layer& model, double cell, const layer_influence& influence)
+            : polonsky_keer<Shape>(
+                  [&](std::size_t rows, std::size_t columns) {
+                      return influence(rows, columns) * ((1 - model.poisson * model.poisson) / model.young);
+                  },
+                  [&](std::size_t rows, std::size_t columns) {
+                      return half_space_influence(rows, columns, cell);
+                  },
+                  cell, model.accuracy) {}
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <tactnet/simulation/contact/contact.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+
+// The cheap model of contact: springs side by side that know nothing of each other. It is the limit of an
+// elastic layer on a rigid base that is compressible and thin beside the contact (Johnson, Contact Mechanics,
+// 1985, section 4.3).
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// A foundation of springs: pressure = modulus × depth / thickness. By default 3 mm of soft rubber foam.
+struct winkler {
+    double modulus = 1.35e5; ///< pascals, of a layer that cannot widen: (1 − ν) E / ((1 + ν)(1 − 2ν))
+    double thickness = 3e-3; ///< metres
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const winkler& model, double cell)
+            : modulus_(model.modulus), thickness_(model.thickness), area_(cell * cell) {}
+
+        /// Exact but for rounding. A deformable object counts as a second layer of springs.
+        contact_report solve(tensor_view<const float, Shape> heights, const pressing& press,
+                             signal<Shape> pressures) const noexcept {
+            const double stiffness =
+                1 / (thickness_ / modulus_ + press.object_thickness * press.object_softness());
+            const double lowest = lowest_of(heights);
+            contact_report report;
+            double level = lowest; // of the object's lowest point below the untouched surface
+            if (!(lowest < no_object) || !(press.amount < no_object))
+                report.converged = !(press.amount > 0); // nothing there to press, or no end to it
+            else if (press.until == pressing::goal::depth)
+                level += std::max(press.amount, 0.0);
+            else
+                level = level_for(heights, lowest, press.amount / (stiffness * area_), report);
+            report.depth = lowest < no_object ? level - lowest : 0;
+            report.force = press_to(heights, lowest, level, stiffness, pressures, report.cells) * area_;
+            return report;
+        }
+
+    private:
+        static constexpr double no_object = std::numeric_limits<float>::max();
+        static constexpr std::size_t lanes = 8; // sums of their own, so that they can be added side by side
+
+        static double lowest_of(tensor_view<const float, Shape> heights) {
+            std::array<float, lanes> lowest;
+            lowest.fill(std::numeric_limits<float>::infinity());
+            for_lanes([&](std::size_t i, std::size_t lane) {
+                const float height = heights.data()[i];
+                const bool lower = height < lowest[lane] && height >= -std::numeric_limits<float>::max();
+                lowest[lane] = lower ? height : lowest[lane];
+            });
+            return static_cast<double>(*std::min_element(lowest.begin(), lowest.end()));
+        }
+
+        /// The level at which all depths add up to `sum`. The springs that touch at a level are no fewer than
+        /// those that touch at the answer, so that each step drops some of them until none is dropped.
+        static double level_for(tensor_view<const float, Shape> heights, double lowest, double sum,
+                                contact_report& report) {
+            double level = no_object;
+            for (std::size_t touching = Shape.size() + 1; sum > 0;) {
+                std::array<double, lanes> relative{}, counts{};
+                for_lanes([&](std::size_t i, std::size_t lane) {
+                    const double height = static_cast<double>(heights.data()[i]);
+                    const bool touches = height < level && height >= lowest;
+                    relative[lane] += touches ? height - lowest : 0;
+                    counts[lane] += touches ? 1 : 0;
+                });
+                double total = 0, count = 0;
+                for (std::size_t lane = 0; lane < lanes; ++lane)
+                    total += relative[lane], count += counts[lane];
+                ++report.iterations;
+                if (static_cast<std::size_t>(count) >= touching || !(count > 0))
+                    return level;
+                touching = static_cast<std::size_t>(count);
+                level = lowest + (sum + total) / count;
+            }
+            return lowest;
+        }
+
+        /// Returns the sum of the pressures.
+        static double press_to(tensor_view<const float, Shape> heights, double lowest, double level,
+                               double stiffness, signal<Shape> pressures, std::size_t& cells) {
+            std::array<double, lanes> sums{}, counts{};
+            for_lanes([&](std::size_t i, std::size_t lane) {
+                const double height = static_cast<double>(heights.data()[i]), depth = level - height;
+                const double pressure = depth > 0 && height >= lowest ? stiffness * depth : 0;
+                pressures.data()[i] = static_cast<float>(pressure);
+                sums[lane] += pressure;
+                counts[lane] += pressure > 0 ? 1 : 0;
+            });
+            double sum = 0, count = 0;
+            for (std::size_t lane = 0; lane < lanes; ++lane)
+                sum += sums[lane], count += counts[lane];
+            cells = static_cast<std::size_t>(count);
+            return sum;
+        }
+
+        template <class Body>
+        static void for_lanes(const Body& body) {
+            constexpr std::size_t whole = Shape.size() / lanes * lanes;
+            for (std::size_t i = 0; i < whole; i += lanes)
+                for (std::size_t lane = 0; lane < lanes; ++lane)
+                    body(i + lane, lane);
+            for (std::size_t i = whole; i < Shape.size(); ++i)
+                body(i, i - whole);
+        }
+
+        double modulus_, thickness_, area_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

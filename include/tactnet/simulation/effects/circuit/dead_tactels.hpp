@@ -1,0 +1,75 @@
+#pragma once
+
+#include <tactnet/simulation/effect.hpp>
+
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// Tactels, rows and columns that always read zero: given ones, and others by chance, which stay with the
+/// sensor. What is dead at one probability is also dead at a greater one.
+struct dead_tactels {
+    static constexpr stage place = stage::circuit;
+
+    struct tactel {
+        std::size_t row, column;
+    };
+    /// Probabilities, 0 … 1; 0 or less is none. Chosen: three tactels of the paper's sensor.
+    double single = 0.002, row = 0, column = 0;
+    std::vector<tactel> tactels{};
+    std::vector<std::size_t> rows{}, columns{};
+
+    template <shape Shape>
+    class bound {
+    public:
+        /// Throws std::invalid_argument if a given one is outside of the array. May use heap memory.
+        bound(const dead_tactels& effect, const mounting& where) {
+            alive_.fill(true);
+            for (const tactel& each : effect.tactels)
+                kill(inside(each.row, Shape.rows, "row"), 1, inside(each.column, Shape.columns, "column"), 1);
+            for (const std::size_t given : effect.rows)
+                kill(inside(given, Shape.rows, "row"), 1, 0, Shape.columns);
+            for (const std::size_t given : effect.columns)
+                kill(0, Shape.rows, inside(given, Shape.columns, "column"), 1);
+
+            random_stream random = where.unit.random(random_use::dead);
+            for (std::size_t y = 0; y < Shape.rows; ++y)
+                if (random.uniform() < effect.row)
+                    kill(y, 1, 0, Shape.columns);
+            for (std::size_t x = 0; x < Shape.columns; ++x)
+                if (random.uniform() < effect.column)
+                    kill(0, Shape.rows, x, 1);
+            for (bool& alive : alive_)
+                alive = !(random.uniform() < effect.single) && alive;
+        }
+        void apply(signal<Shape> pressures, const moment&) const noexcept {
+            for (std::size_t i = 0; i < Shape.size(); ++i)
+                pressures.data()[i] = alive_[i] ? pressures.data()[i] : 0;
+        }
+
+    private:
+        static std::size_t inside(std::size_t index, std::size_t count, const char* what) {
+            if (index >= count)
+                throw std::invalid_argument(std::string("dead_tactels: expected a ") + what + " below " +
+                                            std::to_string(count) + ", found " + std::to_string(index));
+            return index;
+        }
+        void kill(std::size_t top, std::size_t height, std::size_t left, std::size_t width) {
+            for (std::size_t y = top; y < top + height; ++y)
+                for (std::size_t x = left; x < left + width; ++x)
+                    alive_[y * Shape.columns + x] = false;
+        }
+
+        std::array<bool, Shape.size()> alive_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

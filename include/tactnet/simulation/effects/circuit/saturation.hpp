@@ -1,0 +1,34 @@
+#pragma once
+
+#include <tactnet/simulation/effect.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// The circuit shows no pressure above its limit. By default that of the paper's sensor.
+struct saturation {
+    static constexpr stage place = stage::circuit;
+
+    double limit = 34e3; ///< pascals; infinite for none
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const saturation& effect, const mounting&) : limit_(static_cast<float>(effect.limit)) {}
+        void apply(signal<Shape> pressures, const moment&) const noexcept {
+            for (std::size_t i = 0; i < Shape.size(); ++i)
+                pressures.data()[i] = std::min(pressures.data()[i], limit_);
+        }
+
+    private:
+        float limit_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <tactnet/simulation/effects/scale.hpp>
+
+#include <cmath>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// Under a constant load the film reads more and more: 1 + rate · log₁₀(1 + t / time) times as much at the
+/// time t since the touch began (moment.seconds).
+struct creep {
+    static constexpr stage place = stage::film;
+
+    /// Share for each decade of time; 0 is none. What the maker of the paper's sensor states as the most for
+    /// single sensors of the same kind (FlexiForce A201, data sheet: 5 % per decade).
+    double rate = 0.05;
+    double time = 1; ///< seconds after which decades count; chosen. 0 or less: no creep
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const creep& effect, const mounting&) : rate_(effect.rate), time_(effect.time) {}
+        void apply(signal<Shape> pressures, const moment& now) const noexcept {
+            if (now.seconds > 0 && time_ > 0)
+                scale<Shape>(pressures, 1 + rate_ * std::log10(1 + now.seconds / time_));
+        }
+
+    private:
+        double rate_, time_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <tactnet/kernels/simd/normal_numbers.hpp>
+#include <tactnet/simulation/effect.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// No two tactels answer alike: each has a gain of its own, which stays with the sensor. Gains are log-normal
+/// of mean one and independent of each other. So the 1100 images of the paper's sensor show it: a fixed
+/// pattern (correlation of 0.95 between two halves of the images) of a relative standard deviation of 0.30,
+/// skewed (percentiles 1, 25, 50, 75 and 99 of gain − 1 at −0.59, −0.23, −0.07, 0.13 and 0.81), with next to
+/// no correlation of neighbours.
+struct gain_map {
+    static constexpr stage place = stage::film;
+
+    double deviation = 0.30; ///< relative standard deviation; 0 or less is none
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const gain_map& effect, const mounting& where) {
+            gains_.fill(1);
+            if (!(effect.deviation > 0))
+                return;
+            // Of the logarithm, so that the gain itself has this deviation and the mean one.
+            const double variance = std::log1p(std::min(effect.deviation * effect.deviation, most_variance));
+            kernels::normal_numbers(where.unit.random(random_use::gain))
+                .each(Shape.size(), [&](std::size_t tactel, float number) {
+                    gains_[tactel] = static_cast<float>(
+                        std::exp(std::sqrt(variance) * static_cast<double>(number) - variance / 2));
+                });
+        }
+        void apply(signal<Shape> pressures, const moment&) const noexcept {
+            for (std::size_t i = 0; i < Shape.size(); ++i)
+                pressures.data()[i] *= gains_[i];
+        }
+        /// What each tactel multiplies its pressure by.
+        [[nodiscard]] tensor_view<const float, Shape> gains() const { return gains_; }
+
+    private:
+        static constexpr double most_variance = 1e6; // keeps every gain finite
+
+        std::array<float, Shape.size()> gains_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <tactnet/simulation/effects/scale.hpp>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// A warmer film reads more: 1 + sensitivity · (T − calibrated) times as much at moment.celsius. Never below
+/// zero.
+struct temperature {
+    static constexpr stage place = stage::film;
+
+    /// Share per kelvin; 0 is none. Stated by the maker of the paper's sensor for single sensors of the same
+    /// kind (FlexiForce A201, data sheet).
+    double sensitivity = 0.0036;
+    double calibrated = 22; ///< degrees Celsius at which readings are right
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const temperature& effect, const mounting&)
+            : sensitivity_(effect.sensitivity), calibrated_(effect.calibrated) {}
+        void apply(signal<Shape> pressures, const moment& now) const noexcept {
+            scale<Shape>(pressures, 1 + sensitivity_ * (now.celsius - calibrated_));
+        }
+
+    private:
+        double sensitivity_, calibrated_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <tactnet/kernels/simd/normal_numbers.hpp>
+#include <tactnet/simulation/effect.hpp>
+#include <tactnet/tensor/tensor.hpp>
+
+#include <cmath>
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// A resistive film conducts through many tiny contacts between rough sides. Their number grows with the
+/// pressure, and varies by its square root: the reading of a pressure p has a standard deviation of
+/// texture × √p. One part of that is made with the sensor, the other differs from touch to touch. The
+/// defaults are fitted to the paper's images (over counts from 18 to 190 the fixed part is 1.75 √count, the
+/// other 2.0 √count).
+struct film_texture {
+    static constexpr stage place = stage::film;
+
+    double fixed = 20.2;   ///< √Pa, of one sensor
+    double varying = 23.1; ///< √Pa, from touch to touch
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const film_texture& effect, const mounting& where)
+            : varying_(static_cast<float>(effect.varying)) {
+            const auto deviation = static_cast<float>(effect.fixed);
+            kernels::normal_numbers(where.unit.random(random_use::texture))
+                .each(Shape.size(),
+                      [&](std::size_t i, float normal) { fixed_.data()[i] = deviation * normal; });
+        }
+        void apply(signal<Shape> pressures, const moment& now) const noexcept {
+            kernels::normal_numbers(now.random(random_use::texture))
+                .each(Shape.size(), [&](std::size_t i, float normal) {
+                    float& pressure = pressures.data()[i];
+                    const float texture = fixed_.data()[i] + varying_ * normal;
+                    const float textured = pressure + texture * std::sqrt(pressure > 0 ? pressure : 0);
+                    pressure = textured < 0 ? 0 : textured; // NaN stays
+                });
+        }
+
+    private:
+        float varying_;
+        tensor<float, Shape> fixed_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <tactnet/kernels/map/even_stencil.hpp>
+#include <tactnet/simulation/effect.hpp>
+#include <tactnet/simulation/elasticity/layer_compliance.hpp>
+#include <tactnet/simulation/elasticity/radial_kernel.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// How much of the force on a cell reaches the film under a cell so many rows and columns away, through a
+/// bonded layer: the layer's transfer function as a function of distance, averaged over both cells. Over an
+/// endless array the shares add up to one.
+class pad_shares {
+public:
+    /// `thickness` in cells.
+    pad_shares(double thickness, double poisson)
+        : thickness_(thickness), pressure_([=](double x) { return x * layer_transfer(x, poisson); }, 30) {}
+
+    [[nodiscard]] double operator()(std::size_t rows, std::size_t columns) const {
+        const double x = static_cast<double>(columns), y = static_cast<double>(rows);
+        // Two cells, of which one lies so far beside the other, overlap as a triangle does.
+        const auto share = [&](double across, double along) {
+            return pressure_(std::hypot(across, along) / thickness_) * (1 - std::abs(across - x)) *
+                   (1 - std::abs(along - y));
+        };
+        double sum = 0;
+        for (const double left : {x - 1, x})
+            for (const double bottom : {y - 1, y})
+                sum += integrate({left, left + 1, bottom, bottom + 1}, thickness_, share);
+        return sum / (2 * std::numbers::pi * thickness_ * thickness_);
+    }
+
+private:
+    double thickness_;
+    radial_kernel pressure_;
+};
+
+/// A soft pad between object and film, bonded to a stiff film: it spreads what presses on it. The pad goes on
+/// beyond the array: what reaches the film there is lost to the tactels. Shares of the last 0.2 % of a force,
+/// spread thin and far, are given to the nearer ones.
+///
+/// Under a contact<bonded_layer> the pad is that layer: it has the same thickness and ν.
+///
+/// A pad of ν below about ¼ would pull here and there beside what presses on it; the film shows no pull.
+/// A pad thinner than a millionth of a cell changes no bit; through an endlessly thick one nothing is felt.
+/// (Not `pad`: that is the padding of an image, in tensor/shape.hpp.)
+struct elastic_pad {
+    static constexpr stage place = stage::pad;
+    static constexpr bool same_in_every_sensor = true;
+
+    double thickness = 1.6e-3; ///< metres; by default what makes imprints as wide as the paper's
+    double poisson = 0.48;     ///< ν of soft rubber, more than −1 and at most ½
+
+    template <shape Shape>
+    class bound {
+    public:
+        bound(const elastic_pad& effect, const mounting& where)
+            : spreads_(effect.thickness > 1e-6 * where.cell),
+              stencil_(spreads_
+                           ? spread(effect.thickness / where.cell, effect.poisson)
+                           : kernels::even_stencil<Shape>(0, [](std::size_t, std::size_t) { return 1.0f; })) {
+        }
+
+        void apply(signal<Shape> pressures, const moment&) noexcept {
+            if (spreads_)
+                stencil_(pressures.data());
+        }
+
+    private:
+        /// `thickness` in cells.
+        static kernels::even_stencil<Shape> spread(double thickness, double poisson) {
+            constexpr double account = 0.002;
+            constexpr std::size_t longest = std::max(Shape.rows, Shape.columns) - 1, side = longest + 1;
+            const pad_shares shares(thickness, poisson);
+            std::vector<double> quadrant(side * side);
+            double sum = 0;
+            bool whole = false;
+            std::size_t reach = 0;
+            for (;; ++reach) { // square around square, until what is left is of no account
+                double ring = 0;
+                for (std::size_t near = 0; near <= reach; ++near) {
+                    const double share = shares(near, reach);
+                    quadrant[near * side + reach] = quadrant[reach * side + near] = share;
+                    ring += share * (reach == 0 ? 1 : near == 0 || near == reach ? 4 : 8);
+                }
+                sum += ring;
+                whole = std::abs(1 - sum) <= account && (reach == 0 || std::abs(ring) <= account);
+                if (whole || reach == longest)
+                    break;
+            }
+            const double scale = whole ? 1 / sum : 1; // else force leaves the array
+            return kernels::even_stencil<Shape>(reach, [&](std::size_t rows, std::size_t columns) {
+                return static_cast<float>(quadrant[rows * side + columns] * scale);
+            });
+        }
+
+        bool spreads_;
+        kernels::even_stencil<Shape> stencil_;
+    };
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,259 @@
+#pragma once
+
+#include <tactnet/kernels/map/even_convolution.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
+#include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+
+// The contact of a rigid shape with an elastic surface, each cell of which sinks by what all cells press:
+// pressures p ≥ 0 and gaps g ≥ 0 of which one is zero everywhere. Conjugate gradients on the cells in
+// contact, which change as pressures fall to zero and gaps close (Polonsky and Keer, Wear 231, 1999,
+// 206-219).
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// When a contact is found.
+struct contact_accuracy {
+    /// Gaps where there is pressure, and overlaps where there is none, as a share of the depth.
+    double tolerance = 1e-6;
+    std::size_t most_iterations = 500;
+};
+
+/// The solver of all models in which cells act on one another. Memory is taken when it is made.
+template <shape Shape>
+class polonsky_keer {
+    using v = kernels::vector<double>;
+    using convolution = kernels::even_convolution<Shape>;
+    using field = aligned_vector<double>;
+    static constexpr std::size_t stride = convolution::stride, size = convolution::size;
+
+public:
+    /// `surface(rows, columns)` and `object(rows, columns)`: how far in metres a cell so many cells away
+    /// sinks under 1 Pa on a cell, of the surface and of an object whose E / (1 − ν²) is 1 Pa. `cell` in
+    /// metres.
+    template <class Surface, class Object>
+    polonsky_keer(const Surface& surface, const Object& object, double cell, contact_accuracy accuracy)
+        : surface_(convolve_.spectrum_of(surface)),
+          object_(convolve_.spectrum_of(object)),
+          both_(surface_),
+          area_(cell * cell),
+          own_(surface(0, 0)),
+          own_of_object_(object(0, 0)),
+          accuracy_(accuracy) {
+        for (std::size_t y = 0; y < std::min<std::size_t>(Shape.rows, 5); ++y)
+            for (std::size_t x = 0; x < std::min<std::size_t>(Shape.columns, 5); ++x)
+                nearby_ += surface(y, x) * (y > 0 ? 2 : 1) * (x > 0 ? 2 : 1);
+    }
+
+    /// Force and pressures belong together to the last digits; gaps are closed to the accuracy.
+    contact_report solve(tensor_view<const float, Shape> heights, const pressing& press,
+                         signal<Shape> pressures) noexcept {
+        contact_report report;
+        std::fill(pressures.elements().begin(), pressures.elements().end(), 0.0f);
+        const bool touches = take(heights), pressed = press.amount > 0;
+        if (!touches || !pressed || !(press.amount < no_end)) {
+            report.converged = !pressed; // else nothing is there to be pressed, or there is no end to it
+            return report;
+        }
+        soften(press.object_softness());
+        guess(heights, press, pressures);
+        find(press, report);
+        for (std::size_t y = 0; y < Shape.rows; ++y)
+            for (std::size_t x = 0; x < Shape.columns; ++x) {
+                const double pressure = pressure_[y * stride + x];
+                pressures(y, x) = static_cast<float>(pressure);
+                report.force += pressure * area_;
+                report.cells += pressure > 0 ? 1 : 0;
+            }
+        return report;
+    }
+
+private:
+    static constexpr double no_end = std::numeric_limits<float>::max(); ///< of forces and depths
+    /// Higher than any object sinks in, and low enough to be reckoned with.
+    static constexpr double no_object = 1e200;
+
+    /// body(i) for the first element i of each vector of a field.
+    template <class Body>
+    static void each(const Body& body) {
+        for (std::size_t i = 0; i < size; i += kernels::lanes<double>)
+            body(i);
+    }
+    static v at(const field& from, std::size_t i) { return kernels::load(from.data() + i); }
+    static void put(field& to, std::size_t i, const v& values) { kernels::store(to.data() + i, values); }
+    static double total(const v& values) {
+        alignas(alignment) std::array<double, kernels::lanes<double>> all;
+        kernels::store(all.data(), values);
+        return std::accumulate(all.begin(), all.end(), 0.0);
+    }
+    static v only(const kernels::mask<double>& condition, const v& values) {
+        return kernels::choose<double>(condition, values, v(0.0));
+    }
+
+    /// Heights above the lowest. Where there is no object they are so high that nothing ever reaches them.
+    bool take(tensor_view<const float, Shape> heights) {
+        constexpr float highest = std::numeric_limits<float>::max();
+        float lowest = highest;
+        for (const float height : heights.elements())
+            lowest = height < lowest && height >= -highest ? height : lowest;
+        for (std::size_t y = 0; y < Shape.rows; ++y)
+            for (std::size_t x = 0; x < Shape.columns; ++x) {
+                const float height = heights(y, x);
+                heights_[y * stride + x] = height >= lowest && height < highest
+                                               ? static_cast<double>(height) - static_cast<double>(lowest)
+                                               : no_object;
+            }
+        return lowest < highest;
+    }
+    /// Surface and object yield together.
+    void soften(double object_softness) {
+        softness_ = object_softness;
+        for (std::size_t i = 0; softness_ > 0 && i < both_.size(); i += kernels::lanes<double>)
+            put(both_, i, kernels::multiply_add<double>(v(softness_), at(object_, i), at(surface_, i)));
+    }
+    void sink(const field& under, field& result) {
+        convolve_(softness_ > 0 ? both_ : surface_, under.data(), result.data());
+    }
+
+    /// To begin with, springs that yield as much as a patch of cells does.
+    void guess(tensor_view<const float, Shape> heights, const pressing& press, signal<Shape> springs) {
+        typename winkler::template bound<Shape>({.modulus = 1, .thickness = nearby_}, std::sqrt(area_))
+            .solve(heights, {press.until, press.amount}, springs);
+        for (std::size_t y = 0; y < Shape.rows; ++y)
+            for (std::size_t x = 0; x < Shape.columns; ++x)
+                pressure_[y * stride + x] = static_cast<double>(springs(y, x));
+    }
+
+    struct state {
+        double level;   ///< how deep the object's lowest point lies
+        double squares; ///< of the gaps in contact
+        double worst;   ///< of gaps in contact and overlaps elsewhere
+    };
+
+    void find(const pressing& press, contact_report& report) {
+        const bool to_force = press.until == pressing::goal::force;
+        const double load = to_force ? press.amount / area_ : 0;
+        if (to_force)
+            scale_to(load);
+        sink(pressure_, sunk_);
+        double before = 0; // squares, if the search can go on from the last direction
+        for (;;) {
+            const state now = gaps(to_force ? level() : press.amount);
+            report.depth = now.level;
+            report.converged = now.worst <= accuracy_.tolerance * now.level;
+            if (report.converged || report.iterations == accuracy_.most_iterations)
+                return;
+            ++report.iterations;
+            turn(before > 0 ? now.squares / before : 0);
+            sink(step_, answer_);
+            const double length = step_length();
+            const moved change = move(length);
+            const double factor = to_force ? scale_to(load) : 1;
+            if (change.cells_changed || !(factor > 0))
+                sink(pressure_, sunk_);
+            else
+                each([&](std::size_t i) {
+                    put(sunk_, i, (at(sunk_, i) - v(length) * at(answer_, i)) * v(factor));
+                });
+            before = change.grown ? 0 : now.squares;
+        }
+    }
+
+    /// The level at which the gaps in contact are zero in the mean.
+    double level() const {
+        v sum(0.0), count(0.0);
+        each([&](std::size_t i) {
+            const auto contact = at(pressure_, i) > v(0.0);
+            sum += only(contact, at(sunk_, i) + at(heights_, i));
+            count += only(contact, v(1.0));
+        });
+        return total(sum) / total(count);
+    }
+    state gaps(double level) {
+        v squares(0.0), worst(0.0);
+        each([&](std::size_t i) {
+            const v gap = at(sunk_, i) + at(heights_, i) - v(level), overlap = v(0.0) - gap;
+            const auto contact = at(pressure_, i) > v(0.0);
+            put(gap_, i, gap);
+            squares += only(contact, gap * gap);
+            worst = kernels::maximum_keeping_nan<double>(
+                worst, kernels::maximum_keeping_nan<double>(overlap, only(contact, gap)));
+        });
+        alignas(alignment) std::array<double, kernels::lanes<double>> all;
+        kernels::store(all.data(), worst);
+        return {level, total(squares), *std::max_element(all.begin(), all.end())};
+    }
+    void turn(double share) {
+        each([&](std::size_t i) {
+            const auto contact = at(pressure_, i) > v(0.0);
+            put(step_, i, only(contact, kernels::multiply_add<double>(v(share), at(step_, i), at(gap_, i))));
+        });
+    }
+    /// How far along the step the gaps are least. Polonsky and Keer take the mean out of the answer, where
+    /// the level is free; but with gaps that are zero in the mean so are the steps, and it has no part in
+    /// this. Where nothing can be told, as with a contact of one cell, as far as a cell would go alone.
+    double step_length() const {
+        v fall(0.0), rise(0.0);
+        each([&](std::size_t i) { // no step outside the contact
+            fall += at(gap_, i) * at(step_, i);
+            rise += at(answer_, i) * at(step_, i);
+        });
+        const double length = total(fall) / total(rise);
+        return length > 0 && std::isfinite(length) ? length : 1 / (own_ + softness_ * own_of_object_);
+    }
+
+    struct moved {
+        bool cells_changed; ///< some lost contact or came into it
+        bool grown;         ///< some came into contact
+    };
+    moved move(double length) {
+        v lost(0.0), won(0.0);
+        each([&](std::size_t i) {
+            const v pressure = at(pressure_, i), gap = at(gap_, i);
+            const v next = pressure - v(length) * at(step_, i);
+            const auto contact = pressure > v(0.0), stays = next > v(0.0), overlaps = gap < v(0.0);
+            const v start = only(overlaps, v(0.0) - v(length) * gap);
+            put(pressure_, i, kernels::choose<double>(contact, only(stays, next), start));
+            lost += kernels::choose<double>(contact, kernels::choose<double>(stays, v(0.0), v(1.0)), v(0.0));
+            won += kernels::choose<double>(contact, v(0.0), only(overlaps, v(1.0)));
+        });
+        const bool grown = total(won) > 0;
+        return {grown || total(lost) > 0, grown};
+    }
+    /// Makes the pressures add up to the load, and returns by what they were multiplied. If none is left, the
+    /// lowest point takes it all, and 0 is returned.
+    double scale_to(double load) {
+        v sum(0.0);
+        each([&](std::size_t i) { sum += at(pressure_, i); });
+        const double factor = load / total(sum);
+        if (!(factor > 0) || !std::isfinite(factor)) {
+            std::fill(pressure_.begin(), pressure_.end(), 0.0);
+            const auto lowest = std::min_element(heights_.begin(), heights_.end());
+            pressure_[static_cast<std::size_t>(lowest - heights_.begin())] = load;
+            return 0;
+        }
+        each([&](std::size_t i) { put(pressure_, i, at(pressure_, i) * v(factor)); });
+        return factor;
+    }
+
+    convolution convolve_;
+    typename convolution::spectrum surface_, object_, both_;
+    // Of the padding between rows: no object, no pressure.
+    field heights_ = field(size, no_object), pressure_ = field(size, 0.0), sunk_ = field(size, 0.0),
+          gap_ = field(size, 0.0), step_ = field(size, 0.0), answer_ = field(size, 0.0);
+    double area_, own_, own_of_object_, nearby_ = 0, softness_ = 0;
+    contact_accuracy accuracy_;
+};
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

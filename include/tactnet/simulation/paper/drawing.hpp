@@ -1,0 +1,93 @@
+#pragma once
+
+#include <tactnet/runtime/random.hpp>
+#include <tactnet/simulation/objects/object.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <vector>
+
+// What the families of objects are drawn with. In them all lengths are written in millimetres and all angles
+// in degrees, as one would measure the things on a desk.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+inline constexpr double mm = 1e-3;
+inline constexpr double degrees = std::numbers::pi / 180;
+
+/// Where touches of a family lie: around a place, with any angle of a range.
+struct pose_range {
+    point middle;
+    point reach; ///< to both sides, along x and y
+    double from_angle = 0, to_angle = 2 * std::numbers::pi;
+    double slope = 2e-3; ///< standard deviation of the tilt, in metres a metre
+};
+
+/// Random numbers in the terms of objects.
+class drawing {
+public:
+    drawing(random_stream shape, random_stream where, random_stream force)
+        : shape_(shape), where_(where), force_(force) {}
+
+    /// Of the object's shape.
+    [[nodiscard]] double within(double low, double high) { return shape_.uniform(low, high); }
+    [[nodiscard]] double around(double middle, double spread) { return middle + spread * within(-1, 1); }
+    [[nodiscard]] bool chance(double probability) { return shape_.uniform() < probability; }
+    [[nodiscard]] double sign() { return chance(0.5) ? 1 : -1; }
+    [[nodiscard]] std::size_t count(std::size_t least, std::size_t most) {
+        return least + shape_.below(static_cast<std::uint32_t>(most - least + 1));
+    }
+    [[nodiscard]] roughness rough(double amplitude, double wavelength) {
+        return {amplitude, wavelength, shape_.bits()};
+    }
+
+    /// A pose of the range, in which `middle` is the point of the object that lies there.
+    [[nodiscard]] pose somewhere(const pose_range& range, point middle = {}) {
+        pose at;
+        at.position = range.middle +
+                      point{where_.uniform(-1, 1) * range.reach.x, where_.uniform(-1, 1) * range.reach.y};
+        at.angle = where_.uniform(range.from_angle, range.to_angle);
+        at.slope = {range.slope * where_.normal(), range.slope * where_.normal()};
+        at.position = at.position - middle.turned(at.angle);
+        return at;
+    }
+    /// Newtons, log-uniform.
+    [[nodiscard]] pressing pressed(double least, double most) {
+        return pressing::to_force(least * std::pow(most / least, force_.uniform()));
+    }
+
+private:
+    random_stream shape_, where_, force_;
+};
+
+/// The same of an object that deforms: `modulus` in pascals as in pressing, `thickness` of what gives way.
+[[nodiscard]] inline pressing soft(pressing press, double modulus, double thickness) {
+    press.object_modulus = modulus;
+    press.object_thickness = thickness;
+    return press;
+}
+
+/// A bent bar: rods from point to point, whose radius and lift may differ.
+struct bend {
+    point at;
+    double radius;
+    double lift = 0;
+};
+inline void add_bar(std::vector<part>& parts, std::span<const bend> bends) {
+    for (std::size_t i = 1; i < bends.size(); ++i) {
+        const bend &a = bends[i - 1], &b = bends[i];
+        parts.push_back(rod{a.at, b.at, a.radius, b.radius, a.lift, b.lift});
+    }
+}
+
+/// Longer than any array: what ends outside of the picture.
+inline constexpr double beyond = 150 * mm;
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

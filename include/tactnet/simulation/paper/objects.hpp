@@ -1,0 +1,61 @@
+#pragma once
+
+#include <tactnet/simulation/paper/bars.hpp>
+#include <tactnet/simulation/paper/bodies.hpp>
+#include <tactnet/simulation/paper/solids.hpp>
+#include <tactnet/simulation/paper/tools.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// A kind of object: each draw is another one of its kind, in another pose, pressed with another force.
+struct object_family {
+    std::string_view name;
+    touch (*draw)(drawing&);
+};
+
+/// The 22 classes of the paper, in the order of their names.
+inline constexpr std::array<object_family, 22> paper_objects{{
+    {"adhesive", objects::adhesive},
+    {"allen_key", objects::allen_key},
+    {"arm", objects::arm},
+    {"ball", objects::ball},
+    {"bottle", objects::bottle},
+    {"box", objects::box},
+    {"branch", objects::branch},
+    {"cable", objects::cable},
+    {"cable_pipe", objects::cable_pipe},
+    {"caliper", objects::caliper},
+    {"can", objects::can},
+    {"finger", objects::finger},
+    {"hand", objects::hand},
+    {"highlighter", objects::highlighter},
+    {"key", objects::key},
+    {"pen", objects::pen},
+    {"pliers", objects::pliers},
+    {"rock", objects::rock},
+    {"rubber", objects::rubber},
+    {"scissors", objects::scissors},
+    {"sticky_tape", objects::sticky_tape},
+    {"tube", objects::tube},
+}};
+
+/// Touch `number` of a class, which is an index of paper_objects: the same wherever it is drawn.
+[[nodiscard]] inline touch draw_touch(std::size_t label, std::uint64_t seed, std::uint32_t number) {
+    const auto stream = [&](random_use use) {
+        return random_stream(seed, draw::touch, number,
+                             static_cast<std::uint32_t>(label) * 64 + static_cast<std::uint32_t>(use));
+    };
+    drawing draw(stream(random_use::shape), stream(random_use::pose), stream(random_use::force));
+    return paper_objects.at(label).draw(draw);
+}
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/simulation/effects/circuit/quantisation.hpp>
+#include <tactnet/simulation/effects/circuit/saturation.hpp>
+#include <tactnet/simulation/effects/film/texture.hpp>
+#include <tactnet/simulation/effects/mechanics/pad.hpp>
+#include <tactnet/simulation/effects/storage/jpeg.hpp>
+#include <tactnet/simulation/scene.hpp>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace simulation {
+
+/// What the paper's images call for, and no more: the effects without which simulated images are told from
+/// them at a glance. On the 28 × 50 array of the paper, as 8-bit counts that went through a JPEG file.
+using paper_scene = scene<array<28, 50>, contact<winkler>, elastic_pad, film_texture, saturation,
+                          quantisation<8>, jpeg_storage>;
+
+/// With the accurate model of contact, which lets neighbours sink with what presses beside them: for touches
+/// of which the pressures themselves matter. Takes hundreds of times as long.
+using layered_scene = scene<array<28, 50>, contact<bonded_layer>, elastic_pad, film_texture, saturation,
+                            quantisation<8>, jpeg_storage>;
+
+/// The same touches as an ideal array would show them.
+using ideal_scene = scene<array<28, 50>, contact<winkler>, saturation, quantisation<8>>;
+
+} // namespace simulation
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,71 @@
+#include <tactnet/kernels/batch/normalised_pooling.hpp>
+#include <tactnet/kernels/batch/reductions.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <support/whole_numbers.hpp>
+
+using namespace tactnet;
+using namespace tactnet::kernels;
+
+namespace {
+
+constexpr sliding_window window = sliding_window::over({4, 6, 1}, 2, 2, same);
+constexpr std::size_t pixels = 24, windows = 6;
+
+} // namespace
+
+TEST_CASE_TEMPLATE(
+    "normalised_pool_forward: the largest of the normalised, a falling rule takes the smallest", T, float,
+    double) {
+    constexpr std::size_t width = lanes<T>;
+    const auto input = support::whole_numbers<T>(pixels * width, 7919);
+    aligned_vector<T> output(windows * width), chosen(windows * width);
+    for (const T scale : {T{2}, T{-2}}) {
+        normalised_pool_forward<window, true>(normalising<T>{1, scale, 3}, input.data(), output.data(),
+                                              chosen.data());
+        for (std::size_t o = 0; o < windows; ++o)
+            for (std::size_t lane = 0; lane < width; ++lane) {
+                T best = -1000, behind = 0;
+                for (std::size_t k = 0; k < 4; ++k) {
+                    const T x = input[((o / 3 * 2 + k / 2) * 6 + o % 3 * 2 + k % 2) * width + lane];
+                    if ((x - 1) * scale + 3 > best)
+                        best = (x - 1) * scale + 3, behind = x;
+                }
+                CHECK(output[o * width + lane] == (best > 0 ? best : 0));
+                CHECK(chosen[o * width + lane] == behind);
+            }
+    }
+}
+TEST_CASE_TEMPLATE("normalised_pool_forward: a NaN is kept, whatever comes before and behind it", T, float,
+                   double) {
+    constexpr std::size_t width = lanes<T>;
+    for (const std::size_t at : {0u, 1u, 6u, 7u}) {
+        aligned_vector<T> input(pixels * width, T{5}), output(windows * width);
+        input[at * width] = std::nan("");
+        normalised_pool_forward<window, false>(normalising<T>{0, 1, 0}, input.data(), output.data(),
+                                               static_cast<T*>(nullptr));
+        CHECK(std::isnan(output[0]));
+        for (std::size_t i = 1; i < output.size(); ++i)
+            CHECK(output[i] == 5);
+    }
+}
+TEST_CASE_TEMPLATE("normalised_pool_backward: the first of equal elements, none behind a ReLU that is shut",
+                   T, float, double) {
+    constexpr std::size_t width = lanes<T>;
+    const aligned_vector<T> input(pixels * width, T{5}), chosen(windows * width, T{5}),
+        output_gradient(windows * width, T{7});
+    aligned_vector<T> output(windows * width, T{5}), input_gradient(pixels * width, T{99});
+    for (std::size_t lane = 0; lane < width; ++lane)
+        output[lane] = 0; // the first window
+    const normalising_gradient<T> rule{0, 0, 0, 2};
+    normalised_pool_backward<window>(rule, lanes_in_use<T>(width), input.data(), output.data(), chosen.data(),
+                                     output_gradient.data(), input_gradient.data());
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+        const bool first = pixel / 6 % 2 == 0 && pixel % 2 == 0;
+        CHECK(input_gradient[pixel * width] == (first && pixel != 0 ? 14 : 0));
+    }
+}

@@ -1,0 +1,191 @@
+#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame/winograd.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <support/deployment_bound.hpp>
+#include <support/guarded_map.hpp>
+#include <support/window_of.hpp>
+#include <type_traits>
+#include <vector>
+
+using namespace tactnet;
+using namespace tactnet::kernels;
+
+namespace {
+
+/// Runs one fused step on random numbers and holds every output to the bound of its error.
+template <frame_convolution C, bool Tiled>
+void compare(std::uint64_t seed) {
+    CAPTURE(C.window.input.rows);
+    CAPTURE(C.window.input.columns);
+    CAPTURE(C.window.input.channels);
+    CAPTURE(C.filters);
+    constexpr std::size_t channels = C.window.input.channels, area = C.window.input.area();
+    constexpr std::size_t taps = C.window.kernel.area();
+    std::uint64_t state = seed;
+    std::vector<double> weights(C.filters * channels * taps);
+    for (double& w : weights)
+        w = static_cast<double>(support::draw(state));
+    std::vector<support::rounded> biases(C.filters);
+    for (support::rounded& b : biases)
+        b.value = static_cast<double>(support::draw(state));
+    support::rounded_map in(channels * area);
+    for (support::rounded& x : in)
+        x.value = static_cast<double>(support::draw(state));
+
+    // Lanes beyond the channels hold numbers, as other steps may leave them; around the map is NaN.
+    support::guarded_map input(area * C.input_stride, NAN, 1e3f);
+    for (std::size_t c = 0; c < channels; ++c)
+        for (std::size_t p = 0; p < area; ++p)
+            input.data()[p * C.input_stride + c] = static_cast<float>(in[c * area + p].value);
+    constexpr std::size_t output_area = C.output_rows() * C.output_columns();
+    support::guarded_map output(output_area * C.output_stride(), 12345, C.adds ? 0.0f : NAN);
+    support::rounded_map added(C.filters * output_area);
+    for (std::size_t f = 0; f < C.filters && C.adds; ++f)
+        for (std::size_t p = 0; p < output_area; ++p) {
+            added[f * output_area + p].value = static_cast<double>(support::draw(state));
+            output.data()[p * C.output_stride() + f] = static_cast<float>(added[f * output_area + p].value);
+        }
+
+    const auto weight = [&](std::size_t f, std::size_t c, std::size_t row, std::size_t column) {
+        return static_cast<float>(
+            weights[((f * channels + c) * C.window.kernel.rows + row) * C.window.kernel.columns + column]);
+    };
+    // Zeros at first where there is no filter, as `pack` asks.
+    tactnet::aligned_vector<float> bias(C.output_stride());
+    for (std::size_t f = 0; f < C.filters; ++f)
+        bias[f] = static_cast<float>(biases[f].value);
+    if constexpr (Tiled) {
+        using tiles = winograd_tiles<C>;
+        static_assert(tiles::possible);
+        support::guarded_map packed(tiles::weights, 4321, 0), scratch(tiles::scratch, 54321, NAN);
+        pack_winograd_weights<C>(packed.data(), weight);
+        convolve_frame_by_tiles<C>(input.data(), packed.data(), bias.data(), output.data(), scratch.data());
+        CHECK(packed.untouched());
+        CHECK(scratch.untouched());
+    } else {
+        support::guarded_map packed(C.weights(), 4321, 0);
+        pack_frame_weights<C>(packed.data(), weight);
+        convolve_frame<C>(input.data(), packed.data(), bias.data(), output.data());
+        CHECK(packed.untouched());
+    }
+    CHECK(output.untouched());
+
+    const sliding_window& w = C.window;
+    support::rounded_map expected = support::bounded_convolution(
+        support::window_of(w), C.filters, weights, biases, in, C.adds ? &added : nullptr, Tiled);
+    if (C.pool != extent(1)) {
+        const auto behind = [](std::size_t reach, std::size_t size) {
+            return reach > size ? reach - size : 0;
+        };
+        expected =
+            support::bounded_max_pool({{C.filters, w.output_rows(), w.output_columns()},
+                                       C.pool.rows,
+                                       C.pool.columns,
+                                       C.pool.rows,
+                                       C.pool.columns,
+                                       0,
+                                       behind(C.output_rows() * C.pool.rows, w.output_rows()),
+                                       0,
+                                       behind(C.output_columns() * C.pool.columns, w.output_columns())},
+                                      expected);
+    }
+    if (C.rectified)
+        expected = support::bounded_relu(std::move(expected));
+    REQUIRE(expected.size() == C.filters * output_area);
+    std::size_t wrong = 0, unclean = 0;
+    double worst = 0, furthest = 0;
+    for (std::size_t p = 0; p < output_area; ++p)
+        for (std::size_t f = 0; f < C.output_stride(); ++f) {
+            const double found = static_cast<double>(output.data()[p * C.output_stride() + f]);
+            if (f >= C.filters) {
+                unclean += !(found == 0); // where there is no filter
+                continue;
+            }
+            const support::rounded& right = expected[f * output_area + p];
+            const double error = std::abs(found - right.value);
+            wrong += !(error <= right.error && error <= 2 * right.deviation);
+            worst = std::max(worst, right.error > 0 ? error / right.error : 0);
+            furthest = std::max(furthest, right.deviation > 0 ? error / right.deviation : 0);
+        }
+    CAPTURE(worst);
+    CAPTURE(furthest);
+    CHECK(wrong == 0);
+    CHECK(unclean == 0);
+}
+
+constexpr frame_convolution step(shape in, extent kernel, std::size_t filters, std::size_t input_stride,
+                                 extent stride = 1, padding around = same) {
+    return {.window = sliding_window::over(in, kernel, stride, around),
+            .filters = filters,
+            .input_stride = input_stride};
+}
+/// Behind it a max pool of windows side by side; `whole` leaves out windows that the image does not fill.
+constexpr frame_convolution pooled(frame_convolution c, extent pool, bool whole = false) {
+    const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
+    c.pool = pool, c.rectified = true;
+    c.pooled_rows = whole ? rows / pool.rows : (rows + pool.rows - 1) / pool.rows;
+    c.pooled_columns = whole ? columns / pool.columns : (columns + pool.columns - 1) / pool.columns;
+    return c;
+}
+constexpr frame_convolution adding(frame_convolution c, bool rectified) {
+    c.adds = true, c.rectified = rectified;
+    return c;
+}
+
+template <frame_convolution C, bool Tiled = false>
+struct job {
+    static void run(std::uint64_t seed) { compare<C, Tiled>(seed); }
+};
+template <class... Jobs>
+void run_all() {
+    std::uint64_t seed = 1;
+    (Jobs::run(++seed), ...);
+}
+
+} // namespace
+
+TEST_CASE("frame convolution by taps: sizes, strides and paddings") {
+    run_all<job<step({28, 50}, 5, 8, 1)>,                                  //
+            job<step({1, 1}, 3, 1, 1)>,                                    //
+            job<step({1, 9, 3}, 3, 5, 3)>,                                 //
+            job<step({11, 1, 2}, 2, 12, 16)>,                              //
+            job<step({5, 7, 3}, extent(4, 2), 20, 8)>,                     //
+            job<step({9, 8, 2}, 3, 33, 2, 2)>,                             //
+            job<step({10, 13}, 5, 3, 1, 2, pad(2))>,                       //
+            job<step({6, 7, 5}, extent(2, 3), 16, 8, 1, valid)>,           //
+            job<step({6, 5, 4}, 3, 40, 4, extent(1, 2), pad(0, 2, 1, 0))>, //
+            job<step({4, 5, 16}, 1, 64, 16)>>();
+}
+
+TEST_CASE("frame convolution by taps: pools, ReLU and sums") {
+    run_all<job<pooled(step({7, 13}, 5, 8, 1), 2)>,                     //
+            job<pooled(step({7, 13, 2}, 3, 12, 16), 2, true)>,          //
+            job<pooled(step({8, 11, 3}, 3, 5, 3), extent(3, 2))>,       //
+            job<pooled(step({5, 9, 2}, 2, 33, 2), extent(1, 3), true)>, //
+            job<adding(step({5, 6, 12}, 3, 20, 16), true)>,             //
+            job<adding(step({3, 9, 4}, 1, 3, 4, 2), false)>>();
+}
+
+TEST_CASE("frame convolution by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddings") {
+    run_all<job<step({14, 25, 8}, 3, 16, 8), true>,           //
+            job<step({7, 13, 16}, 2, 32, 16), true>,          //
+            job<step({1, 1, 4}, 3, 4, 4), true>,              //
+            job<step({5, 1, 20}, 3, 5, 32), true>,            //
+            job<step({1, 6, 3}, 2, 1, 16), true>,             //
+            job<step({9, 5, 12}, 3, 40, 16, 1, valid), true>, //
+            job<step({6, 7, 5}, 2, 33, 16, 1, pad(1)), true>, //
+            job<step({6, 7, 4}, 3, 12, 4, 1, pad(2, 0, 1, 2)), true>>();
+}
+
+TEST_CASE("frame convolution by tiles: pools, ReLU and sums") {
+    run_all<job<pooled(step({7, 13, 16}, 3, 32, 16), 2), true>,    //
+            job<pooled(step({7, 13, 8}, 3, 5, 8), 2, true), true>, //
+            job<pooled(step({5, 9, 12}, 2, 20, 16), 2), true>,     //
+            job<adding(step({7, 9, 20}, 3, 20, 32), true), true>,  //
+            job<adding(step({4, 5, 4}, 2, 12, 4), false), true>>();
+}

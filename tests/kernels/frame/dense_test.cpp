@@ -1,0 +1,109 @@
+#include <tactnet/kernels/frame/dense.hpp>
+#include <tactnet/kernels/frame/pooling.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <support/deployment_bound.hpp>
+#include <support/guarded_map.hpp>
+#include <vector>
+
+using namespace tactnet;
+using namespace tactnet::kernels;
+
+namespace {
+
+/// A map [channel][pixel] of random numbers, and the same pixel by pixel with `stride` elements from one to
+/// the next; lanes beyond the channels hold `rest`.
+support::rounded_map random_map(shape size, std::size_t stride, float rest, float* pixels,
+                                std::uint64_t& state) {
+    support::rounded_map map(size.size());
+    std::fill_n(pixels, size.area() * stride, rest);
+    for (std::size_t c = 0; c < size.channels; ++c)
+        for (std::size_t p = 0; p < size.area(); ++p) {
+            const float value = support::draw(state);
+            map[c * size.area() + p].value = static_cast<double>(value);
+            pixels[p * stride + c] = value;
+        }
+    return map;
+}
+
+template <frame_dense D>
+void compare_dense() {
+    CAPTURE(D.outputs);
+    std::uint64_t state = D.outputs;
+    support::guarded_map input(D.inputs(), NAN, 0), output(D.output_stride(), 12345, NAN),
+        packed(D.weights(), NAN, 0), bias(D.output_stride(), NAN, 0);
+    const support::rounded_map in = random_map(D.input, D.input_stride, 1e3f, input.data(), state);
+    std::vector<double> weights(D.outputs * D.input.size());
+    for (double& w : weights)
+        w = static_cast<double>(support::draw(state));
+    std::vector<support::rounded> biases(D.outputs);
+    for (std::size_t o = 0; o < D.outputs; ++o)
+        biases[o].value = static_cast<double>(bias.data()[o] = support::draw(state));
+    pack_dense_weights<D>(packed.data(), [&](std::size_t o, std::size_t channel, std::size_t pixel) {
+        return static_cast<float>(weights[(o * D.input.channels + channel) * D.input.area() + pixel]);
+    });
+    multiply_frame<D>(input.data(), packed.data(), bias.data(), output.data());
+    CHECK(packed.untouched());
+    CHECK(output.untouched());
+    const support::rounded_map expected = support::bounded_convolution(
+        {{D.input.channels, D.input.rows, D.input.columns}, D.input.rows, D.input.columns, 1, 1, 0, 0, 0, 0},
+        D.outputs, weights, biases, in, nullptr, false);
+    std::size_t wrong = 0;
+    for (std::size_t o = 0; o < D.outputs; ++o) {
+        const double error = std::abs(static_cast<double>(output.data()[o]) - expected[o].value);
+        wrong += !(error <= expected[o].error && error <= 2 * expected[o].deviation);
+    }
+    for (std::size_t o = D.outputs; o < D.output_stride(); ++o)
+        wrong += !(output.data()[o] == 0); // where there is no output
+    CHECK(wrong == 0);
+}
+
+template <sliding_window W, std::size_t Stride>
+void compare_pool() {
+    std::uint64_t state = Stride;
+    constexpr std::size_t area = W.output_rows() * W.output_columns();
+    support::guarded_map input(W.input.area() * Stride, NAN, 0), output(area * Stride, 12345, NAN);
+    // All below zero: padding that counted as zero would be the largest.
+    support::rounded_map in = random_map(W.input, Stride, -5, input.data(), state);
+    for (std::size_t i = 0; i < W.input.area() * Stride; ++i)
+        input.data()[i] -= 2;
+    for (support::rounded& x : in)
+        x.value = static_cast<double>(static_cast<float>(x.value) - 2);
+    pool_frame<W, Stride>(input.data(), output.data());
+    CHECK(output.untouched());
+    const support::rounded_map expected =
+        support::bounded_max_pool({{W.input.channels, W.input.rows, W.input.columns},
+                                   W.kernel.rows,
+                                   W.kernel.columns,
+                                   W.stride.rows,
+                                   W.stride.columns,
+                                   W.top,
+                                   W.bottom,
+                                   W.left,
+                                   W.right},
+                                  in);
+    std::size_t wrong = 0;
+    for (std::size_t c = 0; c < W.input.channels; ++c)
+        for (std::size_t p = 0; p < area; ++p)
+            wrong += static_cast<double>(output.data()[p * Stride + c]) != expected[c * area + p].value;
+    CHECK(wrong == 0);
+}
+
+} // namespace
+
+TEST_CASE("frame dense: outputs and channels that fill vectors and that do not") {
+    compare_dense<frame_dense{{4, 7, 32}, 32, 22}>();
+    compare_dense<frame_dense{{1, 1, 3}, 4, 1}>();
+    compare_dense<frame_dense{{3, 2, 5}, 8, 5}>();
+    compare_dense<frame_dense{{2, 3, 2}, 2, 40}>();
+    compare_dense<frame_dense{{1, 5, 12}, 16, 131}>();
+}
+
+TEST_CASE("frame pooling: windows that overlap, keep the image, or reach beyond it") {
+    compare_pool<sliding_window::over({7, 9, 12}, 3, 2, same), 16>();
+    compare_pool<sliding_window::over({7, 9, 20}, 2, 1, same), 32>();
+    compare_pool<sliding_window::over({6, 5, 3}, 3, 1, pad(1)), 3>();
+    compare_pool<sliding_window::over({8, 4, 5}, extent(4, 1), extent(3, 2), valid), 8>();
+}

@@ -1,0 +1,119 @@
+#include <tactnet/runtime/random.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <set>
+#include <vector>
+
+using namespace tactnet;
+
+// Known answers of Random123 1.14 (its kat_vectors): counter, key, result.
+static_assert(philox({0, 0, 0, 0}, {0, 0}) ==
+              std::array<std::uint32_t, 4>{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8});
+static_assert(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}) ==
+              std::array<std::uint32_t, 4>{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
+static_assert(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}) ==
+              std::array<std::uint32_t, 4>{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}); // digits of π
+
+TEST_CASE("random_stream: the words of its counters, in order") {
+    random_stream random(0x0123456789abcdef, draw::dropout, 5, 6);
+    for (std::uint32_t block = 0; block < 3; ++block) {
+        const auto expected =
+            philox({block, static_cast<std::uint32_t>(draw::dropout), 5, 6}, {0x89abcdef, 0x01234567});
+        for (const std::uint32_t word : expected)
+            CHECK(random.bits() == word);
+    }
+}
+
+TEST_CASE("random_stream: another seed, purpose or item has other numbers") {
+    std::set<std::uint32_t> first;
+    for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{1} << 32})
+        for (const draw purpose : {draw::split, draw::order, draw::augmentation})
+            for (const std::uint32_t major : {0u, 1u})
+                for (const std::uint32_t minor : {0u, 1u})
+                    first.insert(random_stream(seed, purpose, major, minor).bits());
+    CHECK(first.size() == 36);
+}
+
+// Statistics: n draws, five standard deviations.
+
+TEST_CASE("random_stream: uniform") {
+    random_stream random(1, draw::order);
+    constexpr int n = 100000;
+    double sum = 0, squares = 0, smallest = 1, largest = 0;
+    for (int i = 0; i < n; ++i) {
+        const double x = random.uniform();
+        sum += x, squares += x * x;
+        smallest = std::min(smallest, x), largest = std::max(largest, x);
+    }
+    CHECK(smallest >= 0);
+    CHECK(largest < 1);
+    CHECK(std::abs(sum / n - 0.5) < 5 * std::sqrt(1.0 / 12 / n));
+    CHECK(std::abs(squares / n - 1.0 / 3) < 5 * std::sqrt(4.0 / 45 / n));
+    for (int i = 0; i < 1000; ++i) {
+        const double x = random.uniform(-3, 5);
+        CHECK((x >= -3 && x < 5));
+    }
+}
+
+TEST_CASE("random_stream: normal") {
+    random_stream random(2, draw::order);
+    constexpr int n = 100000;
+    double moments[5] = {};
+    int beyond = 0;
+    for (int i = 0; i < n; ++i) {
+        const double x = random.normal();
+        REQUIRE(std::isfinite(x));
+        for (int k = 1; k <= 4; ++k)
+            moments[k] += std::pow(x, k) / n;
+        beyond += std::abs(x) > 1.959964;
+    }
+    CHECK(std::abs(moments[1]) < 5 * std::sqrt(1.0 / n));
+    CHECK(std::abs(moments[2] - 1) < 5 * std::sqrt(2.0 / n));
+    CHECK(std::abs(moments[3]) < 5 * std::sqrt(15.0 / n));
+    CHECK(std::abs(moments[4] - 3) < 5 * std::sqrt(96.0 / n));
+    CHECK(std::abs(beyond - 0.05 * n) < 5 * std::sqrt(n * 0.05 * 0.95));
+}
+
+TEST_CASE("random_stream: below") {
+    random_stream random(3, draw::order);
+    constexpr int n = 70000;
+    std::array<int, 7> counts{};
+    for (int i = 0; i < n; ++i)
+        ++counts.at(random.below(7));
+    for (const int count : counts)
+        CHECK(std::abs(count - n / 7) < 5 * std::sqrt(n * (1.0 / 7) * (6.0 / 7)));
+    for (int i = 0; i < 100; ++i)
+        CHECK(random.below(1) == 0);
+}
+
+TEST_CASE("random_stream: shuffle keeps the elements and gives every order alike") {
+    random_stream random(4, draw::order);
+    std::vector<int> many(100);
+    std::iota(many.begin(), many.end(), 0);
+    const std::vector<int> ordered = many;
+    random.shuffle(many);
+    CHECK(many != ordered);
+    CHECK(std::is_permutation(many.begin(), many.end(), ordered.begin()));
+
+    constexpr int n = 24000;
+    std::array<int, 64> orders{};
+    for (int i = 0; i < n; ++i) {
+        std::array<int, 3> three{0, 1, 2};
+        random.shuffle(three);
+        ++orders[static_cast<std::size_t>(three[0] * 16 + three[1] * 4 + three[2])];
+    }
+    CHECK(std::count_if(orders.begin(), orders.end(), [](int c) { return c > 0; }) == 6);
+    for (const int count : orders)
+        if (count > 0)
+            CHECK(std::abs(count - n / 6) < 5 * std::sqrt(n * (1.0 / 6) * (5.0 / 6)));
+    std::vector<int> none, one{7};
+    random.shuffle(none);
+    random.shuffle(one);
+    CHECK(one[0] == 7);
+}

@@ -1,0 +1,117 @@
+#include <tactnet/runtime/thread_pool.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#if defined(__linux__)
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
+
+using namespace tactnet;
+
+TEST_CASE("thread_pool: every index once, for any count and number of threads") {
+    for (const std::size_t threads : {0u, 1u, 2u, 3u, 5u, 8u}) {
+        thread_pool pool(threads);
+        CHECK(pool.threads() == std::max<std::size_t>(threads, 1));
+        for (const std::size_t count : {0u, 1u, 2u, 3u, 4u, 7u, 64u, 1000u}) {
+            std::vector<std::atomic<int>> visits(count);
+            pool.for_each(count, [&](std::size_t i) { ++visits[i]; });
+            CHECK(std::all_of(visits.begin(), visits.end(), [](const auto& n) { return n == 1; }));
+        }
+    }
+}
+
+TEST_CASE("thread_pool: shares follow each other and are equal but for one") {
+    for (const std::size_t threads : {1u, 2u, 3u, 5u}) {
+        for (const std::size_t count : {0u, 1u, 4u, 5u, 17u, 1000u}) {
+            std::size_t next = 0;
+            for (std::size_t index = 0; index < threads; ++index) {
+                const thread_pool::share part{index, threads};
+                CHECK(part.begin(count) == next);
+                CHECK(part.end(count) >= part.begin(count));
+                CHECK(part.end(count) - part.begin(count) <= count / threads + 1);
+                next = part.end(count);
+            }
+            CHECK(next == count);
+        }
+    }
+}
+
+TEST_CASE("thread_pool: on_each_thread gives every thread a share of its own, always the same one") {
+    thread_pool pool(3);
+    std::vector<std::thread::id> first(3), second(3);
+    pool.on_each_thread([&](thread_pool::share part) {
+        CHECK_UNARY(part.threads == 3);
+        first[part.index] = std::this_thread::get_id();
+    });
+    pool.on_each_thread([&](thread_pool::share part) { second[part.index] = std::this_thread::get_id(); });
+    CHECK(first == second);
+    CHECK(first[0] == std::this_thread::get_id());
+    CHECK(first[1] != first[0]);
+    CHECK(first[1] != first[2]);
+}
+
+TEST_CASE("thread_pool: many rounds in a row, each seeing what the one before has written") {
+    thread_pool pool(3);
+    std::vector<std::size_t> values(50);
+    for (std::size_t round = 0; round < 5000; ++round) {
+        const std::vector<std::size_t> before = values;
+        pool.for_each(values.size(), [&](std::size_t i) { values[i] = before[(i + 1) % before.size()] + 1; });
+    }
+    CHECK(std::all_of(values.begin(), values.end(), [](std::size_t v) { return v == 5000; }));
+}
+
+TEST_CASE("thread_pool: sleeping threads wake") {
+    thread_pool pool(3);
+    std::atomic<int> sum{0};
+    for (int round = 0; round < 3; ++round) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        pool.for_each(10, [&](std::size_t) { ++sum; });
+    }
+    CHECK(sum == 30);
+}
+
+TEST_CASE("thread_pool: made and left in a row, used or not") {
+    std::atomic<int> sum{0};
+    for (int i = 0; i < 200; ++i) {
+        thread_pool pool(4);
+        if (i % 2 == 0)
+            pool.for_each(8, [&](std::size_t) { ++sum; });
+    }
+    CHECK(sum == 800);
+}
+
+// Sanitizers need memory of their own for every thread, and end the program where they get none.
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("thread_pool: a thread that cannot start is an error, and those before it are ended") {
+    // Memory for a few stacks more, and not for all of them.
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    REQUIRE(pages > 0);
+    const std::size_t used = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    rlimit before{};
+    REQUIRE(getrlimit(RLIMIT_AS, &before) == 0);
+    rlimit tight = before;
+    tight.rlim_cur = used + (std::size_t{64} << 20);
+    REQUIRE(setrlimit(RLIMIT_AS, &tight) == 0);
+    bool refused = false;
+    try {
+        thread_pool pool(256);
+    } catch (const std::system_error&) {
+        refused = true;
+    }
+    REQUIRE(setrlimit(RLIMIT_AS, &before) == 0);
+    CHECK(refused);
+    thread_pool after(4); // nothing is left behind that would be in the way
+    std::atomic<int> sum{0};
+    after.for_each(100, [&](std::size_t) { ++sum; });
+    CHECK(sum == 100);
+}
+#endif

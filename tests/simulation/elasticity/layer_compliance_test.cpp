@@ -1,0 +1,137 @@
+#include <tactnet/simulation/elasticity/layer_compliance.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace {
+
+using namespace tactnet::simulation;
+using real = long double;
+
+struct surface_and_base {
+    real sinking, pressure;
+};
+
+/// One wave solved without the formulas: the displacements u sin kx and w cos kx of Papkovich and Neuber,
+///
+///     w = (a0 + a1 z) eᶻ + (b0 + b1 z) e⁻ᶻ,    u from Navier's equation,    k = 1, E / (1 − ν²) = 1,
+///
+/// whose four constants are found by elimination with pivots from u = w = 0 at the base z = 0 and σzz = −1,
+/// σxz = 0 at the surface z = x.
+surface_and_base solve_one_wave(real x, real nu) {
+    const real shear = (1 - nu) / 2; // G for E* = 1
+    const real kappa = 3 - 4 * nu;
+    // Each of the four solutions: w, u, their derivatives at z. u = −w' − …: for (a0 + a1 z) eᶻ Navier gives
+    // u = −(a0 + a1 z + κ a1) eᶻ, and for (b0 + b1 z) e⁻ᶻ u = (b0 + b1 z − κ b1) e⁻ᶻ.
+    struct values {
+        real u, w, du, dw;
+    };
+    const auto solution = [&](int which, real z) -> values {
+        const real up = std::exp(z - x), down = std::exp(-z); // scaled to be no more than 1
+        switch (which) {
+        case 0:
+            return {-up, up, -up, up};
+        case 1:
+            return {-(z + kappa) * up, z * up, -(z + kappa + 1) * up, (z + 1) * up};
+        case 2:
+            return {down, down, -down, -down};
+        default:
+            return {(z - kappa) * down, z * down, (1 - z + kappa) * down, (1 - z) * down};
+        }
+    };
+    // σzz / 2G = ((1 − ν) w' + ν u) / (1 − 2ν), with x derivative of u sin kx = u cos kx; for ν = ½ the
+    // dilatation w' + u over 1 − 2ν stays finite, and is ∓2 a1 eᶻ … for each solution.
+    const auto dilatation_over = [&](int which, real z) -> real { // (w' + u) / (1 − 2ν)
+        if (which == 1)
+            return -2 * std::exp(z - x);
+        if (which == 3)
+            return -2 * std::exp(-z);
+        return 0;
+    };
+    std::array<std::array<real, 5>, 4> system{};
+    for (int i = 0; i < 4; ++i) {
+        const auto column = static_cast<std::size_t>(i);
+        const values base = solution(i, 0), top = solution(i, x);
+        system[0][column] = base.u;
+        system[1][column] = base.w;
+        system[2][column] = 2 * shear * (top.dw + nu * dilatation_over(i, x)); // σzz
+        system[3][column] = shear * (top.du - top.w);                          // σxz
+    }
+    system[2][4] = -1;
+    for (std::size_t pivot = 0; pivot < 4; ++pivot) {
+        std::size_t largest = pivot;
+        for (std::size_t row = pivot; row < 4; ++row)
+            if (std::abs(system[row][pivot]) > std::abs(system[largest][pivot]))
+                largest = row;
+        std::swap(system[pivot], system[largest]);
+        for (std::size_t row = 0; row < 4; ++row)
+            if (row != pivot) {
+                const real factor = system[row][pivot] / system[pivot][pivot];
+                for (std::size_t column = pivot; column < 5; ++column)
+                    system[row][column] -= factor * system[pivot][column];
+            }
+    }
+    surface_and_base result{0, 0};
+    for (int i = 0; i < 4; ++i) {
+        const auto row = static_cast<std::size_t>(i);
+        const real amount = system[row][4] / system[row][row];
+        result.sinking -= amount * solution(i, x).w;
+        result.pressure -= amount * 2 * shear * (solution(i, 0).dw + nu * dilatation_over(i, 0));
+    }
+    return result;
+}
+
+TEST_CASE("compliance and transfer of a layer are those of one wave solved directly") {
+    for (const double poisson : {-0.5, 0.0, 0.2, 0.3, 0.45, 0.499, 0.5})
+        for (double x = 0.05; x < 30; x *= 1.3) {
+            CAPTURE(poisson);
+            CAPTURE(x);
+            const surface_and_base expected =
+                solve_one_wave(static_cast<real>(x), static_cast<real>(poisson));
+            // û = 2 / (E* k) M with E* = k = 1.
+            CHECK(2 * layer_compliance(x, poisson) ==
+                  doctest::Approx(static_cast<double>(expected.sinking)).epsilon(1e-12));
+            CHECK(layer_transfer(x, poisson) ==
+                  doctest::Approx(static_cast<double>(expected.pressure)).epsilon(1e-12));
+            CHECK(layer_stiffening(x, poisson) + layer_compliance(x, poisson) ==
+                  doctest::Approx(1).epsilon(1e-14));
+        }
+}
+
+TEST_CASE("a thin layer is a bed of springs, an incompressible one is stiffer by far") {
+    const double x = 1e-5;
+    for (const double poisson : {-0.5, 0.0, 0.3, 0.49})
+        CHECK(layer_compliance(x, poisson) ==
+              doctest::Approx(x * (1 - 2 * poisson) / (2 * (1 - poisson) * (1 - poisson))).epsilon(1e-6));
+    CHECK(layer_compliance(x, 0.5) == doctest::Approx(2 * x * x * x / 3).epsilon(1e-8).scale(1e-20));
+    CHECK(layer_compliance(0, 0.5) == 0);
+    CHECK(layer_compliance(0, 0.3) == 0);
+    CHECK(layer_stiffening(0, 0.3) == 1);
+    CHECK(layer_transfer(0, 0.5) == 1);
+    CHECK(layer_transfer(0, 0.0) == 1);
+}
+
+TEST_CASE("short waves see a half space, and nothing of them reaches the base") {
+    for (const double poisson : {-0.9, 0.0, 0.3, 0.5})
+        for (const double x :
+             {40.0, 299.0, 300.0, 710.0, 1e4, 1e308, std::numeric_limits<double>::infinity()}) {
+            CAPTURE(x);
+            CHECK(layer_compliance(x, poisson) == doctest::Approx(1).epsilon(1e-15));
+            CHECK(layer_stiffening(x, poisson) >= 0);
+            CHECK(layer_stiffening(x, poisson) < 1e-30);
+            CHECK(layer_transfer(x, poisson) >= 0);
+            CHECK(layer_transfer(x, poisson) < 1e-15);
+        }
+    const double kappa = 3 - 4 * 0.3;
+    CHECK(layer_stiffening(100, 0.3) / std::exp(-200.0) ==
+          doctest::Approx((4e4 + 400 + kappa * kappa + 1) / kappa).epsilon(1e-12));
+    CHECK(layer_transfer(100, 0.3) / std::exp(-100.0) ==
+          doctest::Approx(2 * 1.4 / kappa * (100 + 1.4)).epsilon(1e-12));
+}
+
+} // namespace
