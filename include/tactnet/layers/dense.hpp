@@ -83,8 +83,8 @@ struct dense {
                                       count = std::min(kernels::lanes<T>, inputs - first);
                     std::fill_n(totals, Outputs * kernels::lanes<T>, 0.0);
                     for (std::size_t g = 0; g < in.groups(); ++g)
-                        kernels::add_products(out_gradient.group(g), in.group(g) + first * kernels::lanes<T>,
-                                              count, totals);
+                        add_products(out_gradient.group(g), in.group(g) + first * kernels::lanes<T>, count,
+                                     totals);
                     for (std::size_t o = 0; o < Outputs; ++o)
                         for (std::size_t i = 0; i < count; ++i)
                             gradients[o * inputs + first + i] =
