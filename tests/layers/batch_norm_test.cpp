@@ -28,7 +28,7 @@ TEST_CASE("batch_norm: a mean of ten thousand, a deviation of a hundredth") {
 namespace {
 
 using bound = batch_norm::layer<float, shape{3, 2, 2}>;
-using images = batch<float, shape{3, 2, 2}, lanes<float>>;
+using images = batch<float, shape{3, 2, 2}, kernels::lanes<float>>;
 
 struct trained {
     images out;

@@ -77,7 +77,8 @@ bool same_bits(const array<T>& a, const array<T>& b) {
 template <class List, shape Input>
 void check_chain() {
     using T = float;
-    constexpr std::size_t count = lanes<T> + 2, places = (count + lanes<T> - 1) / lanes<T> * lanes<T>;
+    constexpr std::size_t count = kernels::lanes<T> + 2,
+                          places = (count + kernels::lanes<T> - 1) / kernels::lanes<T> * kernels::lanes<T>;
     auto one = support::make_layer<List, T, Input>();
     auto many = chain<T>::of(List{}, std::integral_constant<shape, Input>{});
     random_stream random(3, draw::order);
@@ -92,7 +93,7 @@ void check_chain() {
         array<T> a = filled(size * places);
         for (std::size_t s = count; s < places; ++s)
             for (std::size_t e = 0; e < size; ++e)
-                a[(s / lanes<T> * size + e) * lanes<T> + s % lanes<T>] = 0;
+                a[(s / kernels::lanes<T> * size + e) * kernels::lanes<T> + s % kernels::lanes<T>] = 0;
         return a;
     };
     array<T> values = filled(one->parameters), running(one->statistics, T{1}), running_many = running;
@@ -189,7 +190,7 @@ TEST_CASE("residual: the same bits as the sum of its branches") {
     using skip_branch = sequence<conv2d<5, 1>>;
     using block = residual<main_branch, skip_branch>;
     constexpr shape input{4, 3, 2};
-    constexpr std::size_t count = lanes<float>;
+    constexpr std::size_t count = kernels::lanes<float>;
     const auto whole = support::make_layer<block, float, input>();
     const auto main = support::make_layer<main_branch, float, input>();
     const auto skip = support::make_layer<skip_branch, float, input>();

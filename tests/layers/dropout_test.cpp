@@ -20,7 +20,7 @@ namespace {
 
 constexpr shape size{28, 50, 8};
 using bound = dropout<30>::layer<float, size>;
-using images = batch<float, size, lanes<float>>;
+using images = batch<float, size, kernels::lanes<float>>;
 
 images ones(std::size_t count) {
     images result(count);

@@ -38,7 +38,7 @@ struct results {
 template <class List, shape Input, class Alter>
 results train(std::size_t count, const Alter& alter) {
     const auto layer = support::make_layer<List, double, Input>();
-    const std::size_t places = groups_of<double>(count) * lanes<double>;
+    const std::size_t places = groups_of<double>(count) * kernels::lanes<double>;
     const auto drawn = [](std::size_t size, std::uint32_t what) {
         aligned_vector<double> values(size);
         random_stream random(what, draw::order);
@@ -50,7 +50,9 @@ results train(std::size_t count, const Alter& alter) {
     alter(values, in);
     auto out_gradient = drawn(places * layer->output.size(), 3);
     for (std::size_t i = 0; i < out_gradient.size(); ++i) // lanes without a sample hold zeros
-        if (i / (lanes<double> * layer->output.size()) * lanes<double> + i % lanes<double> >= count)
+        if (i / (kernels::lanes<double> * layer->output.size()) * kernels::lanes<double> +
+                i % kernels::lanes<double> >=
+            count)
             out_gradient[i] = 0;
     results r{aligned_vector<double>(places * layer->output.size()), aligned_vector<double>(in.size()),
               aligned_vector<double>(layer->parameters), aligned_vector<double>(layer->statistics, 1.0)};
@@ -74,7 +76,7 @@ double largest_difference(const aligned_vector<double>& a, const aligned_vector<
 
 template <class List, shape Input, class Alter = as_drawn>
 void check_fused(const Alter& alter = {}) {
-    for (const std::size_t count : {std::size_t{1}, 3 * lanes<double> + 1}) {
+    for (const std::size_t count : {std::size_t{1}, 3 * kernels::lanes<double> + 1}) {
         const results plain = train<List, Input>(count, alter),
                       joined = train<fused<List>, Input>(count, alter);
         CHECK(joined.out == plain.out);
@@ -116,8 +118,9 @@ TEST_CASE("fused: a NaN reaches the outputs that it reaches layer by layer") {
         std::vector<aligned_vector<double>> outs;
         for (const auto& layer :
              {support::make_layer<list, double, size>(), support::make_layer<fused<list>, double, size>()}) {
-            aligned_vector<double> in(lanes<double> * size.size(), 0.25), out(lanes<double> * 4);
-            in[at * lanes<double>] = std::nan("");
+            aligned_vector<double> in(kernels::lanes<double> * size.size(), 0.25),
+                out(kernels::lanes<double> * 4);
+            in[at * kernels::lanes<double>] = std::nan("");
             thread_pool threads;
             layer->resize(1);
             layer->prepare({.threads = threads}, values.data(), running.data());

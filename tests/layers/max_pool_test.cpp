@@ -49,7 +49,7 @@ TEST_CASE("max_pool: stride larger than the window") {
 namespace {
 
 using bound = max_pool<3, 1, pad(1)>::layer<float, shape{3, 3, 1}>;
-using images = batch<float, shape{3, 3, 1}, lanes<float>>;
+using images = batch<float, shape{3, 3, 1}, kernels::lanes<float>>;
 
 images pooled(const images& in) {
     images out(in.samples());

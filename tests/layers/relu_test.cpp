@@ -16,7 +16,7 @@ TEST_CASE("relu: one tactel") {
 TEST_CASE("relu: zeros of both signs, infinities and NaN") {
     using bound = relu::layer<float, shape{1, 6, 1}>;
     constexpr float infinite = std::numeric_limits<float>::infinity();
-    batch<float, shape{1, 6, 1}, lanes<float>> in(1), out(1), out_gradient(1), in_gradient(1);
+    batch<float, shape{1, 6, 1}, kernels::lanes<float>> in(1), out(1), out_gradient(1), in_gradient(1);
     const float given[] = {-0.0f, 0.0f, -infinite, infinite, std::nanf(""), -1e-40f};
     for (std::size_t e = 0; e < 6; ++e)
         in(0, e) = given[e], out_gradient(0, e) = 1;

@@ -99,8 +99,8 @@ TEST_CASE("network: scales and running variances begin at one, all else at zero;
         seen = seen || (p.name == "bn1.weight" && values[2] == 7);
     });
     CHECK(seen);
-    CHECK(net.learnable_values().size() == padded_size<float>(net.parameters));
-    CHECK(net.running_statistics().size() == padded_size<float>(net.statistics));
+    CHECK(net.learnable_values().size() == kernels::padded_size<float>(net.parameters));
+    CHECK(net.running_statistics().size() == kernels::padded_size<float>(net.statistics));
 }
 
 TEST_CASE("network: what it costs in memory") {
@@ -125,7 +125,7 @@ TEST_CASE("network: the same sample gives the same bits in any batch, workspace 
     random_stream random(1, draw::initial_weights);
     for (float& value : net.learnable_values())
         value = static_cast<float>(random.uniform(-0.3, 0.3));
-    const std::size_t most = 2 * lanes<float> + 3;
+    const std::size_t most = 2 * kernels::lanes<float> + 3;
     net_type::input_batch in(most);
     for (std::size_t s = 0; s < most; ++s)
         for (std::size_t e = 0; e < 350; ++e)
@@ -138,7 +138,7 @@ TEST_CASE("network: the same sample gives the same bits in any batch, workspace 
     CHECK(std::isfinite(expected(0, 0)));
     CHECK(expected(0, 0) != expected(1, 0));
     std::size_t different = 0;
-    for (const std::size_t count : {std::size_t{1}, lanes<float>, most}) {
+    for (const std::size_t count : {std::size_t{1}, kernels::lanes<float>, most}) {
         net_type::input_batch some(count);
         net_type::output_batch out(count);
         for (std::size_t s = 0; s < count; ++s)
@@ -166,7 +166,7 @@ TEST_CASE("network: a softmax at the end stands behind the logits, also at the e
     constexpr std::size_t count = 5;
     thread_pool threads;
     random_stream random(1, draw::order);
-    batch<float, size, lanes<float>> in(count);
+    batch<float, size, kernels::lanes<float>> in(count);
     for (std::size_t s = 0; s < count; ++s)
         for (std::size_t e = 0; e < size.size(); ++e)
             in(s, e) = static_cast<float>(random.uniform(-1, 1));
@@ -234,7 +234,7 @@ TEST_CASE("network: any number of images need the memory of one group in the wor
     net.prepare(threads, space);
     const std::size_t before = support::bytes_allocated();
     net.infer(threads, space, in, out);
-    CHECK(support::bytes_allocated() - before <= 2 * lanes<float> * map);
+    CHECK(support::bytes_allocated() - before <= 2 * kernels::lanes<float> * map);
     for (std::size_t s = 1; s < many; ++s)
         CHECK(out(s, 0) > out(s - 1, 0)); // every image went through
 }

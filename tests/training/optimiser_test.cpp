@@ -12,7 +12,7 @@ using namespace tactnet;
 namespace {
 
 constexpr std::size_t steps = 20;
-const std::size_t size = 3 * lanes<float>;
+const std::size_t size = 3 * kernels::lanes<float>;
 
 float gradient_at(std::size_t step, std::size_t i) {
     random_stream random(1, draw::order, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(i));
@@ -80,8 +80,9 @@ TEST_CASE("adamw: both moments unbiased, decay decoupled and on weights only") {
 
 TEST_CASE("adamw: the first step has the length of the rate, whatever the gradient") {
     optimiser_state<float> state;
-    state.resize(lanes<float>);
-    aligned_vector<float> values(lanes<float>), gradients(lanes<float>, 1e-3f), decayed(lanes<float>);
+    state.resize(kernels::lanes<float>);
+    aligned_vector<float> values(kernels::lanes<float>), gradients(kernels::lanes<float>, 1e-3f),
+        decayed(kernels::lanes<float>);
     take_step<float>(adamw{}, state, 0.01, values, gradients, decayed);
     CHECK(values[0] == doctest::Approx(-0.01).epsilon(1e-4));
 }
@@ -89,8 +90,9 @@ TEST_CASE("adamw: the first step has the length of the rate, whatever the gradie
 TEST_CASE("take_step: a gradient of zero moves nothing that is not decayed") {
     for (const optimiser& rule : {optimiser(sgd{.momentum = 0.9, .l2 = 0.1}), optimiser(adamw{})}) {
         optimiser_state<float> state;
-        state.resize(lanes<float>);
-        aligned_vector<float> values(lanes<float>, 2.0f), gradients(lanes<float>), decayed(lanes<float>);
+        state.resize(kernels::lanes<float>);
+        aligned_vector<float> values(kernels::lanes<float>, 2.0f), gradients(kernels::lanes<float>),
+            decayed(kernels::lanes<float>);
         take_step<float>(rule, state, 0.1, values, gradients, decayed);
         CHECK(values[0] == 2);
         decayed.assign(decayed.size(), 1);

@@ -108,7 +108,7 @@ struct dense {
         /// outputs: sums over its samples.
         static void add_products(const T* out_gradient, const T* in, std::size_t count, double* totals) {
             alignas(alignment) std::array<T, kernels::lanes<T> * kernels::lanes<T>> turned;
-            turn_lanes(in, count, turned.data());
+            kernels::turn_lanes(in, count, turned.data());
             kernels::lane_product<Outputs, kernels::lanes<T>, kernels::matrix_layout{kernels::lanes<T>, 1}>(
                 out_gradient, turned.data(), [&](std::size_t o, const kernels::vector<T>& sum) {
                     kernels::add_each_lane<T>(totals + o * kernels::lanes<T>, sum);
