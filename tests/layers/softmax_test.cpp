@@ -19,12 +19,12 @@ TEST_CASE("softmax: a single class") {
 
 TEST_CASE("softmax_of: equal logits, and logits far apart") {
     std::vector<float> p(4);
-    softmax_of<float>(std::vector<float>{1e4f, 1e4f, 1e4f, 1e4f}, p);
+    kernels::softmax_of<float>(std::vector<float>{1e4f, 1e4f, 1e4f, 1e4f}, p);
     for (const float each : p)
         CHECK(each == 0.25f);
-    softmax_of<float>(std::vector<float>{-1e4f, 1e4f, 0, -1e30f}, p);
+    kernels::softmax_of<float>(std::vector<float>{-1e4f, 1e4f, 0, -1e30f}, p);
     CHECK(p == std::vector<float>{0, 1, 0, 0});
-    softmax_of<float>(std::vector<float>{-1e4f, -1e4f - 1, -1e4f - 1, -3e38f}, p);
+    kernels::softmax_of<float>(std::vector<float>{-1e4f, -1e4f - 1, -1e4f - 1, -3e38f}, p);
     CHECK(p[0] == doctest::Approx(1 / (1 + 2 * std::exp(-1.0))));
     CHECK(p[1] == doctest::Approx(std::exp(-1.0) / (1 + 2 * std::exp(-1.0))));
     CHECK(p[3] == 0);
@@ -32,14 +32,14 @@ TEST_CASE("softmax_of: equal logits, and logits far apart") {
 
 TEST_CASE("softmax_of: in place") {
     std::vector<double> p{0, std::log(3.0)};
-    softmax_of<double>(p, p);
+    kernels::softmax_of<double>(p, p);
     CHECK(p[0] == doctest::Approx(0.25));
     CHECK(p[1] == doctest::Approx(0.75));
 }
 
 TEST_CASE("softmax_of: NaN is not hidden") {
     std::vector<float> p(3);
-    softmax_of<float>(std::vector<float>{1, std::nanf(""), 2}, p);
+    kernels::softmax_of<float>(std::vector<float>{1, std::nanf(""), 2}, p);
     for (const float each : p)
         CHECK(std::isnan(each));
 }

@@ -192,7 +192,7 @@ TEST_CASE("network: a softmax at the end stands behind the logits, also at the e
     std::vector<float> probabilities = logits;
     for (std::size_t s = 0; s < count; ++s) {
         const std::span<float> row = std::span(probabilities).subspan(4 * s, 4);
-        softmax_of<float>(row, row);
+        kernels::softmax_of<float>(row, row);
     }
     CHECK(logits != probabilities);
     CHECK(outputs_of(bare(), true) == logits);
