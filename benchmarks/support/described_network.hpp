@@ -52,8 +52,9 @@ private:
         return from;
     }
     template <tactnet::kernels::frame_convolution C>
-    std::size_t add(tactnet::convolution_step<C>, const float* folded, std::size_t from) {
-        using step = tactnet::convolution_step<C>;
+    std::size_t add(tactnet::convolution_step<tactnet::single_precision, C>, const float* folded,
+                    std::size_t from) {
+        using step = tactnet::convolution_step<tactnet::single_precision, C>;
         const tactnet::shape full{C.window.output_rows(), C.window.output_columns(), C.filters};
         const std::size_t to = C.adds ? other_term_ : new_map(full);
         operations_.push_back({.what = operation::kind::convolution,
@@ -79,12 +80,14 @@ private:
         }
     }
     template <tactnet::sliding_window Window, std::size_t Stride>
-    std::size_t add(tactnet::pool_step<Window, Stride>, const float*, std::size_t from) {
+    std::size_t add(tactnet::pool_step<tactnet::single_precision, Window, Stride>, const float*,
+                    std::size_t from) {
         return add_pool(Window, from);
     }
     template <tactnet::kernels::frame_dense D>
-    std::size_t add(tactnet::dense_step<D>, const float* folded, std::size_t from) {
-        using step = tactnet::dense_step<D>;
+    std::size_t add(tactnet::dense_step<tactnet::single_precision, D>, const float* folded,
+                    std::size_t from) {
+        using step = tactnet::dense_step<tactnet::single_precision, D>;
         const std::size_t to = new_map(step::output);
         operations_.push_back({.what = operation::kind::dense,
                                .input = from,

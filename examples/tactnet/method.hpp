@@ -4,7 +4,7 @@
 // behind it are compiled once for each network and size, in units of their own (see network_unit.cpp.in);
 // everything else is built without them. What only networks can do is in interfaces of their own.
 
-#include <tactnet/deployment/header_description.hpp>
+#include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>

@@ -7,7 +7,7 @@
 #include "stopwatch.hpp"
 
 #include <tactnet/deployment.hpp>
-#include <tactnet/deployment/deployed_header.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/training/trainer.hpp>
 

@@ -211,6 +211,9 @@ public:
             case kind::residual:
                 x = residual(layer, x);
                 break;
+            case kind::own:
+                x = layer.own(std::move(x), take_values(layer.own_values));
+                break;
             }
         }
         return x;
@@ -248,6 +251,9 @@ private:
                 break;
             case kind::norm:
                 take_norm(layer.filters);
+                break;
+            case kind::own:
+                take_values(layer.own_values);
                 break;
             case kind::list:
             case kind::residual:
@@ -344,6 +350,12 @@ rounded_map bounded_max_pool(const reference_window& window, const rounded_map& 
             y = {std::max(y.value, x.value), std::max(y.error, x.error), std::max(y.deviation, x.deviation)};
         });
     return out;
+}
+
+rounded rounded_once(rounded exact) {
+    exact.error += roundings(1) * magnitude(exact);
+    exact.deviation = std::hypot(exact.deviation, roundoff * exact.value);
+    return exact;
 }
 
 rounded_map bounded_relu(rounded_map in) {

@@ -29,6 +29,7 @@
 // squares, √(Σ w² σ²). It is no bound, but results stay below it, and mistakes far above. Tests hold results
 // to both.
 
+#include <functional>
 #include <span>
 #include <support/reference.hpp>
 #include <vector>
@@ -46,13 +47,20 @@ using rounded_map = std::vector<rounded>;
 /// A layer of a network, as the bound needs it. Lists keep their nesting: a batch norm is folded into a
 /// convolution of its own list only.
 struct described_layer {
-    enum class kind { convolution, norm, relu, pool, dense, softmax, dropout, list, residual };
+    enum class kind { convolution, norm, relu, pool, dense, softmax, dropout, list, residual, own };
     kind what;
     reference_window window{}; ///< of convolutions, pools and (as large as the image) dense layers
     std::size_t filters = 0;   ///< outputs of dense layers
     bool tiled = false;        ///< whether a convolution is computed by Winograd's tiles
     std::vector<described_layer> inner{}, skip{};
+    /// What a layer that this file does not know makes of a map, from its learnable parameters: `own_values`
+    /// of them.
+    std::function<rounded_map(rounded_map, std::span<const float>)> own{};
+    std::size_t own_values = 0;
 };
+
+/// As a bound, one rounding of a result of that size.
+[[nodiscard]] rounded rounded_once(rounded exact);
 
 /// The convolution of one frame with weights [filter][channel][row][column], by taps or by tiles; `added` may
 /// be null. Values [channel][row][column] as everywhere in the reference.

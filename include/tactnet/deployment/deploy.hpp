@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deployed_view.hpp>
+#include <tactnet/deployment/forms.hpp>
 #include <tactnet/deployment/plan.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/tensor.hpp>

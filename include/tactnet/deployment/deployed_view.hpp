@@ -1,6 +1,7 @@
 #pragma once
 
-#include <tactnet/deployment/step_chain.hpp>
+#include <tactnet/deployment/frame.hpp>
+#include <tactnet/deployment/steps.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
@@ -31,8 +32,11 @@ enum class [[nodiscard]] frame_status{
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
 class deployed_view {
-    static constexpr std::size_t mean_elements = whole_lines(Input.size());
-    static constexpr std::size_t steps_begin = mean_elements + whole_lines(2);
+    using format = typename Steps::format;
+    using activation = typename format::activation;
+    using packed_number = typename format::packed;
+    using entrance = frame_entrance<format, Input>;
+    using exit = frame_exit<format, Steps::output, Steps::output_stride>;
     static constexpr std::size_t output_elements = whole_lines(Steps::output.area() * Steps::output_stride);
 
 public:
@@ -42,28 +46,26 @@ public:
 
     /// The mean image, the scale of the input and its largest magnitude (see `not_finite`), then what remains
     /// of the parameters once batch norms are folded in: the same on every machine.
-    static constexpr std::size_t steps_folded = Input.size() + 2,
+    static constexpr std::size_t steps_folded = entrance::folded,
                                  folded_elements = steps_folded + Steps::folded;
     /// The same in the order of use, for one instruction set.
-    static constexpr std::size_t packed_elements = steps_begin + Steps::packed;
-    static constexpr std::size_t weight_bytes = packed_elements * sizeof(float);
+    static constexpr std::size_t packed_elements = entrance::packed + Steps::packed;
+    static constexpr std::size_t weight_bytes = packed_elements * sizeof(packed_number);
 
     /// Memory for one call, on the stack or wherever the caller likes. Nothing in it outlives the call.
     struct scratch {
-        alignas(alignment) std::array<float, mean_elements + output_elements + Steps::scratch> elements;
+        alignas(alignment) std::array<activation, entrance::map + output_elements + Steps::scratch> elements;
     };
     static constexpr std::size_t scratch_bytes = sizeof(scratch);
 
     /// Packed weights as a value, for constants of a program.
     struct packed_weights {
-        alignas(alignment) std::array<float, packed_elements> elements{};
+        alignas(alignment) std::array<packed_number, packed_elements> elements{};
     };
     /// `folded` holds folded_elements numbers, `packed` packed_elements zeros. Usable when compiling.
-    static constexpr void pack(const float* folded, float* packed) {
-        std::copy_n(folded, Input.size(), packed);
-        packed[mean_elements] = folded[Input.size()];
-        packed[mean_elements + 1] = folded[Input.size() + 1];
-        Steps::pack(folded + steps_folded, packed + steps_begin);
+    static constexpr void pack(const float* folded, packed_number* packed) {
+        entrance::pack(folded, packed);
+        Steps::pack(folded + entrance::folded, packed + entrance::packed);
     }
     [[nodiscard]] static constexpr packed_weights pack(const std::array<float, folded_elements>& folded) {
         packed_weights result;
@@ -72,7 +74,7 @@ public:
     }
 
     /// Weights that outlive the view, aligned to `alignment`.
-    constexpr explicit deployed_view(const float* packed) noexcept : packed_(packed) {}
+    constexpr explicit deployed_view(const packed_number* packed) noexcept : packed_(packed) {}
     constexpr explicit deployed_view(const packed_weights& weights) noexcept
         : packed_(weights.elements.data()) {}
 
@@ -103,33 +105,14 @@ private:
     template <class Count>
     frame_status recognise(const Count* counts, std::span<float, outputs> to,
                            scratch& memory) const noexcept {
-        const float* const mean = packed_;
-        const float scale = packed_[mean_elements];
-        float* const in = memory.elements.data();
-        float* const out = in + mean_elements;
-        for (std::size_t channel = 0; channel < Input.channels; ++channel)
-            for (std::size_t pixel = 0; pixel < Input.area(); ++pixel) {
-                const std::size_t at = channel * Input.area() + pixel;
-                in[pixel * Input.channels + channel] = (static_cast<float>(counts[at]) - mean[at]) * scale;
-            }
-        // Pools and ReLUs would let a NaN or an infinity vanish: it must be seen here. The limit is one
-        // that counts of 8 bits keep.
-        std::uint32_t beyond = 0;
-        if constexpr (std::is_floating_point_v<Count>) {
-            const float limit = packed_[mean_elements + 1];
-            for (std::size_t e = 0; e < Input.size(); ++e)
-                beyond += !(in[e] <= limit && in[e] >= -limit);
-        }
-        Steps::run(packed_ + steps_begin, in, out, out + output_elements);
-        for (std::size_t channel = 0; channel < output_shape.channels; ++channel)
-            for (std::size_t pixel = 0; pixel < output_shape.area(); ++pixel)
-                to[channel * output_shape.area() + pixel] = out[pixel * Steps::output_stride + channel];
-        for (const float value : to)
-            beyond += !(std::abs(value) <= std::numeric_limits<float>::max());
-        return beyond == 0 ? frame_status::recognised : frame_status::not_finite;
+        activation* const in = memory.elements.data();
+        activation* const out = in + entrance::map;
+        const bool usual = entrance::read(packed_, counts, in);
+        Steps::run(packed_ + entrance::packed, in, out, out + output_elements);
+        return exit::write(out, to) && usual ? frame_status::recognised : frame_status::not_finite;
     }
 
-    const float* packed_;
+    const packed_number* packed_;
 };
 
 } // namespace TACTNET_ARCH

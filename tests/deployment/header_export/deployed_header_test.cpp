@@ -2,7 +2,7 @@
 #include "networks.hpp"
 #include "small.hpp"
 
-#include <tactnet/deployment/deployed_header.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,7 +2,7 @@
 
 #include "networks.hpp"
 
-#include <tactnet/deployment/deployed_header.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/file.hpp>
 
 #include <cstdio>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 
 // Convolution of one frame, for deployed networks. Maps lie pixel by pixel, the channels of a pixel side by
 // side and padded to whole vectors: a tap is then one number of the input, spread over all lanes, times
@@ -23,17 +24,60 @@ struct frame_convolution {
     extent pool = 1;          ///< window and stride of the max pool behind, without padding before the image
     std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if a pool cuts or completes windows
     bool rectified = false;
-    bool adds = false; ///< to the map that the output takes the place of
+    bool adds = false;           ///< to the map that the output takes the place of
+    std::size_t groups = 1;      ///< filters of a group see the channels of that group only
+    std::size_t map_stride = 0;  ///< elements from one pixel to the next of a wider map that holds the output
+    std::size_t map_offset = 0;  ///< channels of that map in front of the output; 0 also without one
+    std::size_t input_offset = 0; ///< the first channel of the input is a multiple of this; 0: aligned
 
     /// Of a register block: more of them, beside inputs and weights, and compilers spill.
     static constexpr std::size_t most_accumulators = vector_registers == 32 ? 16 : 12;
 
-    [[nodiscard]] constexpr std::size_t width() const { return lanes_for<float>(filters); }
+    /// In a wider map vectors must begin where vectors of that width may lie.
+    [[nodiscard]] constexpr std::size_t width() const {
+        std::size_t w = lanes_for<float>(filters);
+        while (w > fewest_lanes<float> && (map_stride % w != 0 || map_offset % w != 0))
+            w /= 2;
+        return w;
+    }
     [[nodiscard]] constexpr std::size_t vectors() const { return (filters + width() - 1) / width(); }
-    [[nodiscard]] constexpr std::size_t output_stride() const { return vectors() * width(); }
-    [[nodiscard]] constexpr std::size_t taps() const { return window.input.channels * window.kernel.area(); }
+    [[nodiscard]] constexpr std::size_t padded_filters() const { return vectors() * width(); }
+    [[nodiscard]] constexpr std::size_t output_stride() const {
+        return map_stride > 0 ? map_stride : padded_filters();
+    }
+    /// Products of one output.
+    [[nodiscard]] constexpr std::size_t taps() const {
+        return window.input.channels / groups * window.kernel.area();
+    }
     /// Elements of the packed weights, then of the biases.
-    [[nodiscard]] constexpr std::size_t weights() const { return taps() * output_stride(); }
+    [[nodiscard]] constexpr std::size_t weights() const { return taps() * padded_filters(); }
+
+    /// Whether the output fits into its place in a wider map: lanes behind its last channel must not reach the
+    /// next pixel.
+    [[nodiscard]] constexpr bool fits_map() const {
+        return map_stride == 0 ||
+               (map_stride % width() == 0 && map_offset % width() == 0 &&
+                map_offset + padded_filters() <= map_stride);
+    }
+    /// Whether groups can be computed one by one: their filters must fill vectors.
+    [[nodiscard]] constexpr bool groups_apart() const {
+        return groups > 1 && group().padded_filters() == group().filters && group().fits_map();
+    }
+    /// One of several groups, as a convolution from and into some channels of wider maps.
+    [[nodiscard]] constexpr frame_convolution group() const {
+        frame_convolution one = *this;
+        one.window.input.channels /= groups, one.filters /= groups, one.groups = 1;
+        one.map_stride = output_stride();
+        one.map_offset = std::gcd(map_offset, one.filters);
+        one.input_offset = std::gcd(input_offset, one.window.input.channels);
+        return one;
+    }
+    /// All groups as one convolution, with zeros for what a group does not see.
+    [[nodiscard]] constexpr frame_convolution joined() const {
+        frame_convolution all = *this;
+        all.groups = 1;
+        return all;
+    }
 
     [[nodiscard]] constexpr std::size_t output_rows() const {
         return pooled_rows > 0 ? pooled_rows : window.output_rows();
@@ -71,8 +115,8 @@ struct frame_convolution {
 template <frame_convolution C, class Weight>
 constexpr void pack_frame_weights(float* packed, Weight&& weight) {
     const std::size_t block = C.block_vectors() * C.width();
-    for (std::size_t first = 0; first < C.output_stride(); first += block) {
-        const std::size_t count = std::min(block, C.output_stride() - first);
+    for (std::size_t first = 0; first < C.padded_filters(); first += block) {
+        const std::size_t count = std::min(block, C.padded_filters() - first);
         for (std::size_t channel = 0; channel < C.window.input.channels; ++channel)
             for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
                 for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
@@ -238,6 +282,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
 template <frame_convolution C>
 void convolve_frame(const float* input, const float* weights, const float* bias, float* output) {
     static_assert(!C.adds || C.pool == extent(1), "convolve_frame: a sum is not pooled");
+    static_assert(C.groups == 1 && C.fits_map(), "convolve_frame: the output does not fit its map");
     blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first = first_vector * C.width();
         constexpr std::size_t rows = C.block_rows();

@@ -48,7 +48,7 @@ struct winograd_tiles {
     static constexpr std::size_t band = [] {
         constexpr std::size_t cache = 24 * 1024 / sizeof(float), small_kernels = 64 * 1024 / sizeof(float);
         constexpr std::size_t of_a_tile = elements * (input_stride + block_stride);
-        if (elements * channels * C.output_stride() > small_kernels)
+        if (elements * channels * C.padded_filters() > small_kernels)
             return count;
         const std::size_t bands = (count + std::max<std::size_t>(cache / of_a_tile, 8) - 1) /
                                   std::max<std::size_t>(cache / of_a_tile, 8);
@@ -67,12 +67,13 @@ struct winograd_tiles {
     /// Elements of scratch memory.
     static constexpr std::size_t scratch = transformed_input + products;
     /// Elements of the transformed, packed kernels.
-    static constexpr std::size_t weights = elements * channels * C.output_stride();
+    static constexpr std::size_t weights = elements * channels * C.padded_filters();
 
     static constexpr bool possible = (C.window.kernel == extent(3) || C.window.kernel == extent(2)) &&
                                      C.window.stride == extent(1) &&
                                      (C.pool == extent(1) || C.pool == extent(2)) &&
-                                     C.input_stride % input_width == 0 && C.input_stride >= input_stride;
+                                     C.input_stride % input_width == 0 && C.input_stride >= input_stride &&
+                                     C.input_offset % input_width == 0;
     /// Whether fewer vector operations are needed than with taps on real pixels. Transforms count with their
     /// loads and stores; register blocks of few tiles wait for the weights.
     static constexpr bool pays = [] {
@@ -103,8 +104,8 @@ constexpr void pack_winograd_weights(float* packed, Weight&& weight) {
         else
             return 0.5 * (g[0] + (line == 1 ? g[1] : -g[1]) + g[2]);
     };
-    for (std::size_t first = 0; first < C.output_stride(); first += block) {
-        const std::size_t count = std::min(block, C.output_stride() - first);
+    for (std::size_t first = 0; first < C.padded_filters(); first += block) {
+        const std::size_t count = std::min(block, C.padded_filters() - first);
         for (std::size_t channel = 0; channel < channels; ++channel)
             for (std::size_t f = 0; f < count; ++f) {
                 std::array<std::array<double, kernel>, tiles::side> half{};
@@ -276,6 +277,7 @@ template <frame_convolution C>
 void convolve_frame_by_tiles(const float* input, const float* weights, const float* bias, float* output,
                              float* scratch) {
     static_assert(!C.adds || C.pool == extent(1), "convolve_frame_by_tiles: a sum is not pooled");
+    static_assert(C.groups == 1 && C.fits_map(), "convolve_frame_by_tiles: the output does not fit its map");
     using tiles = winograd_tiles<C>;
     float* const products = scratch + tiles::transformed_input;
     blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {

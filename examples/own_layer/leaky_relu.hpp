@@ -1,0 +1,57 @@
+#pragma once
+
+// A layer of one's own, as good as one of the library's: leaky ReLU (Maas, Hannun, Ng, 2013), x where x > 0
+// and a small share of x elsewhere, so that no filter stops learning. This file is all that it takes to train
+// it, to save it and to run it in batches.
+
+#include <tactnet/layers/layer.hpp>
+
+#include <cstddef>
+#include <string_view>
+
+namespace own {
+
+/// max(x, 0) + slope · min(x, 0), with the slope in per cent.
+template <unsigned Percent = 1>
+struct leaky_relu {
+    static_assert(Percent > 0 && Percent < 100,
+                  "leaky_relu: the slope must be above 0 and below 100 per cent");
+
+    /// What arrays of the layer are called in weight files; this one has none.
+    static constexpr std::string_view name = "leaky_relu";
+    static constexpr bool numbered = true;
+
+    /// Bound to a number type and an input shape.
+    template <class T, tactnet::shape Input>
+    struct layer : tactnet::layer_without_parameters<T, Input, Input> {
+        // The way back needs the output alone: it has the input's sign.
+        static constexpr bool in_place = true, keeps_output = true, by_parts = true;
+        static constexpr T slope = static_cast<T>(Percent) / 100;
+
+        static void infer(const tactnet::pass& p, const T*, const T*, tactnet::no_memory&,
+                          tactnet::input_view<T, Input> in, tactnet::output_view<T, Input> out) {
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                for (std::size_t e = 0; e < in.group_size; ++e)
+                    out.group(g)[e] = in.group(g)[e] > 0 ? in.group(g)[e] : slope * in.group(g)[e];
+            });
+        }
+        static void forward(const tactnet::pass& p, const T* none, T*, tactnet::no_memory& memory,
+                            tactnet::input_view<T, Input> in, tactnet::output_view<T, Input> out) {
+            infer(p, none, none, memory, in, out);
+        }
+        static void backward(const tactnet::pass& p, const T*, tactnet::no_memory&,
+                             tactnet::input_view<T, Input>, tactnet::input_view<T, Input> out,
+                             tactnet::input_view<T, Input> out_gradient,
+                             tactnet::output_view<T, Input> in_gradient, T*) {
+            if (in_gradient.data() == nullptr) // no layer in front learns
+                return;
+            p.threads.for_each(out.groups(), [&](std::size_t g) {
+                for (std::size_t e = 0; e < out.group_size; ++e)
+                    in_gradient.group(g)[e] =
+                        out.group(g)[e] > 0 ? out_gradient.group(g)[e] : slope * out_gradient.group(g)[e];
+            });
+        }
+    };
+};
+
+} // namespace own

@@ -1,0 +1,100 @@
+// Trains a network that holds a layer of one's own, saves it, loads it again, deploys it and writes it as a
+// header:
+//
+//   tactnet_own_layer WEIGHTS.safetensors HEADER.hpp
+//
+// The images are drawn here: bars that lie, bars that stand, and crosses.
+
+#include "leaky_relu_deployed.hpp"
+#include "network.hpp"
+
+#include <tactnet/deployment.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/training.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <span>
+#include <vector>
+
+namespace {
+
+constexpr std::size_t rows = own::network::input_shape.rows, columns = own::network::input_shape.columns;
+constexpr std::size_t images_of_each = 40;
+
+/// Image after image, class after class.
+std::vector<std::uint8_t> draw_images() {
+    std::vector<std::uint8_t> pixels;
+    for (std::size_t label = 0; label < 3; ++label)
+        for (std::size_t i = 0; i < images_of_each; ++i)
+            for (std::size_t row = 0; row < rows; ++row)
+                for (std::size_t column = 0; column < columns; ++column) {
+                    const bool lies = row == 1 + i % 5, stands = column == 1 + i % 11;
+                    const bool pressed = (label != 1 && lies) || (label != 0 && stands);
+                    pixels.push_back(static_cast<std::uint8_t>(pressed ? 100 + i * 3 : 0));
+                }
+    return pixels;
+}
+
+void run(const char* weights, const char* header) {
+    const std::vector<std::uint8_t> pixels = draw_images();
+    std::vector<std::size_t> labels;
+    for (std::size_t i = 0; i < 3 * images_of_each; ++i)
+        labels.push_back(i / images_of_each);
+    const tactnet::labelled_images images{pixels, labels, 3};
+
+    tactnet::recipe how = tactnet::recipe::standard(rows, columns);
+    how.epochs = 12;
+    how.augmentation = tactnet::augmentation_rule::none; // a turned bar that lies is a bar that stands
+    tactnet::thread_pool threads;
+    tactnet::trainer<own::network> trainer(
+        how, images,
+        tactnet::split_data(labels, 3, tactnet::split_rule::random, 1, {.validation = 0.2, .test = 0}), 1,
+        threads);
+    while (!trainer.finished())
+        trainer.run_epoch();
+    tactnet::save_model(weights, tactnet::model<own::network>{trainer.best(),
+                                                              trainer.input_normalisation(),
+                                                              {"lies", "stands", "cross"}});
+
+    const auto model = tactnet::load_model<own::network>(weights);
+    const auto recognise = tactnet::deploy(model);
+    std::size_t right = 0;
+    constexpr std::size_t size = rows * columns;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        std::array<float, own::network::outputs> logits;
+        const auto status = recognise(
+            tactnet::tensor_view<const std::uint8_t, own::network::input_shape>(pixels.data() + i * size),
+            logits);
+        const auto best = std::max_element(logits.begin(), logits.end()) - logits.begin();
+        right += status == tactnet::frame_status::recognised && static_cast<std::size_t>(best) == labels[i];
+    }
+    std::printf("recognised %zu of %zu\n", right, labels.size());
+
+    tactnet::write_file(header,
+                        tactnet::deployed_header(
+                            recognise, {.network = "own", .namespace_name = "bars", .classes = model.classes},
+                            std::span(pixels).template first<size>()));
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    if (count != 3) {
+        std::fprintf(stderr, "own_layer: expected a weight file and a header to write\n");
+        return 2;
+    }
+    try {
+        run(arguments[1], arguments[2]);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "own_layer: %s\n", error.what());
+        return 2;
+    }
+    return 0;
+}

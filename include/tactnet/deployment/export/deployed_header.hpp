@@ -1,0 +1,83 @@
+#pragma once
+
+#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment/export/header_description.hpp>
+#include <tactnet/deployment/export/header_form.hpp>
+#include <tactnet/deployment/export/literals.hpp>
+#include <tactnet/deployment/export/step_spellings.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+// A deployed network as the text of a C++ header, for targets without files. Whatever instruction set it is
+// written with, it can be compiled for any; only the outputs of its self-test may differ in their last bits.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// The text of a header that holds a deployed network: includes deployed_view.hpp, compiles without
+/// exceptions and run-time type information. In the chosen namespace it defines
+///   recogniser      the network, to be called as a deployed_view
+///   classes         names of its first outputs, in order; outputs behind them stand for nothing
+///   passes_selftest whether `frame`, some counts, still gives the outputs that it gives here, to 1e-4 of the
+///                   largest
+/// Throws std::invalid_argument for names that cannot be and for a frame that is not recognised.
+template <class Network>
+[[nodiscard]] std::string deployed_header(const deployed<Network>& network, const header_description& says,
+                                          std::span<const std::uint8_t, Network::input_shape.size()> frame) {
+    using deployed_type = deployed<Network>;
+    using view = typename deployed_type::view_type;
+    constexpr shape input = Network::input_shape;
+    if (!is_namespace_name(says.namespace_name))
+        throw std::invalid_argument(
+            "deployed_header: expected a namespace such as gripper::tactile, found '" + says.namespace_name +
+            "'");
+    if (says.classes.size() > deployed_type::outputs)
+        throw std::invalid_argument("deployed_header: expected at most " +
+                                    std::to_string(deployed_type::outputs) + " class names, found " +
+                                    std::to_string(says.classes.size()));
+    std::array<float, deployed_type::outputs> outputs;
+    if (network(tensor_view<const std::uint8_t, input>(frame), outputs) != frame_status::recognised)
+        throw std::invalid_argument("deployed_header: expected a frame that gives finite outputs for the "
+                                    "self-test, found one that does not");
+
+    step_text steps;
+    const std::string chain =
+        steps.template define<typename view::steps>(input, std::to_string(input.channels));
+    std::string includes, classes;
+    for (const std::string& header : steps.includes())
+        includes += "#include <" + header + ">\n";
+    for (const std::string& name : says.classes)
+        classes += "    " + detail::string_literal(name) + ",\n";
+    const bool when_compiling =
+        says.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling;
+    return detail::filled(
+        detail::header_form,
+        {{"network", detail::one_line(says.network)},
+         {"size", step_text::size(input)},
+         {"outputs", std::to_string(deployed_type::outputs)},
+         {"parameters", std::to_string(Network::parameters)},
+         {"folded", std::to_string(view::folded_elements - view::steps_folded)},
+         {"namespace", says.namespace_name},
+         {"includes", includes},
+         {"steps", steps.definitions()},
+         {"rows", std::to_string(input.rows)},
+         {"columns", std::to_string(input.columns)},
+         {"channels", std::to_string(input.channels)},
+         {"chain", chain},
+         {"class count", std::to_string(says.classes.size())},
+         {"classes", classes},
+         {"numbers", detail::number_lines(network.folded(), detail::float_literal)},
+         {"count", std::to_string(view::folded_elements)},
+         {"packed", std::string(when_compiling ? detail::packed_when_compiling : detail::packed_at_start)},
+         {"frame", detail::number_lines(frame, [](std::uint8_t count) { return std::to_string(count); })},
+         {"frame outputs", detail::number_lines(outputs, detail::float_literal)}});
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

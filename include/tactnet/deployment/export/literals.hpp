@@ -1,0 +1,87 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+// Values as the text of a C++ header.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// As a string literal, bytes beyond ASCII and all that means something in it as octal numbers.
+inline std::string string_literal(std::string_view text) {
+    std::string literal = "\"";
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\' || c == '?') // ?: trigraphs
+            (literal += '\\') += c;
+        else if (code >= 0x20 && code < 0x7f)
+            literal += c;
+        else
+            for (literal += '\\'; const int shift : {6, 3, 0})
+                literal += static_cast<char>('0' + ((code >> shift) & 7));
+    }
+    return literal + '"';
+}
+
+/// For a comment of one line: nothing that could end it.
+inline std::string one_line(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == '\\')
+            c = ' ';
+    return text;
+}
+
+/// In hexadecimal: exact by its form, and compilers read it as fast as decimal numbers.
+inline std::string float_literal(float value) {
+    char text[32];
+    const float magnitude = std::abs(value);
+    const auto end = std::to_chars(text, text + sizeof(text), magnitude, std::chars_format::hex);
+    return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end.ptr) + "f";
+}
+
+/// All numbers with commas between, in lines of about a hundred characters.
+template <class Numbers, class Text>
+std::string number_lines(const Numbers& numbers, Text&& text_of) {
+    std::string lines, line = "   ";
+    for (const auto& number : numbers) {
+        const std::string text = text_of(number);
+        if (line.size() + text.size() > 108) {
+            lines += line + "\n";
+            line = "   ";
+        }
+        line += " " + text + ",";
+    }
+    return lines + line + "\n";
+}
+
+/// A text with every @name@ replaced by what belongs to it.
+using replacement = std::pair<std::string_view, std::string>;
+inline std::string filled(std::string_view text, std::initializer_list<replacement> values) {
+    std::string result;
+    while (true) {
+        const std::size_t begin = text.find('@');
+        result += text.substr(0, begin);
+        if (begin == std::string_view::npos)
+            return result;
+        const std::size_t end = text.find('@', begin + 1);
+        const std::string_view name = text.substr(begin + 1, end - begin - 1);
+        for (const replacement& value : values)
+            if (value.first == name)
+                result += value.second;
+        text.remove_prefix(end + 1);
+    }
+}
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet

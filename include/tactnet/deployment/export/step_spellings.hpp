@@ -1,0 +1,129 @@
+#pragma once
+
+#include <tactnet/deployment/export/step_text.hpp>
+#include <tactnet/deployment/steps.hpp>
+
+#include <cstddef>
+#include <string>
+#include <type_traits>
+
+// How the library's own steps are spelled.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// For people.
+[[nodiscard]] inline std::string by(const extent& e) {
+    return std::to_string(e.rows) + " × " + std::to_string(e.columns);
+}
+template <class Format>
+inline constexpr const char* format_name = nullptr;
+template <>
+inline constexpr const char* format_name<single_precision> = "tactnet::single_precision";
+
+/// tactnet::name<format, argument, …>
+template <class Format, class... Texts>
+[[nodiscard]] std::string step_type(const char* name, const Texts&... arguments) {
+    return "tactnet::" + std::string(name) + "<" + format_name<Format> + (... + (", " + arguments)) + ">";
+}
+
+} // namespace detail
+
+template <class Format, kernels::frame_convolution Kernel>
+struct step_spelling<convolution_step<Format, Kernel>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        constexpr kernels::frame_convolution c = Kernel;
+        std::string what = "Convolution " + detail::by(c.window.kernel);
+        std::string rest;
+        if (c.window.stride != extent(1))
+            what += " by steps of " + detail::by(c.window.stride);
+        if (c.adds) {
+            what += ", sum with the other branch";
+            rest += ", .adds = true";
+        }
+        if (c.groups > 1) {
+            what += " in " + std::to_string(c.groups) + " groups";
+            rest += ", .groups = " + std::to_string(c.groups);
+        }
+        if (c.pool != extent(1))
+            what += ", max pool " + detail::by(c.pool);
+        if (c.rectified)
+            what += ", ReLU";
+        return {what,
+                detail::step_type<Format>(
+                    "convolution_step",
+                    "tactnet::kernels::frame_convolution{\n    .window = " + text_of(c.window) +
+                        ",\n    .filters = " + std::to_string(c.filters) + ", .input_stride = " + stride +
+                        ", .pool = " + text_of(c.pool) + ", .pooled_rows = " + std::to_string(c.pooled_rows) +
+                        ", .pooled_columns = " + std::to_string(c.pooled_columns) +
+                        ", .rectified = " + text_of(c.rectified) + rest + "}")};
+    }
+};
+template <class Format, kernels::frame_dense Kernel>
+struct step_spelling<dense_step<Format, Kernel>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {"Dense", detail::step_type<Format>(
+                             "dense_step", "tactnet::kernels::frame_dense{.input = " + text_of(Kernel.input) +
+                                               ", .input_stride = " + stride +
+                                               ", .outputs = " + std::to_string(Kernel.outputs) + "}")};
+    }
+};
+template <class Format, shape Map, std::size_t Stride, bool Rectified>
+struct step_spelling<norm_step<Format, Map, Stride, Rectified>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {Rectified ? "Batch norm, ReLU" : "Batch norm",
+                detail::step_type<Format>("norm_step", text_of(Map), stride, text_of(Rectified))};
+    }
+};
+template <class Format, shape Map, std::size_t Stride>
+struct step_spelling<relu_step<Format, Map, Stride>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {"ReLU", detail::step_type<Format>("relu_step", text_of(Map), stride)};
+    }
+};
+template <class Format, sliding_window Window, std::size_t Stride>
+struct step_spelling<pool_step<Format, Window, Stride>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {"Max pool " + detail::by(Window.kernel) + " by steps of " + detail::by(Window.stride),
+                detail::step_type<Format>("pool_step", text_of(Window), stride)};
+    }
+};
+template <class Format, shape Map, std::size_t Stride>
+struct step_spelling<softmax_step<Format, Map, Stride>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {"Softmax", detail::step_type<Format>("softmax_step", text_of(Map), stride)};
+    }
+};
+template <>
+struct step_spelling<no_step> {
+    static spelled_step of(step_text&, const shape&, const std::string&) {
+        return {"Nothing", "tactnet::no_step"};
+    }
+};
+template <class Main, class Skip, std::size_t InputStride>
+struct step_spelling<residual_step<Main, Skip, InputStride>> {
+    static spelled_step of(step_text& text, const shape& input, const std::string& stride) {
+        const std::string main = text.define<Main>(input, stride), skip = text.define<Skip>(input, stride);
+        return {"Both branches of a residual block",
+                "tactnet::residual_step<" + main + ", " + skip + ", " + stride + ">"};
+    }
+};
+template <class... Steps>
+struct step_spelling<step_chain<Steps...>> {
+    static spelled_step of(step_text& text, shape input, std::string stride) {
+        std::string names;
+        const auto append = [&]<class Step>(std::type_identity<Step>) {
+            const std::string name = text.define<Step>(input, stride);
+            names += (names.empty() ? "" : ", ") + name;
+            input = Step::output;
+            stride = name + "::output_stride";
+        };
+        (append(std::type_identity<Steps>{}), ...);
+        return {"One after the other", "tactnet::step_chain<" + names + ">"};
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <tactnet/deployment/forms/convolution.hpp>
+#include <tactnet/deployment/forms/dense.hpp>
+#include <tactnet/deployment/forms/dropout.hpp>
+#include <tactnet/deployment/forms/norm.hpp>
+#include <tactnet/deployment/forms/pool.hpp>
+#include <tactnet/deployment/forms/relu.hpp>
+#include <tactnet/deployment/forms/residual.hpp>
+#include <tactnet/deployment/forms/sequence.hpp>
+#include <tactnet/deployment/forms/softmax.hpp>

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <tactnet/deployment/forms/form.hpp>
+#include <tactnet/deployment/steps/convolution.hpp>
+#include <tactnet/layers/conv2d.hpp>
+
+#include <cstddef>
+#include <type_traits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// In place of a batch norm where none follows.
+struct no_norm {
+    explicit no_norm(const parameter_source&) {}
+    [[nodiscard]] double factor(std::size_t) const { return 1; }
+    [[nodiscard]] double shifted(std::size_t, double bias) const { return bias; }
+};
+
+/// What a convolution has taken up of the layers behind it.
+struct convolution_epilogue {
+    extent pool = 1; ///< window and stride of a max pool
+    std::size_t pooled_rows = 0, pooled_columns = 0;
+    bool rectified = false, adds = false;
+
+    [[nodiscard]] constexpr bool pooled() const { return pooled_rows > 0; }
+};
+
+/// A convolution with the batch norm, the max pool and the ReLU behind it. `Norm` gives the norm's constants.
+template <class Place, class Norm = no_norm, convolution_epilogue Behind = convolution_epilogue{}>
+struct convolution_form {
+    using layer = typename Place::layer;
+    static constexpr kernels::frame_convolution kernel{.window = layer::window,
+                                                       .filters = layer::output.channels,
+                                                       .input_stride = Place::input_stride,
+                                                       .pool = Behind.pool,
+                                                       .pooled_rows = Behind.pooled_rows,
+                                                       .pooled_columns = Behind.pooled_columns,
+                                                       .rectified = Behind.rectified,
+                                                       .adds = Behind.adds};
+    using step = convolution_step<typename Place::format, kernel>;
+
+    static void fold(const parameter_source& list, float* to) {
+        const float* values = Place::parameters(list).values;
+        const Norm norm(list);
+        for (std::size_t w = 0; w < step::weights; ++w)
+            to[w] = static_cast<float>(static_cast<double>(values[w]) * norm.factor(w / layer::fan_in));
+        for (std::size_t f = 0; f < kernel.filters; ++f)
+            to[step::weights + f] =
+                static_cast<float>(norm.shifted(f, static_cast<double>(values[step::weights + f])));
+    }
+
+    template <class Spec, class NextPlace>
+    static constexpr auto absorb() {
+        if constexpr (scales_channels<Spec, NextPlace>) {
+            if constexpr (std::is_same_v<Norm, no_norm> && !Behind.pooled() && !Behind.rectified)
+                return std::type_identity<
+                    convolution_form<Place, channel_constants<Spec, NextPlace>, Behind>>{};
+            else
+                return not_absorbed{};
+        } else if constexpr (takes_maximum<Spec, NextPlace>) {
+            constexpr sliding_window pool = deployed_form<Spec>::template maximum<NextPlace>;
+            if constexpr (!Behind.pooled() && side_by_side(pool))
+                return std::type_identity<convolution_form<Place, Norm, with_pool(pool)>>{};
+            else
+                return not_absorbed{};
+        } else if constexpr (rectifies<Spec>) {
+            return std::type_identity<convolution_form<Place, Norm, with_relu()>>{};
+        } else {
+            return not_absorbed{};
+        }
+    }
+
+    /// The last convolution of a residual block's main branch: what is added is added before anything else.
+    template <bool Rectified>
+        requires(!Behind.pooled() && !Behind.rectified)
+    using adding = convolution_form<Place, Norm, convolution_epilogue{.rectified = Rectified, .adds = true}>;
+
+private:
+    /// A max pool that a convolution can take along: windows side by side, none before the image, and no more
+    /// pixels than a register block holds.
+    static constexpr bool side_by_side(const sliding_window& w) {
+        return w.kernel == w.stride && w.top == 0 && w.left == 0 &&
+               2 * w.kernel.area() <= kernels::frame_convolution::most_accumulators;
+    }
+    static constexpr convolution_epilogue with_pool(const sliding_window& pool) {
+        convolution_epilogue more = Behind;
+        more.pool = pool.kernel;
+        more.pooled_rows = pool.output_rows(), more.pooled_columns = pool.output_columns();
+        return more;
+    }
+    static constexpr convolution_epilogue with_relu() {
+        convolution_epilogue more = Behind;
+        more.rectified = true;
+        return more;
+    }
+};
+
+template <std::size_t Filters, extent Kernel, extent Stride, padding Padding>
+struct deployed_form<conv2d<Filters, Kernel, Stride, Padding>> {
+    template <class Place>
+    using at = convolution_form<Place>;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <tactnet/deployment/plan.hpp>
+#include <tactnet/layers/sequence.hpp>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A list inside a list.
+template <class Place, class Specification>
+struct list_form {
+    using list = typename planned<typename Place::format, Specification, typename Place::layer,
+                                  Place::input_stride>::form;
+    using step = typename list::step;
+
+    static void fold(const parameter_source& outer, float* to) { list::fold(Place::parameters(outer), to); }
+};
+
+template <class... Specs>
+struct deployed_form<sequence<Specs...>> {
+    static constexpr bool passes_on = (tactnet::passes_on<Specs> && ...);
+    template <class Place>
+    using at = list_form<Place, sequence<Specs...>>;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

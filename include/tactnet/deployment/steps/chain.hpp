@@ -1,0 +1,65 @@
+#pragma once
+
+#include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/detail/indexed_leaves.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Steps one after the other, as one step. Maps between them lie in two buffers that take turns.
+template <class... Steps>
+struct step_chain {
+    static constexpr std::size_t size = sizeof...(Steps);
+    static_assert(size > 0, "step_chain: there must be at least one step");
+    template <std::size_t I>
+    using at = typename decltype(detail::type_at<I>(
+        std::declval<detail::indexed_leaves<std::type_identity<Steps>...>>()))::type;
+
+    using format = typename at<0>::format;
+    static_assert((std::is_same_v<typename Steps::format, format> && ...),
+                  "step_chain: all steps must have the same number format");
+    using activation = typename format::activation;
+    using packed_number = typename format::packed;
+
+    static constexpr shape output = at<size - 1>::output;
+    static constexpr std::size_t output_stride = at<size - 1>::output_stride;
+    static constexpr std::size_t folded = (Steps::folded + ...), packed = (Steps::packed + ...);
+    /// The largest map between two steps.
+    static constexpr std::size_t buffer = [] {
+        std::size_t most = 0;
+        kernels::unroll<size - 1>(
+            [&](auto i) { most = std::max(most, whole_lines(at<i>::output.area() * at<i>::output_stride)); });
+        return most;
+    }();
+    static constexpr std::size_t buffers = std::min<std::size_t>(size - 1, 2);
+    static constexpr std::size_t scratch = buffers * buffer + std::max({Steps::scratch...});
+
+    static constexpr void pack(const float* from, packed_number* to) {
+        ((Steps::pack(from, to), from += Steps::folded, to += Steps::packed), ...);
+    }
+    /// Of all steps, not only the last: maps between them must stay finite as well.
+    static double reach(const float* from, double input) {
+        double most = input;
+        ((input = Steps::reach(from, input), most = std::max(most, input), from += Steps::folded), ...);
+        return most;
+    }
+    static void run(const packed_number* packed_values, const activation* in, activation* out,
+                    activation* memory) noexcept {
+        activation* const inner = memory + buffers * buffer;
+        kernels::unroll<size>([&](auto i) {
+            activation* const to = i + 1 == size ? out : memory + i % 2 * buffer;
+            at<i>::run(packed_values, in, to, inner);
+            packed_values += at<i>::packed;
+            in = to;
+        });
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

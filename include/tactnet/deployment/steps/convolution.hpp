@@ -1,0 +1,91 @@
+#pragma once
+
+#include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame/winograd.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Convolution with what follows it: batch norm, a sum, max pool, ReLU. The output may be some channels of a
+/// wider map, beginning at Kernel.map_offset.
+template <class Format, kernels::frame_convolution Kernel>
+struct convolution_step;
+
+template <kernels::frame_convolution Kernel>
+struct convolution_step<single_precision, Kernel> {
+    using format = single_precision;
+    static constexpr kernels::frame_convolution kernel = Kernel;
+    static constexpr shape output{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters};
+    static constexpr std::size_t output_stride = Kernel.output_stride();
+    static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
+    static constexpr std::size_t folded = weights + Kernel.filters;
+
+private:
+    /// Groups whose filters fill whole vectors are convolutions of their own, side by side. Others are one
+    /// convolution with zeros between the groups.
+    static constexpr std::size_t parts = Kernel.groups_apart() ? Kernel.groups : 1;
+    static constexpr kernels::frame_convolution part =
+        Kernel.groups_apart() ? Kernel.group() : Kernel.joined();
+    using tiles = kernels::winograd_tiles<part>;
+
+public:
+    /// Whether tiles take fewer operations than taps.
+    static constexpr bool tiled = tiles::pays;
+    static constexpr std::size_t packed_weights = whole_lines(tiled ? tiles::weights : part.weights());
+    static constexpr std::size_t packed_part = packed_weights + whole_lines(part.padded_filters());
+    static constexpr std::size_t packed = parts * packed_part;
+    static constexpr std::size_t scratch = tiled ? tiles::scratch : 0;
+
+    static constexpr void pack(const float* from, float* to) {
+        for (std::size_t p = 0; p < parts; ++p, to += packed_part) {
+            const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
+                                    std::size_t column) {
+                return weight_of(from, p * part.filters + filter, p * part.window.input.channels + channel,
+                                 row, column);
+            };
+            if constexpr (tiled)
+                kernels::pack_winograd_weights<part>(to, weight);
+            else
+                kernels::pack_frame_weights<part>(to, weight);
+            std::copy_n(from + weights + p * part.filters, part.filters, to + packed_weights);
+        }
+    }
+    static double reach(const float* from, double input) {
+        return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
+    }
+    static void run(const float* packed_values, const float* in, float* out,
+                    [[maybe_unused]] float* memory) noexcept {
+        out += Kernel.map_offset;
+        for (std::size_t p = 0; p < parts; ++p) {
+            const float* const values = packed_values + p * packed_part;
+            const float* const from = in + p * part.window.input.channels;
+            float* const to = out + p * part.filters;
+            if constexpr (tiled)
+                kernels::convolve_frame_by_tiles<part>(from, values, values + packed_weights, to, memory);
+            else
+                kernels::convolve_frame<part>(from, values, values + packed_weights, to);
+        }
+    }
+
+private:
+    /// Counted over all groups; zero for a channel of another group than the filter's.
+    static constexpr float weight_of(const float* from, std::size_t filter, std::size_t channel,
+                                     std::size_t row, std::size_t column) {
+        constexpr extent k = Kernel.window.kernel;
+        constexpr std::size_t channels = Kernel.window.input.channels / Kernel.groups;
+        if constexpr (Kernel.groups > 1) {
+            const std::size_t first = filter / (Kernel.filters / Kernel.groups) * channels;
+            if (channel < first || channel >= first + channels)
+                return 0.0f;
+            channel -= first;
+        }
+        return from[((filter * channels + channel) * k.rows + row) * k.columns + column];
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

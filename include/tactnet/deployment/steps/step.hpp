@@ -1,0 +1,80 @@
+#pragma once
+
+#include <tactnet/tensor/alignment.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+
+// What a deployed network does, step by step. A step stands for one or several layers, and knows sizes only.
+// Its constants:
+//   output, output_stride   the map it writes, pixel by pixel, and elements from one pixel to the next
+//   folded                  numbers that remain of the layers' parameters once batch norms are folded in
+//                           ([output][channel][row][column], then biases), in single precision
+//   packed                  the same in the order of use, padded to whole vectors, in the number format
+//   scratch                 elements of memory it needs while it runs
+// and its functions:
+//   pack                    from folded to packed numbers, into zeros; usable when compiling
+//   run                     from one map to the next
+//   reach                   the largest magnitude that an output can have where inputs have at most `input`
+// Lanes behind the last channel of a pixel hold zeros in every map.
+//
+// The headers in this folder need neither exceptions nor run-time type information nor files.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// The number format of single precision: maps and packed weights are floats. Each step is a template over a
+/// number format, defined where it is specialised for one: another format is another set of specialisations,
+/// with the same plan.
+struct single_precision {
+    using activation = float; ///< an element of a map
+    using packed = float;     ///< an element of the packed weights
+};
+
+/// What a plan is made of.
+template <class Step>
+concept deployed_step = requires(const float* folded, typename Step::format::packed* to,
+                                 const typename Step::format::packed* packed,
+                                 const typename Step::format::activation* in,
+                                 typename Step::format::activation* out) {
+    { Step::output } -> std::convertible_to<shape>;
+    { Step::output_stride + Step::folded + Step::packed + Step::scratch } -> std::convertible_to<std::size_t>;
+    Step::pack(folded, to);
+    { Step::reach(folded, 1.0) } -> std::same_as<double>;
+    { Step::run(packed, in, out, out) }
+    noexcept;
+};
+
+/// What steps without parameters have in common. They must not enlarge what passes, or say so by a `reach` of
+/// their own.
+template <class Format, shape Output, std::size_t Stride>
+struct step_without_parameters {
+    using format = Format;
+    static constexpr shape output = Output;
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr std::size_t folded = 0, packed = 0, scratch = 0;
+    static constexpr void pack(const float*, typename Format::packed*) {}
+    static double reach(const float*, double input) { return input; }
+};
+
+namespace detail {
+
+/// For [output][weights of one], then biases: the largest |bias| + input · Σ |weight|.
+[[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
+                                        double input) {
+    double most = 0;
+    for (std::size_t o = 0; o < outputs; ++o) {
+        double sum = 0;
+        for (std::size_t i = 0; i < of_one; ++i)
+            sum += std::abs(static_cast<double>(weights[o * of_one + i]));
+        most = std::max(most, sum * input + std::abs(static_cast<double>(weights[outputs * of_one + o])));
+    }
+    return most;
+}
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet
