@@ -2,6 +2,7 @@
 // nothing, which is enough to build the example. The program `tactnet` does the same for all its networks.
 
 #include <tactnet/deployment/deployed_header.hpp>
+#include <tactnet/deployment/deployed_model.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/networks/tactnet4.hpp>

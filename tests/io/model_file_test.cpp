@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <map>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <support/data_folder.hpp>
 #include <support/temporary_folder.hpp>
@@ -210,15 +209,5 @@ TEST_SUITE("io/model_file") {
         }
         MESSAGE("largest difference ", difference, " of ", largest);
         CHECK(difference <= 1e-4 * largest);
-    }
-
-    TEST_CASE("logits: an image of another size is refused") {
-        const model<small_network> m = example();
-        thread_pool alone;
-        const std::vector<std::uint8_t> images(2 * size.size());
-        CHECK(m.logits(images, alone).size() == 2 * m.classes.size());
-        for (const std::size_t wrong : {std::size_t{0}, size.size() - 1, size.size() + 1})
-            CHECK_THROWS_AS(static_cast<void>(m.logits(std::span(images).first(wrong), alone)),
-                            std::invalid_argument);
     }
 }

@@ -147,15 +147,6 @@ template <class Network>
     const tensor<float, Network::input_shape> zero;
     return deployed<Network>(network, zero.view().elements(), 1);
 }
-/// A network with what its inputs are normalised by, as `load_model` gives it.
-template <class Model>
-    requires requires(const Model& m) {
-        m.network.epsilon;
-        m.normalise.mean.view().elements();
-    }
-[[nodiscard]] auto deploy(const Model& model) {
-    return deploy(model.network, model.normalise.mean.view().elements(), model.normalise.scale);
-}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

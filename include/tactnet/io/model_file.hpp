@@ -5,12 +5,12 @@
 // still do, so that no mistake of a compiler, a processor or a format goes unseen.
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/image/normalisation.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/json_scanner.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/text.hpp>
+#include <tactnet/networks/model.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -33,38 +33,6 @@
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
-
-/// A network with all that it takes to recognise an image.
-template <class Network>
-struct model {
-    Network network;
-    normalisation<Network::input_shape> normalise;
-    /// As many as the network tells apart: the first outputs, in order.
-    std::vector<std::string> classes;
-
-    /// Logits of images stored one after the other: one row of `classes.size()` each.
-    /// Throws std::invalid_argument unless there is a whole number of images, one or more.
-    [[nodiscard]] std::vector<float> logits(std::span<const std::uint8_t> images,
-                                            thread_pool& threads) const {
-        constexpr std::size_t size = Network::input_shape.size();
-        const std::size_t count = images.size() / size;
-        if (count == 0 || images.size() % size != 0)
-            throw std::invalid_argument("logits: expected images of " + std::to_string(size) +
-                                        " pixels, found " + std::to_string(images.size()) + " pixels");
-        typename Network::workspace space;
-        typename Network::input_batch in(count);
-        typename Network::output_batch out(count);
-        for (std::size_t i = 0; i < count; ++i)
-            in.set(i, normalise(images.subspan(i * size).template first<size>()));
-        network.prepare(threads, space);
-        network.logits(threads, space, in, out);
-        std::vector<float> result;
-        for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t c = 0; c < classes.size(); ++c)
-                result.push_back(out(i, c));
-        return result;
-    }
-};
 
 using file_metadata = std::map<std::string, std::string, std::less<>>;
 

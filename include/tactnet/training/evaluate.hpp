@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/image/normalisation.hpp>
+#include <tactnet/networks/normalisation.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/training/loss.hpp>
 #include <tactnet/training/metrics.hpp>
