@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <map>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <support/data_folder.hpp>
 #include <support/temporary_folder.hpp>
@@ -176,6 +177,39 @@ TEST_SUITE("io/model_file") {
         CHECK_FALSE(describe_model(foreign).columns);
         CHECK_FALSE(describe_model(foreign).epsilon);
         CHECK(describe_model(changed(good, {{"format", "pt"}})).epsilon == 1e-4);
+    }
+
+    TEST_CASE("as many names as outputs at most, and one at least") {
+        const support::temporary_folder folder;
+        model<small_network> m = example();
+        for (const std::size_t wrong : {0u, 6u}) {
+            m.classes.assign(wrong, "one of them");
+            CHECK_THROWS_WITH_AS(save_model(folder / "m.safetensors", m, {}, images(1)),
+                                 "save_model: classes must be 1 to 5", std::invalid_argument);
+        }
+        CHECK_FALSE(std::filesystem::exists(folder / "m.safetensors"));
+    }
+
+    TEST_CASE("the same file without the network's type") {
+        const support::temporary_folder folder;
+        const model<small_network> m = example();
+        save_model(folder / "typed", m, {{"seed", "7"}}, images(2));
+        thread_pool alone;
+        const logits_function logits = [&](std::span<const std::uint8_t> asked) {
+            return m.logits(asked, alone);
+        };
+        save_model(folder / "parts", parts_of(m), {{"seed", "7"}}, images(2), logits);
+        CHECK(read_file(folder / "typed") == read_file(folder / "parts"));
+
+        const safetensors file = safetensors::read(folder / "parts");
+        const stored_arrays arrays = stored_arrays_of<small_network>();
+        const model<small_network> copy = make_model<small_network>(read_model(file, size, arrays));
+        CHECK(copy.classes == m.classes);
+        CHECK(copy.logits(images(3), alone) == m.logits(images(3), alone));
+        CHECK_NOTHROW(check_selftest(file, size, 3, logits));
+        CHECK_THROWS_AS(check_selftest(file, size, 3,
+                                       [](std::span<const std::uint8_t>) { return std::vector<float>(6); }),
+                        file_error);
     }
 
     TEST_CASE("a file cut short, at any byte") {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -35,8 +36,7 @@ model<network<size, conv2d<2, 3>, relu, dense<5>, Last...>> example(std::size_t 
 
 std::vector<std::uint8_t> images(std::size_t count) {
     std::vector<std::uint8_t> pixels(count * size.size());
-    for (std::size_t i = 0; i < pixels.size(); ++i)
-        pixels[i] = static_cast<std::uint8_t>(i * 97 % 251);
+    std::iota(pixels.begin(), pixels.end(), std::uint8_t{7});
     return pixels;
 }
 

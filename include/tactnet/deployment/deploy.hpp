@@ -135,7 +135,7 @@ private:
 
 /// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Any list of this
 /// library's layers; the main branch of a residual block must end in a convolution, with or without batch
-/// norm. Throws as the constructor of `deployed`.
+/// norm. Throws as the constructor of `deployed`. A `model` becomes a deployed_model, which names classes.
 template <class Network>
 [[nodiscard]] deployed<Network>
 deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale = 1) {
