@@ -3,7 +3,8 @@
 
 #include "recogniser.hpp"
 
-#include <algorithm>
+#include <tactnet/networks/recognition.hpp>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -33,8 +34,9 @@ int main() {
     std::array<float, gripper::recogniser_type::outputs> logits;
     if (gripper::recogniser(counts, logits) != tactnet::frame_status::recognised)
         return 1;
-    // Outputs behind the classes stand for nothing.
-    const auto likeliest = std::max_element(logits.begin(), logits.begin() + gripper::classes.size());
-    show(gripper::classes[static_cast<std::size_t>(likeliest - logits.begin())]);
+    const auto found = tactnet::likeliest(logits, gripper::classes);
+    if (!found)
+        return 1;
+    show(found->name);
     return 0;
 }

@@ -14,8 +14,6 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/training.hpp>
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -68,12 +66,9 @@ void run(const char* weights, const char* header) {
     std::size_t right = 0;
     constexpr std::size_t size = rows * columns;
     for (std::size_t i = 0; i < labels.size(); ++i) {
-        std::array<float, own::network::outputs> logits;
-        const auto status = recognise(
-            tactnet::tensor_view<const std::uint8_t, own::network::input_shape>(pixels.data() + i * size),
-            logits);
-        const auto best = std::max_element(logits.begin(), logits.end()) - logits.begin();
-        right += status == tactnet::frame_status::recognised && static_cast<std::size_t>(best) == labels[i];
+        const auto found = recognise(
+            tactnet::tensor_view<const std::uint8_t, own::network::input_shape>(pixels.data() + i * size));
+        right += found && found->index == labels[i];
     }
     std::printf("recognised %zu of %zu\n", right, labels.size());
 

@@ -14,73 +14,37 @@
 #include <tactnet/sensors.hpp>
 #include <tactnet/tactnet.hpp>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <span>
-#include <string>
 #include <unistd.h>
 
 namespace {
 
 using network = tactnet::tactnet6<tactnet::shape{own_device::rows, own_device::columns, 1}, 22>;
-using deployed = decltype(tactnet::deploy(std::declval<tactnet::model<network>>()));
-
-/// What the deployed network says of a frame, and how long that took. No heap, no exceptions.
-class recogniser {
-public:
-    explicit recogniser(const tactnet::model<network>& model)
-        : deployed_(tactnet::deploy(model)), classes_(model.classes.size()) {}
-
-    struct answer {
-        std::size_t index = 0;
-        double probability = 0, microseconds = 0;
-    };
-
-    [[nodiscard]] bool operator()(const tactnet::frame_view& frame, answer& to) noexcept {
-        const auto cells = frame.as<network::input_shape>();
-        const auto start = std::chrono::steady_clock::now();
-        if (!cells || deployed_(*cells, logits_, memory_) != tactnet::frame_status::recognised)
-            return false;
-        to.microseconds =
-            std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-        const auto known = std::span(logits_).first(classes_);
-        const auto best = std::max_element(known.begin(), known.end());
-        double sum = 0;
-        for (const float logit : known)
-            sum += std::exp(static_cast<double>(logit) - static_cast<double>(*best));
-        to.index = static_cast<std::size_t>(best - known.begin());
-        to.probability = 1 / sum;
-        return true;
-    }
-
-private:
-    deployed deployed_;
-    std::size_t classes_;
-    std::array<float, network::outputs> logits_{};
-    deployed::scratch memory_;
-};
-
 /// True if the stream was whole, its frames were recognised and their lines written.
 template <tactnet::frame_decoder Decoder>
 bool run(Decoder decoder, const tactnet::model<network>& model) {
-    recogniser recognise(model);
+    const auto recognise = tactnet::deploy(model);
     bool all_well = true;
     const auto take = [&](const tactnet::frame_view& frame) {
-        recogniser::answer answer;
-        if (!recognise(frame, answer)) {
+        const auto cells = frame.as<network::input_shape>();
+        const auto start = std::chrono::steady_clock::now();
+        const auto found = cells ? recognise(*cells) : std::nullopt;
+        const std::chrono::duration<double, std::micro> time = std::chrono::steady_clock::now() - start;
+        if (!found) {
             std::fprintf(stderr, "tactnet_stream: frame %llu cannot be recognised\n",
                          static_cast<unsigned long long>(frame.number));
             all_well = false;
             return;
         }
         std::printf("%llu\t%s\t%.4f\t%.1f\n", static_cast<unsigned long long>(frame.number),
-                    model.classes[answer.index].c_str(), answer.probability, answer.microseconds);
+                    model.classes[found->index].c_str(), found->probability, time.count());
     };
     const auto note = [&](tactnet::decode_status status) {
         if (status != tactnet::decode_status::damaged)

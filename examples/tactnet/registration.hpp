@@ -11,8 +11,6 @@
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/training/trainer.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <utility>
@@ -37,8 +35,10 @@ public:
             throw std::runtime_error(
                 "expected finite logits, found some that are not: the weights are broken");
         std::vector<recognition> result;
-        for (std::size_t i = 0; i < count; ++i)
-            result.push_back(likeliest(std::span(logits).subspan(i * Network::outputs, classes().size())));
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto found = tactnet::likeliest(std::span(logits).subspan(i * Network::outputs), classes());
+            result.push_back({found.value().index, found.value().probability});
+        }
         return result;
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
@@ -52,15 +52,6 @@ public:
     }
 
 private:
-    /// The class of the largest logit and its probability, by a softmax in double.
-    static recognition likeliest(std::span<const float> logits) {
-        const auto best = std::max_element(logits.begin(), logits.end());
-        double sum = 0;
-        for (const float logit : logits)
-            sum += std::exp(static_cast<double>(logit) - static_cast<double>(*best));
-        return {static_cast<std::size_t>(best - logits.begin()), 1 / sum};
-    }
-
     tactnet::model<Network> model_;
 };
 

@@ -15,12 +15,15 @@ struct padding;
 class thread_pool;
 class safetensors;
 class safetensors_writer;
+struct recognition;
 template <class Network>
 struct model;
 template <class Network>
 class trainer;
 template <class Network>
 class deployed;
+template <class Network>
+class deployed_model;
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

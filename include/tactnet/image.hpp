@@ -2,7 +2,6 @@
 
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/noise.hpp>
-#include <tactnet/image/normalisation.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/running_resize.hpp>
 #include <tactnet/image/three_channels.hpp>

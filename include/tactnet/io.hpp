@@ -6,6 +6,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/image_folder.hpp>
 #include <tactnet/io/json_scanner.hpp>
+#include <tactnet/io/model_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>

@@ -2,6 +2,7 @@
 
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/networks/recognition.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 
 #include <doctest/doctest.h>
@@ -44,8 +45,7 @@ TEST_CASE("deployed tactnet4: the published network gives the published logits")
             error = std::max(error, std::abs(static_cast<double>(out[c]) - static_cast<double>(right[c])));
         }
         worst = std::max(worst, error / largest);
-        otherwise += std::max_element(out.begin(), out.end()) - out.begin() !=
-                     std::max_element(right.begin(), right.end()) - right.begin();
+        otherwise += first_largest(out) != first_largest(right);
         const std::vector<float> counts(images.begin() + static_cast<std::ptrdiff_t>(i * size),
                                         images.begin() + static_cast<std::ptrdiff_t>((i + 1) * size));
         errors.add(

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
+#include <span>
 #include <sstream>
 #include <string>
 #include <support/run_program.hpp>
@@ -64,9 +64,8 @@ TEST_SUITE("stream") {
         const auto logits = model.logits(counts, alone);
         std::vector<std::string> expected;
         for (std::size_t f = 0; f < frames; ++f) {
-            const auto from = logits.begin() + static_cast<std::ptrdiff_t>(f * network::outputs);
-            const auto best = std::max_element(from, from + static_cast<std::ptrdiff_t>(network::outputs));
-            expected.push_back(model.classes[static_cast<std::size_t>(best - from)]);
+            const auto row = std::span(logits).subspan(f * network::outputs);
+            expected.push_back(std::string(tactnet::likeliest(row, model.classes).value().name));
         }
 
         const std::string program = TACTNET_STREAM_PROGRAM, weights = " " + (folder / "net").string();

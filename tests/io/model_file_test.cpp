@@ -179,6 +179,39 @@ TEST_SUITE("io/model_file") {
         CHECK(describe_model(changed(good, {{"format", "pt"}})).epsilon == 1e-4);
     }
 
+    TEST_CASE("as many names as outputs at most, and one at least") {
+        const support::temporary_folder folder;
+        model<small_network> m = example();
+        for (const std::size_t wrong : {0u, 6u}) {
+            m.classes.assign(wrong, "one of them");
+            CHECK_THROWS_WITH_AS(save_model(folder / "m.safetensors", m, {}, images(1)),
+                                 "save_model: classes must be 1 to 5", std::invalid_argument);
+        }
+        CHECK_FALSE(std::filesystem::exists(folder / "m.safetensors"));
+    }
+
+    TEST_CASE("the same file without the network's type") {
+        const support::temporary_folder folder;
+        const model<small_network> m = example();
+        save_model(folder / "typed", m, {{"seed", "7"}}, images(2));
+        thread_pool alone;
+        const logits_function logits = [&](std::span<const std::uint8_t> asked) {
+            return m.logits(asked, alone);
+        };
+        save_model(folder / "parts", parts_of(m), {{"seed", "7"}}, images(2), logits);
+        CHECK(read_file(folder / "typed") == read_file(folder / "parts"));
+
+        const safetensors file = safetensors::read(folder / "parts");
+        const stored_arrays arrays = stored_arrays_of<small_network>();
+        const model<small_network> copy = make_model<small_network>(read_model(file, size, arrays));
+        CHECK(copy.classes == m.classes);
+        CHECK(copy.logits(images(3), alone) == m.logits(images(3), alone));
+        CHECK_NOTHROW(check_selftest(file, size, 3, logits));
+        CHECK_THROWS_AS(check_selftest(file, size, 3,
+                                       [](std::span<const std::uint8_t>) { return std::vector<float>(6); }),
+                        file_error);
+    }
+
     TEST_CASE("a file cut short, at any byte") {
         const support::temporary_folder folder;
         save_model(folder / "m.safetensors", example(), {}, images(1));
@@ -210,15 +243,5 @@ TEST_SUITE("io/model_file") {
         }
         MESSAGE("largest difference ", difference, " of ", largest);
         CHECK(difference <= 1e-4 * largest);
-    }
-
-    TEST_CASE("logits: an image of another size is refused") {
-        const model<small_network> m = example();
-        thread_pool alone;
-        const std::vector<std::uint8_t> images(2 * size.size());
-        CHECK(m.logits(images, alone).size() == 2 * m.classes.size());
-        for (const std::size_t wrong : {std::size_t{0}, size.size() - 1, size.size() + 1})
-            CHECK_THROWS_AS(static_cast<void>(m.logits(std::span(images).first(wrong), alone)),
-                            std::invalid_argument);
     }
 }

@@ -17,7 +17,7 @@ set(room_image kernels runtime tensor)
 set(room_svm kernels runtime tensor)
 set(room_features kernels runtime tensor)
 set(room_io kernels runtime tensor) # io/parameters.hpp and others take a network as a template argument and include none
-set(header_io/model_file.hpp image) # what this one may include beside: how inputs are meant is part of a model
+set(header_io/model_file.hpp networks) # what this one may include beside: it is the file of a networks/model.hpp
 set(room_sensors io tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
 set(only_sensors_io file file_error text)

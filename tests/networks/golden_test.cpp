@@ -1,6 +1,6 @@
-#include <tactnet/image/normalisation.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/networks/normalisation.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 
 #include <doctest/doctest.h>

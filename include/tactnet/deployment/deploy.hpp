@@ -136,7 +136,7 @@ private:
 
 /// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Any list of this
 /// library's layers; the main branch of a residual block must end in a convolution, with or without batch
-/// norm. Throws as the constructor of `deployed`.
+/// norm. Throws as the constructor of `deployed`. A `model` becomes a deployed_model, which names classes.
 template <class Network>
 [[nodiscard]] deployed<Network>
 deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale = 1) {
@@ -147,15 +147,6 @@ template <class Network>
 [[nodiscard]] deployed<Network> deploy(const Network& network) {
     const tensor<float, Network::input_shape> zero;
     return deployed<Network>(network, zero.view().elements(), 1);
-}
-/// A network with what its inputs are normalised by, as `load_model` gives it.
-template <class Model>
-    requires requires(const Model& m) {
-        m.network.epsilon;
-        m.normalise.mean.view().elements();
-    }
-[[nodiscard]] auto deploy(const Model& model) {
-    return deploy(model.network, model.normalise.mean.view().elements(), model.normalise.scale);
 }
 
 } // namespace TACTNET_ARCH

@@ -6,7 +6,6 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_writer.hpp>
 #include <tactnet/io/text.hpp>
@@ -15,40 +14,60 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Writes all that `trainer` needs to go on, all or nothing. `settings` is what must be the same then. The
-/// trainer is not changed. Throws file_error.
+/// One array of a training, under its name, for a trainer whose type is known elsewhere. A view.
+struct state_array {
+    std::string name;
+    std::variant<std::span<float>, std::span<double>> values;
+};
+
+/// The arrays of a trainer, which must outlive them.
 template <class Trainer>
-void save_checkpoint(const std::filesystem::path& path, Trainer& trainer, const file_metadata& settings) {
+[[nodiscard]] std::vector<state_array> state_arrays(Trainer& trainer) {
+    std::vector<state_array> arrays;
+    trainer.for_each_state([&](std::string_view name, auto values) {
+        arrays.push_back({std::string(name), values});
+    });
+    return arrays;
+}
+
+/// Writes arrays and the numbers beside them, all or nothing. Throws file_error.
+inline void save_checkpoint(const std::filesystem::path& path, std::span<const state_array> arrays,
+                            std::span<const double> progress, const file_metadata& settings) {
     safetensors_writer writer;
     for (const auto& [key, value] : settings)
         writer.metadata["setting." + key] = value;
     writer.metadata["format"] = "tactnet checkpoint";
     writer.metadata["version"] = "1";
-    trainer.for_each_state([&](std::string_view name, auto values) {
-        using number = typename decltype(values)::value_type;
-        writer.add(std::string(name), {values.size()}, std::span<const number>(values));
-    });
-    const std::vector<double> progress = trainer.progress();
-    writer.add("progress", {progress.size()}, std::span<const double>(progress));
+    for (const state_array& array : arrays)
+        std::visit([&](auto values) { writer.add(array.name, {values.size()}, std::as_const(values)); },
+                   array.values);
+    writer.add("progress", {progress.size()}, progress);
     writer.write(path);
 }
 
-/// Puts a trainer that was made with the same settings where the checkpoint left off. Throws file_error when
-/// the file is no checkpoint, is damaged, has other settings, or is where such a training cannot be; the
-/// trainer is then as it was.
+/// Writes all that `trainer` needs to go on, all or nothing. `settings` is what must be the same then. The
+/// trainer is not changed. Throws file_error.
 template <class Trainer>
-void load_checkpoint(const std::filesystem::path& path, Trainer& trainer, const file_metadata& settings) {
-    const safetensors file = safetensors::read(path);
+void save_checkpoint(const std::filesystem::path& path, Trainer& trainer, const file_metadata& settings) {
+    save_checkpoint(path, state_arrays(trainer), trainer.progress(), settings);
+}
+
+namespace detail {
+
+/// Throws file_error unless the file is a checkpoint of a training with these settings.
+inline void check_checkpoint(const safetensors& file, const file_metadata& settings) {
     const auto stored = [&](const std::string& key) -> const std::string* {
         const auto found = file.metadata().find(key);
         return found == file.metadata().end() ? nullptr : &found->second;
@@ -66,30 +85,54 @@ void load_checkpoint(const std::filesystem::path& path, Trainer& trainer, const 
             throw file_error(file.file(), "setting '" + key + "' of the stopped training", in_quotes(value),
                              found == nullptr ? "none" : in_quotes(*found));
     }
+}
 
+} // namespace detail
+
+/// Fills arrays from a checkpoint, after `restore` took the numbers beside them. Throws file_error as below;
+/// `restore` refuses numbers by std::invalid_argument.
+inline void load_checkpoint(const std::filesystem::path& path, std::span<const state_array> arrays,
+                            const std::function<void(std::span<const double>)>& restore,
+                            const file_metadata& settings) {
+    const safetensors file = safetensors::read(path);
+    detail::check_checkpoint(file, settings);
     // All is read and checked before any of it is used.
     std::vector<std::vector<double>> states;
-    trainer.for_each_state([&](std::string_view name, auto to) {
-        file.require_extents(name, std::vector{to.size()});
-        states.push_back(file.values<double>(name));
+    for (const state_array& array : arrays) {
+        const std::size_t size = std::visit([](auto to) { return to.size(); }, array.values);
+        file.require_extents(array.name, std::vector{size});
+        states.push_back(file.values<double>(array.name));
         for (std::size_t i = 0; i < states.back().size(); ++i)
             if (!std::isfinite(states.back()[i]))
-                throw file_error(file.file(), detail::tensor_place(name) + ", element " + std::to_string(i),
+                throw file_error(file.file(),
+                                 detail::tensor_place(array.name) + ", element " + std::to_string(i),
                                  "a finite number", std::to_string(states.back()[i]));
-    });
+    }
     const std::vector<double> progress = file.values<double>("progress");
     try {
-        trainer.restore(progress);
+        restore(progress);
     } catch (const std::invalid_argument& error) {
         throw file_error(file.file(), detail::tensor_place("progress"), "the numbers of this training",
                          "'" + std::string(error.what()) + "'");
     }
-    std::size_t index = 0;
-    trainer.for_each_state([&](std::string_view, auto to) {
-        using number = typename decltype(to)::value_type;
-        const std::vector<double>& from = states[index++];
-        std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<number>(v); });
-    });
+    for (std::size_t index = 0; index < arrays.size(); ++index)
+        std::visit(
+            [&](auto to) {
+                using number = typename decltype(to)::value_type;
+                std::transform(states[index].begin(), states[index].end(), to.begin(),
+                               [](double v) { return static_cast<number>(v); });
+            },
+            arrays[index].values);
+}
+
+/// Puts a trainer that was made with the same settings where the checkpoint left off. Throws file_error when
+/// the file is no checkpoint, is damaged, has other settings, or is where such a training cannot be; the
+/// trainer is then as it was.
+template <class Trainer>
+void load_checkpoint(const std::filesystem::path& path, Trainer& trainer, const file_metadata& settings) {
+    load_checkpoint(
+        path, state_arrays(trainer), [&](std::span<const double> numbers) { trainer.restore(numbers); },
+        settings);
 }
 
 } // namespace TACTNET_ARCH

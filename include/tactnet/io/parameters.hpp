@@ -1,7 +1,8 @@
 #pragma once
 
-// A network's arrays in and out of weight files, under the names that PyTorch gives them. The network is a
-// template argument: anything that describes its arrays as tactnet::basic_network does.
+// A network's arrays in and out of weight files, under the names that PyTorch gives them. Names, extents and
+// spans do for that: only what reads them off a network is a template, and anything that describes its arrays
+// as tactnet::basic_network does may be one.
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
@@ -13,9 +14,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
-#include <map>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -25,30 +25,38 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// The arrays of a network as weight files see them, without its type.
+struct stored_arrays {
+    struct array {
+        std::string name; ///< PyTorch's
+        std::vector<std::size_t> extents;
+        /// For the weights of a dense layer [channels, rows, columns] of what it sees, which a flatten joins
+        /// to one extent; else empty.
+        std::vector<std::size_t> flattened = {};
+    };
+    std::vector<array> list;
+    std::size_t outputs = 0;
+
+    /// How the arrays of the dense layer that gives the logits begin ("fc."), since these have a row for each
+    /// class. Empty for a network that ends otherwise.
+    [[nodiscard]] std::string output_layer() const {
+        if (list.empty())
+            return "";
+        const std::string& last = list.back().name;
+        return last.starts_with("fc") && list.back().extents.front() == outputs
+                   ? last.substr(0, last.rfind('.') + 1)
+                   : "";
+    }
+    /// The extents of an array in the file of a network of `classes` classes.
+    [[nodiscard]] std::vector<std::size_t> extents(const array& a, std::size_t classes) const {
+        std::vector<std::size_t> result = a.extents;
+        if (const std::string prefix = output_layer(); !prefix.empty() && a.name.starts_with(prefix))
+            result.front() = classes;
+        return result;
+    }
+};
+
 namespace detail {
-
-/// How the arrays of the dense layer that gives the logits begin ("fc."), since these have a row for each
-/// class. Empty for a network that ends otherwise.
-template <class Network>
-std::string output_layer_prefix() {
-    const auto list = Network::describe();
-    if (list.empty())
-        return "";
-    const std::string& last = list.back().name;
-    return last.starts_with("fc") && list.back().extents.front() == Network::outputs
-               ? last.substr(0, last.rfind('.') + 1)
-               : "";
-}
-
-/// The extents of an array in the file of a network of `classes` classes.
-template <class Parameter>
-std::vector<std::size_t> stored_extents(const Parameter& p, const std::string& output_layer,
-                                        std::size_t classes) {
-    std::vector<std::size_t> extents = p.extents;
-    if (!output_layer.empty() && p.name.starts_with(output_layer))
-        extents.front() = classes;
-    return extents;
-}
 
 /// What the dense layers of a list of layers see, in order.
 template <class T, shape Input>
@@ -60,24 +68,35 @@ void append_dense_inputs(std::vector<shape>& list) {
     append_dense_inputs<T, Spec::template layer<T, Input>::output, Rest...>(list);
 }
 
-/// For the weights of dense layers, by name: [channels, rows, columns] of what they see, which a flatten
-/// joins to one extent. Nothing for networks that are no list of layers, and for layers within blocks.
+/// What the dense layers of a network see. Nothing for networks that are no list of layers, and for layers
+/// within blocks.
 template <class Network>
-struct flattened_extents {
-    static std::map<std::string, std::vector<std::size_t>, std::less<>> of() { return {}; }
+struct dense_inputs {
+    static std::vector<shape> of() { return {}; }
 };
 template <template <class, shape, class...> class Network, class T, shape Input, class... Specs>
-struct flattened_extents<Network<T, Input, Specs...>> {
-    static std::map<std::string, std::vector<std::size_t>, std::less<>> of() {
+struct dense_inputs<Network<T, Input, Specs...>> {
+    static std::vector<shape> of() {
         std::vector<shape> inputs;
         append_dense_inputs<T, Input, Specs...>(inputs);
-        std::map<std::string, std::vector<std::size_t>, std::less<>> result;
-        for (std::size_t i = 0; i < inputs.size(); ++i)
-            result["fc" + (inputs.size() > 1 ? std::to_string(i + 1) : "") + ".weight"] = {
-                inputs[i].channels, inputs[i].rows, inputs[i].columns};
-        return result;
+        return inputs;
     }
 };
+
+/// `Parameter` is what networks describe their arrays by: one type for all of them.
+template <class Parameter>
+stored_arrays make_stored_arrays(const std::vector<Parameter>& parameters, std::size_t outputs,
+                                 const std::vector<shape>& dense_inputs) {
+    stored_arrays arrays{{}, outputs};
+    for (const Parameter& p : parameters) {
+        stored_arrays::array a{p.name, p.extents};
+        for (std::size_t i = 0; i < dense_inputs.size(); ++i)
+            if (a.name == "fc" + (dense_inputs.size() > 1 ? std::to_string(i + 1) : "") + ".weight")
+                a.flattened = {dense_inputs[i].channels, dense_inputs[i].rows, dense_inputs[i].columns};
+        arrays.list.push_back(std::move(a));
+    }
+    return arrays;
+}
 
 /// What a weight file may hold beside a network's arrays.
 inline bool is_companion(std::string_view name) {
@@ -94,22 +113,83 @@ inline void check_values(const safetensors& file, const std::string& name, const
                              std::to_string(values[i]));
 }
 
+inline void check_classes(const char* where, std::size_t classes, std::size_t outputs) {
+    if (classes == 0 || classes > outputs)
+        throw std::invalid_argument(std::string(where) + ": classes must be 1 to " + std::to_string(outputs));
+}
+
 } // namespace detail
 
-/// How many classes the stored network tells apart: the rows of its last dense layer, from 1 to
-/// Network::outputs. Throws file_error when that layer is missing or has more rows than the network has
-/// outputs.
+/// The arrays of a network, in its order.
 template <class Network>
-[[nodiscard]] std::size_t stored_classes(const safetensors& file) {
-    const std::string prefix = detail::output_layer_prefix<Network>();
+[[nodiscard]] stored_arrays stored_arrays_of() {
+    return detail::make_stored_arrays(Network::describe(), Network::outputs,
+                                      detail::dense_inputs<Network>::of());
+}
+
+/// How many classes the stored network tells apart: the rows of its last dense layer, from 1 to the outputs.
+/// Throws file_error when that layer is missing or has more rows than the network has outputs.
+[[nodiscard]] inline std::size_t stored_classes(const safetensors& file, const stored_arrays& arrays) {
+    const std::string prefix = arrays.output_layer();
     if (prefix.empty())
-        return Network::outputs;
+        return arrays.outputs;
     const auto& extents = file.at(prefix + "bias").extents;
-    if (extents.size() != 1 || extents[0] == 0 || extents[0] > Network::outputs)
+    if (extents.size() != 1 || extents[0] == 0 || extents[0] > arrays.outputs)
         throw file_error(file.file(), detail::tensor_place(prefix + "bias"),
-                         "one number for each of 1 to " + std::to_string(Network::outputs) + " classes",
+                         "one number for each of 1 to " + std::to_string(arrays.outputs) + " classes",
                          shape_text(extents));
     return extents[0];
+}
+template <class Network>
+[[nodiscard]] std::size_t stored_classes(const safetensors& file) {
+    return stored_classes(file, stored_arrays_of<Network>());
+}
+
+/// Reads arrays from a file, in order. Of the last dense layer the file holds a row for each of `classes`,
+/// and so does the result. Throws as `load_parameters`.
+[[nodiscard]] inline std::vector<std::vector<float>>
+read_arrays(const safetensors& file, const stored_arrays& arrays, std::size_t classes) {
+    detail::check_classes("load_parameters", classes, arrays.outputs);
+    std::set<std::string, std::less<>> known;
+    for (const auto& a : arrays.list)
+        known.insert(a.name);
+    for (const auto& [name, tensor] : file.tensors())
+        if (!known.contains(name) && !detail::is_companion(name))
+            throw file_error(file.file(), "",
+                             "only the " + std::to_string(known.size()) + " arrays of this network",
+                             detail::tensor_place(name) + " of another network");
+
+    std::vector<std::vector<float>> values;
+    for (const auto& a : arrays.list) {
+        const std::vector<std::size_t> extents = arrays.extents(a, classes);
+        if (!file.contains(a.name))
+            throw file_error(file.file(), "",
+                             "a " + detail::tensor_place(a.name) + " of " + shape_text(extents),
+                             "none of that name");
+        std::vector<std::size_t> apart = a.flattened;
+        if (!apart.empty())
+            apart.insert(apart.begin(), extents.front());
+        if (const auto& found = file.at(a.name).extents;
+            found != extents && (apart.empty() || found != apart))
+            throw file_error(file.file(), detail::tensor_place(a.name),
+                             shape_text(extents) + (apart.empty() ? "" : " or " + shape_text(apart)),
+                             shape_text(found));
+        values.push_back(file.values<float>(a.name));
+        detail::check_values(file, a.name, values.back());
+    }
+    return values;
+}
+
+/// Fills a network with what `read_arrays` gave: rows that were not stored become zero.
+template <class Network>
+void set_parameters(Network& network, const std::vector<std::vector<float>>& values) {
+    std::size_t index = 0;
+    network.for_each_parameter([&](const auto&, auto to) {
+        const std::vector<float>& from = values.at(index++);
+        using number = typename decltype(to)::value_type;
+        std::fill(to.begin(), to.end(), number{});
+        std::transform(from.begin(), from.end(), to.begin(), [](float v) { return static_cast<number>(v); });
+    });
 }
 
 /// Fills a network from a file. With fewer `classes` than outputs the file holds only as many rows of the
@@ -117,71 +197,35 @@ template <class Network>
 /// or as [outputs, channels, rows, columns] of what it sees. `input_mean`, `selftest.*` and PyTorch's
 /// `num_batches_tracked` are passed over. Throws file_error when an array is missing, of other extents or not
 /// finite, when a variance is negative, or when there is a tensor that the network does not know; the network
-/// is then as it was.
+/// is then as it was. Throws std::invalid_argument unless there are 1 to Network::outputs classes.
 template <class Network>
 void load_parameters(Network& network, const safetensors& file, std::size_t classes = Network::outputs) {
-    const std::string output_layer = detail::output_layer_prefix<Network>();
-    if (classes == 0 || classes > Network::outputs)
-        throw std::invalid_argument("load_parameters: classes must be 1 to " +
-                                    std::to_string(Network::outputs));
+    set_parameters(network, read_arrays(file, stored_arrays_of<Network>(), classes));
+}
 
-    const auto arrays = Network::describe();
-    std::set<std::string, std::less<>> known;
-    for (const auto& p : arrays)
-        known.insert(p.name);
-    for (const auto& [name, tensor] : file.tensors())
-        if (!known.contains(name) && !detail::is_companion(name))
-            throw file_error(file.file(), "",
-                             "only the " + std::to_string(known.size()) + " arrays of this network",
-                             detail::tensor_place(name) + " of another network");
-
-    const auto flattened = detail::flattened_extents<Network>::of();
-    std::vector<std::vector<float>> values;
-    for (const auto& p : arrays) {
-        const std::vector<std::size_t> extents = detail::stored_extents(p, output_layer, classes);
-        if (!file.contains(p.name))
-            throw file_error(file.file(), "",
-                             "a " + detail::tensor_place(p.name) + " of " + shape_text(extents),
-                             "none of that name");
-        std::vector<std::size_t> apart;
-        if (const auto inputs = flattened.find(p.name); inputs != flattened.end()) {
-            apart = inputs->second;
-            apart.insert(apart.begin(), extents.front());
-        }
-        if (const auto& found = file.at(p.name).extents;
-            found != extents && (apart.empty() || found != apart))
-            throw file_error(file.file(), detail::tensor_place(p.name),
-                             shape_text(extents) + (apart.empty() ? "" : " or " + shape_text(apart)),
-                             shape_text(found));
-        values.push_back(file.template values<float>(p.name));
-        detail::check_values(file, p.name, values.back());
-    }
-
-    std::size_t index = 0;
-    network.for_each_parameter([&](const auto&, auto to) {
-        const std::vector<float>& from = values[index++];
-        using number = typename decltype(to)::value_type;
-        std::fill(to.begin(), to.end(), number{});
-        std::transform(from.begin(), from.end(), to.begin(), [](float v) { return static_cast<number>(v); });
-    });
+/// Adds one of the arrays; of the last dense layer the rows of the first `classes` outputs. `values` are
+/// those of the whole array.
+inline void add_array(safetensors_writer& writer, const stored_arrays& arrays, std::size_t index,
+                      std::span<const float> values, std::size_t classes) {
+    const stored_arrays::array& a = arrays.list[index];
+    std::vector<std::size_t> extents = arrays.extents(a, classes);
+    const std::size_t size = values.size() / a.extents.front() * extents.front();
+    writer.add(a.name, std::move(extents), values.first(size));
 }
 
 /// Adds all arrays of a network in single precision; of its last dense layer the rows of the first `classes`
-/// outputs.
+/// outputs. Throws std::invalid_argument unless there are 1 to Network::outputs of them.
 template <class Network>
 void add_parameters(safetensors_writer& writer, const Network& network,
                     std::size_t classes = Network::outputs) {
-    const std::string output_layer = detail::output_layer_prefix<Network>();
-    if (classes == 0 || classes > Network::outputs)
-        throw std::invalid_argument("add_parameters: classes must be 1 to " +
-                                    std::to_string(Network::outputs));
-    network.for_each_parameter([&](const auto& p, auto from) {
-        std::vector<std::size_t> extents = detail::stored_extents(p, output_layer, classes);
-        const std::size_t size = from.size() / p.extents.front() * extents.front();
-        std::vector<float> values(size);
-        std::transform(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(size), values.begin(),
+    detail::check_classes("add_parameters", classes, Network::outputs);
+    const stored_arrays arrays = stored_arrays_of<Network>();
+    std::size_t index = 0;
+    network.for_each_parameter([&](const auto&, auto from) {
+        std::vector<float> values(from.size());
+        std::transform(from.begin(), from.end(), values.begin(),
                        [](auto v) { return static_cast<float>(v); });
-        writer.add(p.name, std::move(extents), std::span<const float>(values));
+        add_array(writer, arrays, index++, values, classes);
     });
 }
 

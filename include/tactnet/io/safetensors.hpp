@@ -47,9 +47,7 @@ public:
 
     /// The name that errors use: the path it was read from.
     const std::string& file() const noexcept { return file_; }
-    const std::map<std::string, std::string, std::less<>>& metadata() const noexcept {
-        return header_.metadata;
-    }
+    const file_metadata& metadata() const noexcept { return header_.metadata; }
     /// All tensors by name.
     const std::map<std::string, entry, std::less<>>& tensors() const noexcept { return header_.tensors; }
     bool contains(std::string_view name) const { return header_.tensors.contains(name); }

@@ -40,8 +40,11 @@ struct safetensors_entry {
     std::size_t end = 0;
 };
 
+/// Text that goes with the tensors of a file, by key.
+using file_metadata = std::map<std::string, std::string, std::less<>>;
+
 struct safetensors_header {
-    std::map<std::string, std::string, std::less<>> metadata;
+    file_metadata metadata;
     std::map<std::string, safetensors_entry, std::less<>> tensors;
     /// Where the data begins in the file.
     std::size_t data_begin = 0;

@@ -30,7 +30,7 @@ inline namespace TACTNET_ARCH {
 class safetensors_writer {
 public:
     /// Text that goes with the tensors. Keys and values must be UTF-8.
-    std::map<std::string, std::string, std::less<>> metadata;
+    file_metadata metadata;
 
     /// Adds a copy of `values`, row-major. Throws std::invalid_argument when the name is taken, reserved
     /// (`__metadata__`) or not UTF-8, or when the number of values is not the product of the extents.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/image/transform.hpp>
-#include <tactnet/training/evaluate.hpp>
+#include <tactnet/training/labelled_images.hpp>
 #include <tactnet/training/recipe.hpp>
 
 #include <algorithm>

@@ -33,6 +33,17 @@ struct training_progress {
     bool stopped = false;
     std::vector<epoch_report> history;
 
+    /// Takes in a validation loss; whether the network is now the best so far. Losses are smoothed, for a few
+    /// images tell good from better only by luck: one lucky epoch long before the end would otherwise be
+    /// kept.
+    bool validated(double loss) {
+        smoothed_loss = std::isfinite(smoothed_loss) ? 0.8 * smoothed_loss + 0.2 * loss : loss;
+        if (!(smoothed_loss <= best_loss))
+            return false;
+        best_loss = smoothed_loss;
+        return true;
+    }
+
     [[nodiscard]] std::vector<double> numbers() const {
         std::vector<double> n{static_cast<double>(steps),  best_loss,          smoothed_loss, smallest_loss,
                               static_cast<double>(waited), stopped ? 1.0 : 0.0};

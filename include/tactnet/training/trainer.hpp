@@ -1,13 +1,22 @@
 #pragma once
 
+#include <tactnet/training/divergence.hpp>
 #include <tactnet/training/early_stopping.hpp>
 #include <tactnet/training/epoch_images.hpp>
 #include <tactnet/training/evaluate.hpp>
+#include <tactnet/training/initialise.hpp>
+#include <tactnet/training/labelled_images.hpp>
+#include <tactnet/training/loss.hpp>
+#include <tactnet/training/optimiser.hpp>
 #include <tactnet/training/progress.hpp>
 #include <tactnet/training/recipe.hpp>
+#include <tactnet/training/schedule.hpp>
 #include <tactnet/training/split.hpp>
 
-#include <cmath>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -16,10 +25,24 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The loss is no longer a finite number.
-struct training_diverged : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
+namespace detail {
+
+/// One for weights, zero for all else that is learnt, up to a whole vector: what weight decay applies to.
+inline aligned_vector<float> decay_mask(const std::vector<parameter>& parameters, std::size_t size) {
+    aligned_vector<float> mask(size, 0.0f);
+    for (const parameter& p : parameters)
+        if (p.what == role::weight)
+            std::fill_n(mask.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size, 1.0f);
+    return mask;
+}
+
+/// Moves a running mean towards the latest values, by their share.
+inline void blend(std::span<float> mean, std::span<const float> latest, float share) {
+    for (std::size_t i = 0; i < mean.size(); ++i)
+        mean[i] += share * (latest[i] - mean[i]);
+}
+
+} // namespace detail
 
 /// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
 /// sums have a fixed order: the same seed gives the same bits on any number of threads, in one go or in
@@ -47,10 +70,7 @@ public:
             normalise_.scale = 1.0f / 255;
         optimiser_.resize(network_.learnable_values().size());
         gradients_.assign(network_.learnable_values().size(), 0);
-        decayed_.assign(gradients_.size(), 0);
-        for (const parameter& p : Network::describe())
-            if (p.what == role::weight)
-                std::fill_n(decayed_.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size, 1.0f);
+        decayed_ = detail::decay_mask(Network::describe(), gradients_.size());
         averaged_ = best_ = network_;
     }
 
@@ -87,13 +107,11 @@ public:
             report.rate = rate_at(how_.schedule, how_.rate, when, static_cast<double>(how_.epochs));
             const std::span<const std::size_t> places = shown_.batch(step, order);
             const double loss = take(places, epoch, report.rate);
-            if (!std::isfinite(loss))
-                diverged(report, ", step " + std::to_string(step + 1) + ": expected a finite loss, found " +
-                                     std::to_string(loss));
+            detail::check_loss(loss, report, "step " + std::to_string(step + 1));
             report.loss += loss * static_cast<double>(places.size()) / static_cast<double>(order.size());
         }
-        check_finite(network_.learnable_values(), report);
-        check_finite(network_.running_statistics(), report);
+        detail::check_parameters(network_.learnable_values(), report);
+        detail::check_parameters(network_.running_statistics(), report);
         if ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs) {
             if (how_.remeasure_statistics)
                 remeasure_statistics(how_.averaging > 0 ? averaged_ : network_);
@@ -104,7 +122,7 @@ public:
         return history().back();
     }
 
-    /// visit(name, span of float or double) for all that a resumed training needs; after writing to them,
+    /// visit(name, std::span<float>) for all that a resumed training needs; after writing to them,
     /// `restore`.
     template <class Visit>
     void for_each_state(Visit&& visit) {
@@ -143,17 +161,6 @@ private:
         return how;
     }
 
-    /// The loss of a step tells of the steps before it, and nothing of its own.
-    void check_finite(std::span<const float> values, const epoch_report& report) const {
-        for (const float value : values)
-            if (!std::isfinite(value))
-                diverged(report, ", last step: expected finite parameters, found " + std::to_string(value));
-    }
-    [[noreturn]] void diverged(const epoch_report& report, const std::string& what) const {
-        throw training_diverged("training diverged in epoch " + std::to_string(report.epoch) + what +
-                                "; lower the learning rate (now " + std::to_string(report.rate) + ")");
-    }
-
     void make_inputs(std::span<const std::size_t> places, std::size_t epoch) {
         in_.resize(places.size()), out_.resize(places.size());
         threads_.for_each(places.size(), [&](std::size_t i) {
@@ -190,12 +197,8 @@ private:
     void average() {
         const auto steps = static_cast<double>(optimiser_.steps);
         const auto past = static_cast<float>(std::min(how_.averaging, (1 + steps) / (10 + steps)));
-        const auto blend = [&](std::span<float> to, std::span<const float> from) {
-            for (std::size_t i = 0; i < to.size(); ++i)
-                to[i] += (1 - past) * (from[i] - to[i]);
-        };
-        blend(averaged_.learnable_values(), network_.learnable_values());
-        blend(averaged_.running_statistics(), network_.running_statistics());
+        detail::blend(averaged_.learnable_values(), network_.learnable_values(), 1 - past);
+        detail::blend(averaged_.running_statistics(), network_.running_statistics(), 1 - past);
     }
 
     /// Statistics of the network that is to be validated, anew from the training images as they are: the mean
@@ -223,18 +226,11 @@ private:
 
     void validate(epoch_report& report) {
         const evaluation result = evaluate(candidate(), normalise_, images_, split_.validation, threads_);
-        if (!std::isfinite(result.loss))
-            diverged(report, ", validation: expected a finite loss, found " + std::to_string(result.loss));
+        detail::check_loss(result.loss, report, "validation");
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();
-        // Smoothed, for a few images tell good from better only by luck: one lucky epoch long before the end
-        // would otherwise be kept.
-        double& smoothed = progress_.smoothed_loss;
-        smoothed = std::isfinite(smoothed) ? 0.8 * smoothed + 0.2 * result.loss : result.loss;
-        if (smoothed <= progress_.best_loss) {
+        if (progress_.validated(result.loss))
             best_ = candidate();
-            progress_.best_loss = smoothed;
-        }
         progress_.stopped = stopping_.check(result.loss);
     }
 

@@ -1,4 +1,4 @@
-#include <tactnet/image/normalisation.hpp>
+#include <tactnet/networks/normalisation.hpp>
 
 #include <doctest/doctest.h>
 

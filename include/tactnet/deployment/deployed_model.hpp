@@ -1,0 +1,100 @@
+#pragma once
+
+#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/networks/model.hpp>
+#include <tactnet/networks/recognition.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A deployed network that knows its classes. Beside the calls of `deployed`, which give all outputs, it
+/// gives the class that a frame shows:
+///
+///     const auto recognise = deploy(model);
+///     if (const auto found = recognise(frame)) // index, probability and name
+///         show(found->name);
+///
+/// These calls too are `const` and `noexcept`, use no heap and may come from any number of threads.
+template <class Network>
+class deployed_model : public deployed<Network> {
+    using base = deployed<Network>;
+
+public:
+    using base::input_shape, base::outputs;
+    using typename base::scratch;
+    using counts_view = tensor_view<const std::uint8_t, input_shape>;
+    using numbers_view = tensor_view<const float, input_shape>;
+
+    /// Throws std::invalid_argument as the constructor of `deployed`, and unless the model names 1 to
+    /// `outputs` classes.
+    explicit deployed_model(const model<Network>& m)
+        : base(m.network, m.normalise.mean.view().elements(), m.normalise.scale), classes_(m.classes) {
+        if (classes_.empty() || classes_.size() > outputs)
+            throw std::invalid_argument("deploy: expected a model that names 1 to " +
+                                        std::to_string(outputs) + " classes, found " +
+                                        std::to_string(classes_.size()) + " names");
+    }
+
+    /// Names of the first outputs, in order. Outputs behind them stand for nothing.
+    [[nodiscard]] std::span<const std::string> classes() const& noexcept { return classes_; }
+    std::span<const std::string> classes() const&& = delete;
+
+    using base::operator();
+    /// The class that a frame of counts, or of numbers that are not whole, most likely shows. Nothing for a
+    /// broken frame, one that is not `frame_status::recognised`: it is never taken for a class. The name is
+    /// a view of one of `classes()`.
+    [[nodiscard]] std::optional<recognition> operator()(counts_view counts, scratch& memory) const& noexcept {
+        return recognise(counts, memory);
+    }
+    [[nodiscard]] std::optional<recognition> operator()(numbers_view counts,
+                                                        scratch& memory) const& noexcept {
+        return recognise(counts, memory);
+    }
+    /// With scratch memory on the stack: scratch_bytes of it.
+    [[nodiscard]] std::optional<recognition> operator()(counts_view counts) const& noexcept {
+        scratch memory;
+        return recognise(counts, memory);
+    }
+    [[nodiscard]] std::optional<recognition> operator()(numbers_view counts) const& noexcept {
+        scratch memory;
+        return recognise(counts, memory);
+    }
+    // The name would be gone with the classes.
+    std::optional<recognition> operator()(counts_view, scratch&) const&& = delete;
+    std::optional<recognition> operator()(numbers_view, scratch&) const&& = delete;
+    std::optional<recognition> operator()(counts_view) const&& = delete;
+    std::optional<recognition> operator()(numbers_view) const&& = delete;
+
+private:
+    template <class View>
+    [[nodiscard]] std::optional<recognition> recognise(View counts, scratch& memory) const noexcept {
+        std::array<float, outputs> found;
+        if (base::operator()(counts, std::span<float, outputs>(found), memory) != frame_status::recognised)
+            return std::nullopt;
+        if constexpr (Network::ends_in_softmax)
+            return most_probable(found, classes_);
+        else
+            return likeliest(found, classes_);
+    }
+
+    std::vector<std::string> classes_;
+};
+
+/// A trained network with what its inputs are normalised by and the names of its classes, as `load_model`
+/// gives it, in its fastest form. Throws as the constructor of `deployed_model`.
+template <class Network>
+[[nodiscard]] deployed_model<Network> deploy(const model<Network>& trained) {
+    return deployed_model<Network>(trained);
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

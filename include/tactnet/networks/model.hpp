@@ -1,0 +1,61 @@
+#pragma once
+
+#include <tactnet/networks/normalisation.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// How many images of `size` pixels these are. Throws std::invalid_argument unless it is a whole number, one
+/// or more.
+inline std::size_t count_images(std::size_t pixels, std::size_t size) {
+    if (pixels == 0 || pixels % size != 0)
+        throw std::invalid_argument("logits: expected images of " + std::to_string(size) + " pixels, found " +
+                                    std::to_string(pixels) + " pixels");
+    return pixels / size;
+}
+
+} // namespace detail
+
+/// A network with all that it takes to recognise an image.
+template <class Network>
+struct model {
+    Network network;
+    normalisation<Network::input_shape> normalise;
+    /// As many as the network tells apart, from 1 to Network::outputs: the first outputs, in order. Outputs
+    /// behind them stand for nothing.
+    std::vector<std::string> classes;
+
+    /// Logits of images stored one after the other: one row of `classes.size()` each.
+    /// Throws std::invalid_argument unless there is a whole number of images, one or more.
+    [[nodiscard]] std::vector<float> logits(std::span<const std::uint8_t> images,
+                                            thread_pool& threads) const {
+        constexpr std::size_t size = Network::input_shape.size();
+        const std::size_t count = detail::count_images(images.size(), size);
+        typename Network::workspace space;
+        typename Network::input_batch in(count);
+        typename Network::output_batch out(count);
+        for (std::size_t i = 0; i < count; ++i)
+            in.set(i, normalise(images.subspan(i * size).template first<size>()));
+        network.prepare(threads, space);
+        network.logits(threads, space, in, out);
+        std::vector<float> result;
+        result.reserve(count * classes.size());
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < classes.size(); ++c)
+                result.push_back(out(i, c));
+        return result;
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,82 @@
+#include <tactnet/layers/conv2d.hpp>
+#include <tactnet/layers/dense.hpp>
+#include <tactnet/layers/relu.hpp>
+#include <tactnet/networks/model.hpp>
+#include <tactnet/networks/network.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr shape size{4, 6, 1};
+
+template <class... Last>
+model<network<size, conv2d<2, 3>, relu, dense<5>, Last...>> example(std::size_t classes) {
+    model<network<size, conv2d<2, 3>, relu, dense<5>, Last...>> m;
+    float next = 0.3f;
+    for (float& value : m.network.learnable_values().first(m.network.parameters))
+        value = next = next < 0.5f ? next + 0.17f : next - 0.93f;
+    std::fill(m.normalise.mean.begin(), m.normalise.mean.end(), 3.0f);
+    m.normalise.scale = 0.01f;
+    for (std::size_t c = 0; c < classes; ++c)
+        m.classes.push_back("object " + std::to_string(c));
+    return m;
+}
+
+std::vector<std::uint8_t> images(std::size_t count) {
+    std::vector<std::uint8_t> pixels(count * size.size());
+    std::iota(pixels.begin(), pixels.end(), std::uint8_t{7});
+    return pixels;
+}
+
+} // namespace
+
+TEST_CASE("model: logits of normalised images, a row of the named classes each") {
+    const auto m = example(3);
+    const auto pixels = images(21);
+    thread_pool threads(2);
+    const std::vector<float> found = m.logits(pixels, threads);
+    REQUIRE(found.size() == 21 * 3);
+
+    using net = std::remove_cvref_t<decltype(m.network)>;
+    net::workspace space;
+    net::input_batch in(1);
+    net::output_batch out(1);
+    m.network.prepare(threads, space);
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < 21; ++i) {
+        in.set(0, m.normalise(std::span(pixels).subspan(i * size.size()).first<size.size()>()));
+        m.network.logits(threads, space, in, out);
+        for (std::size_t c = 0; c < 3; ++c)
+            different += found[i * 3 + c] != out(0, c);
+    }
+    CHECK(different == 0);
+}
+
+TEST_CASE("model: logits stand in front of a softmax") {
+    thread_pool alone;
+    CHECK(example<softmax>(5).logits(images(2), alone) == example(5).logits(images(2), alone));
+}
+
+TEST_CASE("model: an image of another size is refused") {
+    const auto m = example(3);
+    thread_pool alone;
+    const std::vector<std::uint8_t> pixels = images(2);
+    CHECK(m.logits(pixels, alone).size() == 2 * m.classes.size());
+    for (const std::size_t wrong : {std::size_t{0}, size.size() - 1, size.size() + 1})
+        CHECK_THROWS_WITH_AS(
+            static_cast<void>(m.logits(std::span(pixels).first(wrong), alone)),
+            ("logits: expected images of 24 pixels, found " + std::to_string(wrong) + " pixels").c_str(),
+            std::invalid_argument);
+}
