@@ -17,9 +17,10 @@ class TactnetConan(ConanFile):
     topics = ("tactile-sensing", "neural-networks", "header-only")
     package_type = "header-library"
     settings = "os", "arch", "compiler", "build_type"
-    # Without networks only the component sensors is left, which needs no other library.
-    options = {"networks": [True, False], "simd": [True, False]}
-    default_options = {"networks": True, "simd": True}
+    # Without networks only the component sensors is left, which needs no other library; without Eigen the components
+    # simulation and eigen are left out.
+    options = {"networks": [True, False], "simd": [True, False], "eigen": [True, False]}
+    default_options = {"networks": True, "simd": True, "eigen": True}
     exports_sources = "include/*", "LICENSE"
     no_copy_source = True
 
@@ -31,11 +32,13 @@ class TactnetConan(ConanFile):
     def configure(self):
         if not self.options.networks:
             del self.options.simd
+            del self.options.eigen
 
     def requirements(self):
-        # The versions that the library is tested with.
+        # The oldest versions that the library is tested with, and the newest of Eigen's.
         if self.options.networks:
-            self.requires("eigen/3.4.0", transitive_headers=True)
+            if self.options.eigen:
+                self.requires("eigen/[>=3.4.0 <6]", transitive_headers=True)
             if self.options.simd:
                 self.requires("xsimd/8.1.0", transitive_headers=True)
 
@@ -59,14 +62,15 @@ class TactnetConan(ConanFile):
             return
         self.cpp_info.set_property("cmake_target_name", "tactnet::tactnet")
         core = self._component("core", "tactnet::tactnet")
-        core.requires = ["eigen::eigen"]
         if self.options.simd:
-            core.requires.append("xsimd::xsimd")
+            core.requires = ["xsimd::xsimd"]
         else:
             core.defines = ["TACTNET_NO_SIMD"]
         if self.settings.os in ("Linux", "FreeBSD"):
             core.system_libs = ["pthread"]
-        self._component("simulation", "tactnet::simulation").requires = ["core"]
+        if self.options.eigen:
+            for name in ("simulation", "eigen"):
+                self._component(name, f"tactnet::{name}").requires = ["core", "eigen::eigen"]
 
     def _component(self, name, target):
         component = self.cpp_info.components[name]

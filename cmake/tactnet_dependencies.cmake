@@ -9,9 +9,8 @@ macro(tactnet_find_dependency package)
     endif()
 endmacro()
 
-# tactnet_find_dependencies(ON|OFF): with or without what vector instructions need.
+# tactnet_find_dependencies(ON|OFF): what the core needs, with or without vector instructions.
 macro(tactnet_find_dependencies _tactnet_simd)
-    tactnet_find_dependency(Eigen3 3.4)
     tactnet_find_dependency(Threads)
     if(${_tactnet_simd})
         # Its version file accepts only the major version asked for, and any from 8.1 will do.
@@ -28,5 +27,20 @@ macro(tactnet_find_dependencies _tactnet_simd)
                 tactnet::xsimd PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${_tactnet_xsimd_include}"
             )
         endif()
+    endif()
+endmacro()
+
+# tactnet_find_eigen(variable): looks for Eigen, which simulation and eigen need and the core does not. The variable then
+# says what is missing; it is empty when nothing is.
+macro(tactnet_find_eigen _tactnet_missing)
+    set(${_tactnet_missing} "")
+    # No version is asked for: Eigen's version files accept the major version asked for only, and both 3.4 and 5 will do.
+    if(NOT TARGET Eigen3::Eigen)
+        find_package(Eigen3 QUIET)
+    endif()
+    if(NOT TARGET Eigen3::Eigen)
+        set(${_tactnet_missing} "Eigen 3.4 or newer, and no package Eigen3 was found")
+    elseif(Eigen3_VERSION AND Eigen3_VERSION VERSION_LESS 3.4)
+        set(${_tactnet_missing} "Eigen 3.4 or newer, found ${Eigen3_VERSION} in ${Eigen3_DIR}")
     endif()
 endmacro()

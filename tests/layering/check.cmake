@@ -22,6 +22,10 @@ set(room_sensors io tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
 set(only_sensors_io file file_error text)
 set(header_io/svm_file.hpp svm)
+set(room_eigen tensor sensors svm)
+# Only what has frames and rows in it, which needs nothing but tensors.
+set(only_eigen_sensors frame)
+set(only_eigen_svm feature_rows)
 set(room_simulation image kernels runtime tensor)
 set(room_forward tensor)
 # The core umbrella: a user of inference never pays for training.
@@ -29,8 +33,8 @@ set(room_tactnet forward tensor layers networks deployment)
 
 # What only kernels/ may know.
 set(kernel_headers "^xsimd/|^(immintrin|x86intrin|arm_neon|arm_sve)\\.h$")
-# The headers that may know Eigen: whoever includes none of them needs no Eigen.
-set(eigen_users eigen.hpp simulation/effects/circuit/positive_definite.hpp)
+# What may know Eigen, beside the room eigen: whoever includes none of it needs no Eigen.
+set(eigen_users simulation/effects/circuit/positive_definite.hpp)
 # What the standard library leaves to the system: files that are safe on disk, an interrupt from the keyboard.
 set(system_headers "^(unistd|fcntl|io|windows)\\.h$|^sys/[a-z]+\\.h$")
 
@@ -96,8 +100,8 @@ foreach(header IN LISTS headers)
                     problem("${place}: only kernels/ may include <${included}>")
                 endif()
             elseif(included MATCHES "^(Eigen|unsupported)/")
-                if(NOT header IN_LIST eigen_users)
-                    problem("${place}: only ${eigen_users} may include <${included}>")
+                if(NOT room STREQUAL "eigen" AND NOT header IN_LIST eigen_users)
+                    problem("${place}: only eigen/ and ${eigen_users} may include <${included}>")
                 endif()
             elseif(included MATCHES "[./]" AND NOT included MATCHES "${system_headers}")
                 problem("${place}: <${included}> is neither the library's nor the standard's, nor Eigen or xsimd")

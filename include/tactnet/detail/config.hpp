@@ -8,8 +8,8 @@
 // puts in unasked: the level of SSE and AVX, FMA (both kinds), BMI2, LZCNT, each AVX-512 extension that is
 // used for floats, integers or bytes, NEON and SVE, and TACTNET_NO_SIMD. Not told apart is xsimd's version: a
 // program has one. What lies outside this namespace is the program's own care: templates of the standard
-// library, and of Eigen behind simulation/effects/circuit/positive_definite.hpp, which belongs into units of
-// one instruction set.
+// library, and of Eigen behind eigen.hpp and simulation/effects/circuit/positive_definite.hpp, which belong
+// into units of one instruction set.
 //
 // Configuration: define TACTNET_NO_SIMD to build without vector instructions.
 
