@@ -25,6 +25,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace draw {
+inline constexpr random_purpose clusters{5}; ///< where clusters begin
+} // namespace draw
+
 struct k_means_settings {
     std::size_t centres = 500;
     std::size_t most_iterations = 100;

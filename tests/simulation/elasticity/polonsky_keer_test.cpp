@@ -3,6 +3,7 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/contact/bonded_layer.hpp>
 #include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 
 #include <tactnet/io/image_folder.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <doctest/doctest.h>
 
