@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/runtime/random.hpp>
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <concepts>
@@ -50,7 +51,7 @@ struct sensor_unit {
 
 /// Where an effect is put: on which sensor, on a grid of what cells.
 struct mounting {
-    double cell = 1.903e-3; ///< metres from cell to cell
+    double cell = tekscan_6077::pitch; ///< metres from cell to cell
     sensor_unit unit{};
 };
 
