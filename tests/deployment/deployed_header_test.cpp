@@ -1,5 +1,5 @@
+#include "header_export/networks.hpp"
 #include "mixed.hpp"
-#include "networks.hpp"
 #include "small.hpp"
 
 #include <tactnet/deployment/deployed_header.hpp>
