@@ -11,7 +11,7 @@ namespace {
 
 using namespace support;
 
-TEST_CASE("a frame is that of the heights, the pressing and the moment") {
+TEST_CASE("simulate: a frame is that of the heights, the pressing and the moment") {
     const touch ball{{{rod::sphere({}, 0.02)}, {}}, {.position = {4e-3, -2e-3}}, pressing::to_depth(5e-4)};
     watched scene({}, {.number = 77});
     watched::frames result, expected;

@@ -12,8 +12,8 @@ namespace {
 
 using namespace support;
 
-TEST_CASE(
-    "each touch of the paper's classes has a sensor and random numbers of its own, to the seed's last bit") {
+TEST_CASE("simulate: each touch of the paper's classes has a sensor and random numbers of its own, to the "
+          "seed's last bit") {
     watched scene;
     watched::frames result;
     std::set<std::uint64_t> sensors;
