@@ -1,5 +1,5 @@
 #pragma once
 
-// Deployed networks: see deployment/deploy.hpp.
-
 #include <tactnet/deployment/deploy.hpp>
+
+// Deployed networks: see deployment/deploy.hpp.

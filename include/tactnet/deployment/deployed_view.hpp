@@ -58,7 +58,7 @@ public:
     struct packed_weights {
         alignas(alignment) std::array<float, packed_elements> elements{};
     };
-    /// `folded` holds folded_elements numbers, `packed` packed_elements zeros. Usable when compiling.
+    /// `folded` holds folded_elements numbers, `packed` packed_elements zeros. Usable at compile time.
     static constexpr void pack(const float* folded, float* packed) {
         std::copy_n(folded, Input.size(), packed);
         packed[mean_elements] = folded[Input.size()];

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <type_traits>
 
-// From a list of layers to the steps of its deployed form, when compiling: what can be done in one pass over
+// From a list of layers to the steps of its deployed form, at compile time: what can be done in one pass over
 // memory becomes one step.
 
 namespace tactnet {

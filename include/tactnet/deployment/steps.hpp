@@ -20,7 +20,7 @@
 //   packed                  the same in the order of use, padded to whole vectors
 //   scratch                 elements of memory it needs while it runs
 // and its functions:
-//   pack                    from folded to packed numbers, into zeros; usable when compiling
+//   pack                    from folded to packed numbers, into zeros; usable at compile time
 //   run                     from one map to the next
 //   reach                   the largest magnitude that an output can have where inputs have at most `input`
 // Lanes behind the last channel of a pixel hold zeros in every map.

@@ -224,7 +224,7 @@ template <std::size_t Values>
     return result;
 }
 
-/// Clusters `points` of `Values` numbers, one after the other. The same bits on any number of threads. There
+/// Clusters `points` of `Values` numbers, one after the other. Bit-exact on any number of threads. There
 /// are as many centres as asked for, or as many as there are different points if those are fewer. Throws
 /// std::invalid_argument for no points, no centres, and numbers that are NaN, infinite or beyond 10¹⁷.
 template <std::size_t Values>

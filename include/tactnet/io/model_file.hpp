@@ -1,9 +1,5 @@
 #pragma once
 
-// A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
-// inputs are meant. A file may carry inputs and the logits that they gave; loading then checks that they
-// still do, so that no mistake of a compiler, a processor or a format goes unseen.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/image/normalisation.hpp>
 #include <tactnet/io/file_error.hpp>
@@ -30,6 +26,10 @@
 #include <system_error>
 #include <utility>
 #include <vector>
+
+// A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
+// inputs are meant. A file may carry inputs and the logits that they gave; loading then checks that they
+// still do, so that no mistake of a compiler, a processor or a format goes unseen.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,9 +1,5 @@
 #pragma once
 
-// From counts to pressure. A tactel's count is proportional to the pressure on it, up to the pressure at
-// which the converter saturates; equilibration, a recording under even pressure, tells by how much each
-// tactel differs from the mean; and what is no more than the noise counts as no contact.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
@@ -16,6 +12,10 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// From counts to pressure. A tactel's count is proportional to the pressure on it, up to the pressure at
+// which the converter saturates; equilibration, a recording under even pressure, tells by how much each
+// tactel differs from the mean; and what is no more than the noise counts as no contact.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -22,7 +22,7 @@ struct training_diverged : std::runtime_error {
 };
 
 /// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
-/// sums have a fixed order: the same seed gives the same bits on any number of threads, in one go or in
+/// sums have a fixed order: the same seed is bit-exact on any number of threads, in one go or in
 /// several (see for_each_state).
 template <class Network>
 class trainer {

@@ -12,7 +12,7 @@ inline namespace TACTNET_ARCH {
 namespace simulation {
 
 /// Touch `number` of one of the paper's classes, on a sensor of its own: a network that learns from many
-/// sensors of a make does not learn the flaws of one. The same bits wherever it is made.
+/// sensors of a make does not learn the flaws of one. Bit-exact wherever it is made.
 template <class Scene>
 void simulate_paper_touch(Scene& scene, std::size_t label, std::uint64_t seed, std::uint32_t number,
                           typename Scene::frames& result) {

@@ -17,7 +17,7 @@ namespace simulation {
 /// Normal noise of the circuit, each tactel's and each frame's its own: of the standard deviation
 /// √(additive² + (relative · pressure)²). A reading may fall below zero; threshold and converter mend that.
 ///
-/// The numbers are those of (moment.seed, moment.frame), and the noise has the same bits with every
+/// The numbers are those of (moment.seed, moment.frame), and the noise is bit-exact with every
 /// instruction set: as in kernels/simd/normal_numbers.hpp, nothing is added to a rounded product.
 struct noise {
     static constexpr stage place = stage::circuit;
