@@ -4,7 +4,7 @@
 
 #include <tactnet/simulation/effects/circuit/noise.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -21,7 +21,7 @@ namespace {
 
 using namespace tactnet::simulation;
 
-using plain = scene<array<28, 50>, contact<winkler>, quantisation<8>>;
+using plain = scene<paper_array, contact<winkler>, quantisation<8>>;
 
 /// The mean of both touches, fastest of many rounds.
 template <class Scene>
@@ -87,12 +87,12 @@ public:
     /// An effect between contact and converter.
     template <class Effect>
     void show_analogue(const char* name, const Effect& effect) {
-        show(name, scene<array<28, 50>, contact<winkler>, Effect, quantisation<8>>({}, {}, effect));
+        show(name, scene<paper_array, contact<winkler>, Effect, quantisation<8>>({}, {}, effect));
     }
     /// An effect on counts.
     template <class Effect>
     void show_digital(const char* name, const Effect& effect) {
-        show(name, scene<array<28, 50>, contact<winkler>, quantisation<8>, Effect>({}, {}, effect));
+        show(name, scene<paper_array, contact<winkler>, quantisation<8>, Effect>({}, {}, effect));
     }
 
 private:
@@ -104,7 +104,7 @@ private:
 
 void draw(const std::filesystem::path& folder) {
     gallery pictures(folder);
-    pictures.show("bonded_layer", scene<array<28, 50>, contact<bonded_layer>, quantisation<8>>());
+    pictures.show("bonded_layer", scene<paper_array, contact<bonded_layer>, quantisation<8>>());
     pictures.show_analogue("elastic_pad", elastic_pad{});
     pictures.show_analogue("tactel_average", tactel_average<3>{});
     pictures.show_analogue("gain_map", gain_map{});
@@ -121,7 +121,7 @@ void draw(const std::filesystem::path& folder) {
     pictures.show_analogue("noise", noise{.additive = 1000});
     pictures.show_analogue("threshold", threshold{.level = 8e3});
     pictures.show_analogue("saturation", saturation{.limit = 12e3});
-    pictures.show("quantisation", scene<array<28, 50>, contact<winkler>, quantisation_levels<15>>(),
+    pictures.show("quantisation", scene<paper_array, contact<winkler>, quantisation_levels<15>>(),
                   255.0f / 14);
     pictures.show_digital("resolution", resolution<14, 25>{});
     pictures.show_digital("jpeg_storage", jpeg_storage{.quality = 30});

@@ -6,7 +6,7 @@
 #include <tactnet/image/running_resize.hpp>
 #include <tactnet/io/image_folder.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #include "scenes.hpp"
 
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <algorithm>
 #include <array>

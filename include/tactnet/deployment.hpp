@@ -1,6 +1,7 @@
 #pragma once
 
+#include <tactnet/deployment/deploy.hpp>
+
 // Deployed networks: see deployment/deploy.hpp and deployment/deployed_model.hpp.
 
-#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/deployed_model.hpp>

@@ -14,6 +14,7 @@
 #include <tactnet/sensors/tekscan/map.hpp>
 #include <tactnet/sensors/tekscan/row.hpp>
 #include <tactnet/sensors/tekscan/text.hpp>
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/text/numbers.hpp>

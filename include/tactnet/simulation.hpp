@@ -37,6 +37,7 @@
 #include <tactnet/simulation/paper/drawing.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
+#include <tactnet/simulation/paper/simulate.hpp>
 #include <tactnet/simulation/paper/solids.hpp>
 #include <tactnet/simulation/paper/tools.hpp>
 #include <tactnet/simulation/scene.hpp>

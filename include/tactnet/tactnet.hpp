@@ -1,10 +1,10 @@
 #pragma once
 
-// The core: shapes, tensors, layers, networks and their deployed form. Training, images and files have
-// umbrellas of their own.
-
 #include <tactnet/deployment.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks.hpp>
 #include <tactnet/tensor.hpp>
 #include <tactnet/version.hpp>
+
+// The core: shapes, tensors, layers, networks and their deployed form. Training, images and files have
+// umbrellas of their own.

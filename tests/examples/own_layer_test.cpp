@@ -78,14 +78,14 @@ struct support::description<own::leaky_relu<Percent>> {
     }
 };
 
-TEST_CASE("own layer: what must hold of every layer") {
+TEST_CASE("own_layer: what must hold of every layer") {
     support::check_layer<own::leaky_relu<1>, tactnet::shape{5, 4, 3}>();
     support::check_layer<own::leaky_relu<30>, tactnet::shape{1, 1, 1}>();
     support::check_layer<tactnet::sequence<tactnet::conv2d<4, 3>, own::leaky_relu<5>, tactnet::max_pool<2>>,
                          tactnet::shape{6, 5, 2}>();
 }
 
-TEST_CASE("own layer: deployed within the derived bound") {
+TEST_CASE("own_layer: deployed within the derived bound") {
     const support::error_shares errors = support::errors_of<own::network>(41, 5);
     MESSAGE(errors);
     CHECK(errors.good());
@@ -96,7 +96,7 @@ TEST_CASE("own layer: deployed within the derived bound") {
     CHECK(support::errors_of<net>(42, 5).good());
 }
 
-TEST_CASE("own layer: the program's weight file and header are the same network") {
+TEST_CASE("own_layer: the program's weight file and header are the same network") {
     const auto model = tactnet::load_model<own::network>(std::filesystem::path(TACTNET_OWN_LAYER_WEIGHTS));
     const auto recognise = tactnet::deploy(model);
     CHECK(bars::passes_selftest());

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a fuzz target offers: the entry that fuzzing engines call, and valid inputs to start from.
+// What a fuzz target offers: the entry that fuzzing engines call, and the seed corpus.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,5 +9,5 @@
 /// Must take any bytes. Aborts when something that holds for all inputs does not.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
-/// Valid inputs, small, that together show all of the format.
+/// The seed corpus: valid inputs, small, that together show all of the format.
 std::vector<std::vector<std::uint8_t>> fuzz_seeds();

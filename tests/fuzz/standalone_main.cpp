@@ -1,6 +1,5 @@
-// Runs a fuzz target as a plain test, with any compiler: on its seeds, and on many damaged copies of them,
-// the same ones each time. With a folder as argument it writes the seeds there instead, for a fuzzing engine
-// to start from.
+// Runs a fuzz target as a plain test, with any compiler: on its seed corpus, and on many mutated copies of
+// the seeds, the same ones each time. With a folder as argument it writes the seed corpus there instead.
 
 #include "fuzz_target.hpp"
 
@@ -110,7 +109,7 @@ int main(int count, char** arguments) {
         return write_seeds(arguments[1]);
     const std::vector<input> seeds = fuzz_seeds();
     if (seeds.empty()) {
-        std::fprintf(stderr, "there are no seeds\n");
+        std::fprintf(stderr, "the seed corpus is empty\n");
         return 1;
     }
     constexpr std::size_t rounds = 100'000;
@@ -129,6 +128,6 @@ int main(int count, char** arguments) {
         std::fprintf(stderr, "an exception left the target: %s\n", error.what());
         return 1;
     }
-    std::printf("%zu seeds and %zu damaged copies\n", seeds.size(), rounds);
+    std::printf("%zu seeds and %zu mutated copies\n", seeds.size(), rounds);
     return 0;
 }

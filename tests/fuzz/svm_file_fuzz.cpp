@@ -1,5 +1,5 @@
 // Any bytes as the file of a support vector machine: it is loaded, or refused with a file_error, and nothing
-// else happens. What was loaded gives values for any row, and the same bits once saved and loaded again.
+// else happens. What was loaded gives values for any row, bit-exact once saved and loaded again.
 
 #include "fuzz_target.hpp"
 #include "safetensors_input.hpp"

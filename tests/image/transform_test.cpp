@@ -1,3 +1,4 @@
+#include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/transform.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 

@@ -93,116 +93,111 @@ std::string error_of(const std::filesystem::path& path, run& target, const file_
 
 } // namespace
 
-TEST_SUITE("io/checkpoint") {
-    TEST_CASE("stopped and resumed gives the same bits as one go, on any number of threads") {
-        const support::temporary_folder folder;
-        run whole;
-        whole.until(6);
-        const auto expected = whole.bits();
-        for (const std::size_t before : {1U, 2U})
-            for (const std::size_t after : {1U, 2U}) {
-                CAPTURE(before);
-                CAPTURE(after);
-                const auto path = folder / "t.checkpoint";
-                run first(before);
-                first.until(3);
-                const auto untouched = first.bits();
-                save_checkpoint(path, first.training, settings);
-                CHECK(first.bits() == untouched);
-                run second(after);
-                load_checkpoint(path, second.training, settings);
-                CHECK(second.bits() == untouched);
-                CHECK(second.training.history().size() == 3);
-                second.until(6);
-                CHECK(second.training.finished());
-                CHECK(second.bits() == expected);
-            }
-    }
+TEST_CASE("checkpoint: stopped and resumed gives the same bits as one go, on any number of threads") {
+    const support::temporary_folder folder;
+    run whole;
+    whole.until(6);
+    const auto expected = whole.bits();
+    for (const std::size_t before : {1U, 2U})
+        for (const std::size_t after : {1U, 2U}) {
+            CAPTURE(before);
+            CAPTURE(after);
+            const auto path = folder / "t.checkpoint";
+            run first(before);
+            first.until(3);
+            const auto untouched = first.bits();
+            save_checkpoint(path, first.training, settings);
+            CHECK(first.bits() == untouched);
+            run second(after);
+            load_checkpoint(path, second.training, settings);
+            CHECK(second.bits() == untouched);
+            CHECK(second.training.history().size() == 3);
+            second.until(6);
+            CHECK(second.training.finished());
+            CHECK(second.bits() == expected);
+        }
+}
 
-    TEST_CASE("other settings: says which") {
-        const support::temporary_folder folder;
-        const auto path = folder / "t.checkpoint";
-        run first;
-        first.until(1);
-        save_checkpoint(path, first.training, settings);
-        run second;
-        const auto before = second.bits();
-        CHECK(error_of(path, second, {{"seed", "4"}, {"network", "small"}}) ==
-              "setting 'seed' of the stopped training: expected '4', found '3'");
-        CHECK(error_of(path, second, {{"seed", "3"}, {"network", "small"}, {"data", "x"}}) ==
-              "setting 'data' of the stopped training: expected 'x', found none");
-        CHECK(second.bits() == before);
-    }
+TEST_CASE("checkpoint: other settings: says which") {
+    const support::temporary_folder folder;
+    const auto path = folder / "t.checkpoint";
+    run first;
+    first.until(1);
+    save_checkpoint(path, first.training, settings);
+    run second;
+    const auto before = second.bits();
+    CHECK(error_of(path, second, {{"seed", "4"}, {"network", "small"}}) ==
+          "setting 'seed' of the stopped training: expected '4', found '3'");
+    CHECK(error_of(path, second, {{"seed", "3"}, {"network", "small"}, {"data", "x"}}) ==
+          "setting 'data' of the stopped training: expected 'x', found none");
+    CHECK(second.bits() == before);
+}
 
-    TEST_CASE("damaged files change nothing") {
-        const support::temporary_folder folder;
-        const auto path = folder / "t.checkpoint";
-        run first;
-        first.until(2);
-        save_checkpoint(path, first.training, settings);
-        const safetensors good = safetensors::read(path);
-        const auto bytes = read_file(path);
-        run second;
-        const auto before = second.bits();
+TEST_CASE("checkpoint: damaged files change nothing") {
+    const support::temporary_folder folder;
+    const auto path = folder / "t.checkpoint";
+    run first;
+    first.until(2);
+    save_checkpoint(path, first.training, settings);
+    const safetensors good = safetensors::read(path);
+    const auto bytes = read_file(path);
+    run second;
+    const auto before = second.bits();
 
-        write_file(path, std::span(bytes).first(bytes.size() - 1));
-        CHECK(error_of(path, second) != "no error");
-        CHECK(error_of(folder / "nothing", second) == "expected a file, found nothing of that name");
+    write_file(path, std::span(bytes).first(bytes.size() - 1));
+    CHECK(error_of(path, second) != "no error");
+    CHECK(error_of(folder / "nothing", second) == "expected a file, found nothing of that name");
 
-        const auto rewrite = [&](const std::string& tensor, std::vector<std::size_t> extents,
-                                 std::vector<double> values, bool drop_metadata = false) {
-            safetensors_writer writer;
-            if (!drop_metadata)
-                writer.metadata = good.metadata();
-            for (const auto& [name, entry] : good.tensors())
-                if (name != tensor)
-                    writer.add(name, entry.type, entry.extents, good.bytes(name));
-            writer.add(tensor, std::move(extents), std::span<const double>(values));
-            writer.write(path);
-        };
-        rewrite("values", {1}, {1});
-        CHECK(error_of(path, second).starts_with("tensor 'values': expected "));
-        auto values = good.values<double>("best.statistics");
-        values[2] = std::nan("");
-        rewrite("best.statistics", {values.size()}, values);
-        CHECK(error_of(path, second) ==
-              "tensor 'best.statistics', element 2: expected a finite number, found nan");
-        // Which numbers a training can have is the trainer's to say; what it says must name the file.
-        const auto progress_error = [&](auto change) {
-            auto progress = good.values<double>("progress");
-            change(progress);
-            rewrite("progress", {progress.size()}, progress);
-            return error_of(path, second);
-        };
-        constexpr const char* refused = "tensor 'progress': expected the numbers of this training, found '";
-        CHECK(progress_error([](auto& progress) { progress.resize(3); }).starts_with(refused));
-        // Steps, validations since the smallest loss, whether it has stopped.
-        for (const std::size_t element : {0U, 4U, 5U})
-            for (const double wrong : {-1.0, 0.5, 1e300, std::nan("")})
-                CHECK(
-                    progress_error([&](auto& progress) { progress[element] = wrong; }).starts_with(refused));
-        for (const std::size_t element : {1U, 3U}) // losses
-            CHECK(progress_error([&](auto& progress) {
-                      progress[element] = std::nan("");
-                  }).starts_with(refused));
-        const std::string too_many = progress_error([](auto& progress) {
-            progress[0] *= 3.5; // as many steps as seven epochs have, of a recipe of six
-            while (progress.size() < 6 + 7 * 4)
-                progress.push_back(progress[progress.size() - 4]);
-        });
-        CHECK(too_many.starts_with(refused));
-        CHECK(too_many.find("at most 6 epochs, found 7") != std::string::npos);
-        rewrite("other", {1}, {1}, true);
-        CHECK(error_of(path, second) == "metadata 'format': expected 'tactnet checkpoint', found none");
-        CHECK(second.bits() == before);
-    }
+    const auto rewrite = [&](const std::string& tensor, std::vector<std::size_t> extents,
+                             std::vector<double> values, bool drop_metadata = false) {
+        safetensors_writer writer;
+        if (!drop_metadata)
+            writer.metadata = good.metadata();
+        for (const auto& [name, entry] : good.tensors())
+            if (name != tensor)
+                writer.add(name, entry.type, entry.extents, good.bytes(name));
+        writer.add(tensor, std::move(extents), std::span<const double>(values));
+        writer.write(path);
+    };
+    rewrite("values", {1}, {1});
+    CHECK(error_of(path, second).starts_with("tensor 'values': expected "));
+    auto values = good.values<double>("best.statistics");
+    values[2] = std::nan("");
+    rewrite("best.statistics", {values.size()}, values);
+    CHECK(error_of(path, second) ==
+          "tensor 'best.statistics', element 2: expected a finite number, found nan");
+    // Which numbers a training can have is the trainer's to say; what it says must name the file.
+    const auto progress_error = [&](auto change) {
+        auto progress = good.values<double>("progress");
+        change(progress);
+        rewrite("progress", {progress.size()}, progress);
+        return error_of(path, second);
+    };
+    constexpr const char* refused = "tensor 'progress': expected the numbers of this training, found '";
+    CHECK(progress_error([](auto& progress) { progress.resize(3); }).starts_with(refused));
+    // Steps, validations since the smallest loss, whether it has stopped.
+    for (const std::size_t element : {0U, 4U, 5U})
+        for (const double wrong : {-1.0, 0.5, 1e300, std::nan("")})
+            CHECK(progress_error([&](auto& progress) { progress[element] = wrong; }).starts_with(refused));
+    for (const std::size_t element : {1U, 3U}) // losses
+        CHECK(progress_error([&](auto& progress) { progress[element] = std::nan(""); }).starts_with(refused));
+    const std::string too_many = progress_error([](auto& progress) {
+        progress[0] *= 3.5; // as many steps as seven epochs have, of a recipe of six
+        while (progress.size() < 6 + 7 * 4)
+            progress.push_back(progress[progress.size() - 4]);
+    });
+    CHECK(too_many.starts_with(refused));
+    CHECK(too_many.find("at most 6 epochs, found 7") != std::string::npos);
+    rewrite("other", {1}, {1}, true);
+    CHECK(error_of(path, second) == "metadata 'format': expected 'tactnet checkpoint', found none");
+    CHECK(second.bits() == before);
+}
 
-    TEST_CASE("before the first epoch, when no loss has a number yet") {
-        const support::temporary_folder folder;
-        const auto path = folder / "t.checkpoint";
-        run first, second;
-        save_checkpoint(path, first.training, settings);
-        CHECK(error_of(path, second) == "no error");
-        CHECK(second.bits() == first.bits());
-    }
+TEST_CASE("checkpoint: before the first epoch, when no loss has a number yet") {
+    const support::temporary_folder folder;
+    const auto path = folder / "t.checkpoint";
+    run first, second;
+    save_checkpoint(path, first.training, settings);
+    CHECK(error_of(path, second) == "no error");
+    CHECK(second.bits() == first.bits());
 }

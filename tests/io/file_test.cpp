@@ -49,123 +49,118 @@ std::string error_of(Action action) {
 
 } // namespace
 
-TEST_SUITE("io/file") {
-    TEST_CASE("what was written is read") {
-        const support::temporary_folder folder;
-        for (const std::size_t size : {0U, 1U, 4096U, 3'000'000U}) {
-            std::vector<std::byte> bytes(size);
-            for (std::size_t i = 0; i < size; ++i)
-                bytes[i] = static_cast<std::byte>(i * 31 + i / 256);
-            write_file(folder / "file", bytes);
-            CHECK(read_file(folder / "file") == bytes);
-        }
-        write_file(folder / "file", std::string_view("a\nb\r\n"));
-        CHECK(text_of(folder / "file") == "a\nb\r\n");
-        CHECK(entries_in(folder.path()) == 1);
+TEST_CASE("file: what was written is read") {
+    const support::temporary_folder folder;
+    for (const std::size_t size : {0U, 1U, 4096U, 3'000'000U}) {
+        std::vector<std::byte> bytes(size);
+        for (std::size_t i = 0; i < size; ++i)
+            bytes[i] = static_cast<std::byte>(i * 31 + i / 256);
+        write_file(folder / "file", bytes);
+        CHECK(read_file(folder / "file") == bytes);
     }
+    write_file(folder / "file", std::string_view("a\nb\r\n"));
+    CHECK(text_of(folder / "file") == "a\nb\r\n");
+    CHECK(entries_in(folder.path()) == 1);
+}
 
-    TEST_CASE("pieces stand one behind the other") {
-        const support::temporary_folder folder;
-        const std::string a = "one, ", b, c = "two";
-        const std::array<std::span<const std::byte>, 3> pieces{
-            std::as_bytes(std::span(a)), std::as_bytes(std::span(b)), std::as_bytes(std::span(c))};
-        write_file(folder / "file", pieces);
-        CHECK(text_of(folder / "file") == "one, two");
-    }
+TEST_CASE("file: pieces stand one behind the other") {
+    const support::temporary_folder folder;
+    const std::string a = "one, ", b, c = "two";
+    const std::array<std::span<const std::byte>, 3> pieces{
+        std::as_bytes(std::span(a)), std::as_bytes(std::span(b)), std::as_bytes(std::span(c))};
+    write_file(folder / "file", pieces);
+    CHECK(text_of(folder / "file") == "one, two");
+}
 
-    TEST_CASE("reading: each failure has its sentence") {
-        const support::temporary_folder folder;
-        const std::string missing = (folder / "missing").string();
-        CHECK(error_of([&] { read_file(missing); }) ==
-              missing + ": expected a file, found nothing of that name");
-        CHECK(error_of([&] { read_file(folder.path()); }) ==
-              folder.path().string() + ": expected a file, found a folder");
-        CHECK(error_of([&] { read_file(folder / "missing" / "file"); }).find("nothing of that name") !=
-              std::string::npos);
-        const auto file = folder / "file";
-        write_file(file, std::string_view("12345"));
-        CHECK(error_of([&] { read_file(file / "below"); }) != "no error");
-        CHECK(read_file(file, 5).size() == 5);
-        CHECK(error_of([&] { read_file(file, 4); }) ==
-              file.string() + ": expected at most 4 bytes, found 5 bytes");
-        CHECK(error_of([&] { read_file(""); }) != "no error");
-    }
+TEST_CASE("file: reading: each failure has its sentence") {
+    const support::temporary_folder folder;
+    const std::string missing = (folder / "missing").string();
+    CHECK(error_of([&] { read_file(missing); }) == missing + ": expected a file, found nothing of that name");
+    CHECK(error_of([&] { read_file(folder.path()); }) ==
+          folder.path().string() + ": expected a file, found a folder");
+    CHECK(error_of([&] { read_file(folder / "missing" / "file"); }).find("nothing of that name") !=
+          std::string::npos);
+    const auto file = folder / "file";
+    write_file(file, std::string_view("12345"));
+    CHECK(error_of([&] { read_file(file / "below"); }) != "no error");
+    CHECK(read_file(file, 5).size() == 5);
+    CHECK(error_of([&] { read_file(file, 4); }) ==
+          file.string() + ": expected at most 4 bytes, found 5 bytes");
+    CHECK(error_of([&] { read_file(""); }) != "no error");
+}
 
-    TEST_CASE("writing: each failure has its sentence and leaves nothing") {
-        const support::temporary_folder folder;
-        const std::string_view text = "text";
-        CHECK(error_of([&] { write_file(folder.path(), text); }).find("found a folder") != std::string::npos);
-        CHECK(error_of([&] {
-                  write_file(folder / "missing" / "file", text);
-              }).find("missing/file: expected a folder to write in, found 'No such file or directory'") !=
-              std::string::npos);
-        CHECK(error_of([&] { write_file("", text); }) != "no error");
-        CHECK(entries_in(folder.path()) == 0);
-    }
+TEST_CASE("file: writing: each failure has its sentence and leaves nothing") {
+    const support::temporary_folder folder;
+    const std::string_view text = "text";
+    CHECK(error_of([&] { write_file(folder.path(), text); }).find("found a folder") != std::string::npos);
+    CHECK(error_of([&] {
+              write_file(folder / "missing" / "file", text);
+          }).find("missing/file: expected a folder to write in, found 'No such file or directory'") !=
+          std::string::npos);
+    CHECK(error_of([&] { write_file("", text); }) != "no error");
+    CHECK(entries_in(folder.path()) == 0);
+}
 
-    TEST_CASE("permissions of a replaced file are kept, and links are followed") {
-        using std::filesystem::perms;
-        const support::temporary_folder folder;
-        write_file(folder / "file", std::string_view("old"));
-        std::filesystem::permissions(folder / "file", perms::owner_read | perms::owner_write);
-        std::filesystem::create_directory(folder / "elsewhere");
-        std::filesystem::create_symlink(folder / "file", folder / "elsewhere" / "link");
-        write_file(folder / "elsewhere" / "link", std::string_view("new"));
-        CHECK(std::filesystem::is_symlink(folder / "elsewhere" / "link"));
-        CHECK(text_of(folder / "file") == "new");
-        CHECK(std::filesystem::status(folder / "file").permissions() ==
-              (perms::owner_read | perms::owner_write));
-    }
+TEST_CASE("file: permissions of a replaced file are kept, and links are followed") {
+    using std::filesystem::perms;
+    const support::temporary_folder folder;
+    write_file(folder / "file", std::string_view("old"));
+    std::filesystem::permissions(folder / "file", perms::owner_read | perms::owner_write);
+    std::filesystem::create_directory(folder / "elsewhere");
+    std::filesystem::create_symlink(folder / "file", folder / "elsewhere" / "link");
+    write_file(folder / "elsewhere" / "link", std::string_view("new"));
+    CHECK(std::filesystem::is_symlink(folder / "elsewhere" / "link"));
+    CHECK(text_of(folder / "file") == "new");
+    CHECK(std::filesystem::status(folder / "file").permissions() == (perms::owner_read | perms::owner_write));
+}
 
 #if defined(__linux__)
-    TEST_CASE("a file that is too large is refused before it is read") {
-        const support::temporary_folder folder;
-        const auto file = folder / "file";
-        constexpr std::size_t limit = 4'000'000;
-        write_file(file, std::string_view());
-        std::filesystem::resize_file(file, 10 * limit); // holes: takes no room on the disk
-        // Bytes that this process has read, of whatever kind.
-        const auto bytes_read = [] {
-            std::ifstream counters("/proc/self/io");
-            std::string name;
-            std::size_t count = 0;
-            counters >> name >> count;
-            return count;
-        };
-        const std::size_t before = bytes_read();
-        CHECK(error_of([&] { read_file(file, limit); }) ==
-              file.string() + ": expected at most 4000000 bytes, found 40000000 bytes");
-        CHECK(bytes_read() - before < limit / 2);
-    }
-
-    TEST_CASE("devices are read up to the bound and written to, not replaced") {
-        CHECK(error_of([] {
-                  read_file("/dev/zero", 10'000'000);
-              }).find("at most 10000000 bytes, found more") != std::string::npos);
-        CHECK(read_file("/dev/null").empty());
-        write_file("/dev/null", std::string_view("text"));
-        CHECK(std::filesystem::is_character_file("/dev/null"));
-        CHECK(error_of([] { write_file("/dev/full", std::string_view("text")); }) ==
-              "/dev/full: expected to write all bytes, found 'No space left on device'");
-    }
-
-    TEST_CASE("a write that fails half-way leaves the old file and no other") {
-        const support::temporary_folder folder;
-        write_file(folder / "file", std::string_view("old"));
-        // A bound on file sizes stands for the full disk; without the signal it is an error like any other.
-        rlimit before{};
-        REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
-        const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-        rlimit small = before;
-        small.rlim_cur = 100'000;
-        REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
-        const std::string error =
-            error_of([&] { write_file(folder / "file", std::vector<std::byte>(1'000'000)); });
-        REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
-        std::signal(SIGXFSZ, handler);
-        CHECK(error == (folder / "file").string() + ": expected to write all bytes, found 'File too large'");
-        CHECK(text_of(folder / "file") == "old");
-        CHECK(entries_in(folder.path()) == 1);
-    }
-#endif
+TEST_CASE("file: a file that is too large is refused before it is read") {
+    const support::temporary_folder folder;
+    const auto file = folder / "file";
+    constexpr std::size_t limit = 4'000'000;
+    write_file(file, std::string_view());
+    std::filesystem::resize_file(file, 10 * limit); // holes: takes no room on the disk
+    // Bytes that this process has read, of whatever kind.
+    const auto bytes_read = [] {
+        std::ifstream counters("/proc/self/io");
+        std::string name;
+        std::size_t count = 0;
+        counters >> name >> count;
+        return count;
+    };
+    const std::size_t before = bytes_read();
+    CHECK(error_of([&] { read_file(file, limit); }) ==
+          file.string() + ": expected at most 4000000 bytes, found 40000000 bytes");
+    CHECK(bytes_read() - before < limit / 2);
 }
+
+TEST_CASE("file: devices are read up to the bound and written to, not replaced") {
+    CHECK(error_of([] { read_file("/dev/zero", 10'000'000); }).find("at most 10000000 bytes, found more") !=
+          std::string::npos);
+    CHECK(read_file("/dev/null").empty());
+    write_file("/dev/null", std::string_view("text"));
+    CHECK(std::filesystem::is_character_file("/dev/null"));
+    CHECK(error_of([] { write_file("/dev/full", std::string_view("text")); }) ==
+          "/dev/full: expected to write all bytes, found 'No space left on device'");
+}
+
+TEST_CASE("file: a write that fails half-way leaves the old file and no other") {
+    const support::temporary_folder folder;
+    write_file(folder / "file", std::string_view("old"));
+    // A bound on file sizes stands for the full disk; without the signal it is an error like any other.
+    rlimit before{};
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit small = before;
+    small.rlim_cur = 100'000;
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+    const std::string error =
+        error_of([&] { write_file(folder / "file", std::vector<std::byte>(1'000'000)); });
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
+    std::signal(SIGXFSZ, handler);
+    CHECK(error == (folder / "file").string() + ": expected to write all bytes, found 'File too large'");
+    CHECK(text_of(folder / "file") == "old");
+    CHECK(entries_in(folder.path()) == 1);
+}
+#endif

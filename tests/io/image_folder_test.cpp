@@ -44,171 +44,167 @@ tactnet::grey_image decode_digits(const std::filesystem::path& path) {
 
 } // namespace
 
-TEST_SUITE("io/image_folder") {
-    TEST_CASE("natural order") {
-        // Each comes before all that follow it, and after none.
-        const std::vector<std::string> ordered{"",
-                                               "0",
-                                               "00",
-                                               "01",
-                                               "1",
-                                               "2",
-                                               "010",
-                                               "10",
-                                               "a",
-                                               "a0",
-                                               "a1",
-                                               "a1b",
-                                               "a2",
-                                               "a2a",
-                                               "a2b1",
-                                               "a2b10",
-                                               "a10",
-                                               "a10.jpg",
-                                               "b",
-                                               "key",
-                                               "key1.jpg",
-                                               "key02.jpg",
-                                               "key2.jpg",
-                                               "key10.jpg",
-                                               "key99999999999999999999998.jpg",
-                                               "key99999999999999999999999.jpg",
-                                               "key100000000000000000000000.jpg",
-                                               "key_1",
-                                               "\xC3\xA9"};
-        for (std::size_t i = 0; i < ordered.size(); ++i)
-            for (std::size_t j = 0; j < ordered.size(); ++j) {
-                CAPTURE(ordered[i]);
-                CAPTURE(ordered[j]);
-                CHECK(natural_less(ordered[i], ordered[j]) == (i < j));
-            }
-        // Leading zeros decide only between numbers that are otherwise the same.
-        CHECK(natural_less("a01b", "a1c"));
-        CHECK(natural_less("a01", "a1"));
-        CHECK_FALSE(natural_less("a1", "a01"));
-        CHECK(natural_less("a1b", "a01c"));
-        CHECK(natural_less("1", "02"));
-    }
-
-    TEST_CASE("classes by their bytes, files in natural order, everything else passed over") {
-        const support::temporary_folder folder;
-        for (const char* name :
-             {"b/b10.jpg", "b/b2.JPG", "b/b1.jpeg", "a/x.png", "B/q.PnG", "b/notes.txt", "b/.b0.jpg",
-              "b/inner/b3.jpg", "readme.jpg", ".hidden/x.jpg", "b/noextension"})
-            touch(folder / name);
-        const auto listed = list_image_folder(folder.path());
-        CHECK(listed.root == folder.path());
-        CHECK(listed.classes == std::vector<std::string>{"B", "a", "b"});
-        std::vector<std::string> names;
-        for (const auto& [path, label] : listed.files) {
-            CHECK(path.parent_path().filename().string() == listed.classes.at(label));
-            names.push_back(path.filename().string());
+TEST_CASE("image_folder: natural order") {
+    // Each comes before all that follow it, and after none.
+    const std::vector<std::string> ordered{"",
+                                           "0",
+                                           "00",
+                                           "01",
+                                           "1",
+                                           "2",
+                                           "010",
+                                           "10",
+                                           "a",
+                                           "a0",
+                                           "a1",
+                                           "a1b",
+                                           "a2",
+                                           "a2a",
+                                           "a2b1",
+                                           "a2b10",
+                                           "a10",
+                                           "a10.jpg",
+                                           "b",
+                                           "key",
+                                           "key1.jpg",
+                                           "key02.jpg",
+                                           "key2.jpg",
+                                           "key10.jpg",
+                                           "key99999999999999999999998.jpg",
+                                           "key99999999999999999999999.jpg",
+                                           "key100000000000000000000000.jpg",
+                                           "key_1",
+                                           "\xC3\xA9"};
+    for (std::size_t i = 0; i < ordered.size(); ++i)
+        for (std::size_t j = 0; j < ordered.size(); ++j) {
+            CAPTURE(ordered[i]);
+            CAPTURE(ordered[j]);
+            CHECK(natural_less(ordered[i], ordered[j]) == (i < j));
         }
-        CHECK(names == std::vector<std::string>{"q.PnG", "x.png", "b1.jpeg", "b2.JPG", "b10.jpg"});
+    // Leading zeros decide only between numbers that are otherwise the same.
+    CHECK(natural_less("a01b", "a1c"));
+    CHECK(natural_less("a01", "a1"));
+    CHECK_FALSE(natural_less("a1", "a01"));
+    CHECK(natural_less("a1b", "a01c"));
+    CHECK(natural_less("1", "02"));
+}
 
-        constexpr std::array<std::string_view, 1> only_text{".txt"};
-        CHECK_THROWS_AS(list_image_folder(folder.path(), only_text), file_error);
+TEST_CASE("image_folder: classes by their bytes, files in natural order, everything else passed over") {
+    const support::temporary_folder folder;
+    for (const char* name : {"b/b10.jpg", "b/b2.JPG", "b/b1.jpeg", "a/x.png", "B/q.PnG", "b/notes.txt",
+                             "b/.b0.jpg", "b/inner/b3.jpg", "readme.jpg", ".hidden/x.jpg", "b/noextension"})
+        touch(folder / name);
+    const auto listed = list_image_folder(folder.path());
+    CHECK(listed.root == folder.path());
+    CHECK(listed.classes == std::vector<std::string>{"B", "a", "b"});
+    std::vector<std::string> names;
+    for (const auto& [path, label] : listed.files) {
+        CHECK(path.parent_path().filename().string() == listed.classes.at(label));
+        names.push_back(path.filename().string());
     }
+    CHECK(names == std::vector<std::string>{"q.PnG", "x.png", "b1.jpeg", "b2.JPG", "b10.jpg"});
 
-    TEST_CASE("a folder that is no set of images: each has its sentence") {
-        const support::temporary_folder folder;
-        const auto root = folder / "root";
-        const std::string name = root.string();
-        CHECK(error_of(root) ==
-              name + ": expected a folder with one subfolder a class, found nothing of that name");
-        touch(root);
-        CHECK(error_of(root) == name + ": expected a folder with one subfolder a class, found a file");
-        std::filesystem::remove(root);
-        std::filesystem::create_directory(root);
-        CHECK(error_of(root) == name + ": expected one subfolder a class, found an empty folder");
-        touch(root / "a.jpg");
-        touch(root / "b.jpg");
-        CHECK(error_of(root) == name + ": expected one subfolder a class, found 2 files and no subfolder");
-        touch(root / "key" / "1.jpg");
-        CHECK(error_of(root) == name + ": expected at least two classes, a subfolder each, found only 'key'");
-        std::filesystem::create_directory(root / "pen");
-        CHECK(error_of(root) ==
-              (root / "pen").string() +
-                  ": expected at least one image (.jpg, .jpeg, .png) for this class, found an empty folder");
-        touch(root / "pen" / "1.gif");
-        CHECK(error_of(root) == (root / "pen").string() + ": expected at least one image (.jpg, .jpeg, .png) "
-                                                          "for this class, found none among 1 entries");
-        touch(root / "pen" / "1.png");
-        CHECK(error_of(root) == "no error");
+    constexpr std::array<std::string_view, 1> only_text{".txt"};
+    CHECK_THROWS_AS(list_image_folder(folder.path(), only_text), file_error);
+}
+
+TEST_CASE("image_folder: a folder that is no set of images: each has its sentence") {
+    const support::temporary_folder folder;
+    const auto root = folder / "root";
+    const std::string name = root.string();
+    CHECK(error_of(root) ==
+          name + ": expected a folder with one subfolder a class, found nothing of that name");
+    touch(root);
+    CHECK(error_of(root) == name + ": expected a folder with one subfolder a class, found a file");
+    std::filesystem::remove(root);
+    std::filesystem::create_directory(root);
+    CHECK(error_of(root) == name + ": expected one subfolder a class, found an empty folder");
+    touch(root / "a.jpg");
+    touch(root / "b.jpg");
+    CHECK(error_of(root) == name + ": expected one subfolder a class, found 2 files and no subfolder");
+    touch(root / "key" / "1.jpg");
+    CHECK(error_of(root) == name + ": expected at least two classes, a subfolder each, found only 'key'");
+    std::filesystem::create_directory(root / "pen");
+    CHECK(error_of(root) ==
+          (root / "pen").string() +
+              ": expected at least one image (.jpg, .jpeg, .png) for this class, found an empty folder");
+    touch(root / "pen" / "1.gif");
+    CHECK(error_of(root) == (root / "pen").string() + ": expected at least one image (.jpg, .jpeg, .png) "
+                                                      "for this class, found none among 1 entries");
+    touch(root / "pen" / "1.png");
+    CHECK(error_of(root) == "no error");
 #if defined(__linux__)
-        touch(root / "caf\xE9" / "1.png");
-        CHECK(error_of(root) == name + ": subfolder 'caf\\xe9': expected a name in UTF-8, found other bytes");
+    touch(root / "caf\xE9" / "1.png");
+    CHECK(error_of(root) == name + ": subfolder 'caf\\xe9': expected a name in UTF-8, found other bytes");
 #endif
-    }
+}
 
-    TEST_CASE("loading") {
-        const support::temporary_folder folder;
-        touch(folder / "a" / "1.jpg", "234");
-        touch(folder / "a" / "2.jpg", "235");
-        touch(folder / "b" / "1.jpg", "236");
-        const auto listed = list_image_folder(folder.path());
-        const auto set = tactnet::load_images(listed, 2, 3, decode_digits);
-        CHECK(set.rows == 2);
-        CHECK(set.columns == 3);
-        CHECK(set.size() == 3);
-        CHECK(set.labels == std::vector<std::size_t>{0, 0, 1});
-        CHECK(set.classes == std::vector<std::string>{"a", "b"});
-        CHECK(set.paths.at(1) == folder / "a" / "2.jpg");
-        REQUIRE(set.pixels.size() == 18);
-        CHECK(std::ranges::count(set.image(1), 5) == 6);
-        CHECK(std::ranges::count(set.pixels, 6) == 6);
+TEST_CASE("image_folder: loading") {
+    const support::temporary_folder folder;
+    touch(folder / "a" / "1.jpg", "234");
+    touch(folder / "a" / "2.jpg", "235");
+    touch(folder / "b" / "1.jpg", "236");
+    const auto listed = list_image_folder(folder.path());
+    const auto set = tactnet::load_images(listed, 2, 3, decode_digits);
+    CHECK(set.rows == 2);
+    CHECK(set.columns == 3);
+    CHECK(set.size() == 3);
+    CHECK(set.labels == std::vector<std::size_t>{0, 0, 1});
+    CHECK(set.classes == std::vector<std::string>{"a", "b"});
+    CHECK(set.paths.at(1) == folder / "a" / "2.jpg");
+    REQUIRE(set.pixels.size() == 18);
+    CHECK(std::ranges::count(set.image(1), 5) == 6);
+    CHECK(std::ranges::count(set.pixels, 6) == 6);
 
-        SUBCASE("another size is an error that names the file") {
-            touch(folder / "b" / "2.jpg", "327");
-            const auto mixed = list_image_folder(folder.path());
-            try {
-                tactnet::load_images(mixed, 2, 3, decode_digits);
-                FAIL("nothing was thrown");
-            } catch (const file_error& error) {
-                CHECK(std::string(error.what()) ==
-                      (folder / "b" / "2.jpg").string() +
-                          ": expected 2 x 3 pixels (rows x columns), found 3 x 2 pixels (rows x columns)");
-            }
-        }
-        SUBCASE("unless it is to be resized") {
-            touch(folder / "b" / "2.jpg", "327");
-            const auto mixed = list_image_folder(folder.path());
-            int calls = 0;
-            const auto resized =
-                tactnet::load_images(mixed, 2, 3, decode_digits, [&](tactnet::grey_image image) {
-                    ++calls;
-                    CHECK(image.rows == 3);
-                    return tactnet::grey_image{2, 3, std::vector<std::uint8_t>(6, 99)};
-                });
-            CHECK(calls == 1);
-            CHECK(resized.size() == 4);
-            CHECK(resized.image(3)[5] == 99);
-        }
-        SUBCASE("what a decoder throws goes through") {
-            std::filesystem::remove(folder / "a" / "2.jpg");
-            CHECK_THROWS_AS(tactnet::load_images(listed, 2, 3, decode_digits), file_error);
-        }
-        SUBCASE("a decoder that contradicts itself is a mistake of the program") {
-            const auto wrong = [](const std::filesystem::path&) {
-                return tactnet::grey_image{2, 3, std::vector<std::uint8_t>(5)};
-            };
-            CHECK_THROWS_AS(tactnet::load_images(listed, 2, 3, wrong), std::logic_error);
+    SUBCASE("another size is an error that names the file") {
+        touch(folder / "b" / "2.jpg", "327");
+        const auto mixed = list_image_folder(folder.path());
+        try {
+            tactnet::load_images(mixed, 2, 3, decode_digits);
+            FAIL("nothing was thrown");
+        } catch (const file_error& error) {
+            CHECK(std::string(error.what()) ==
+                  (folder / "b" / "2.jpg").string() +
+                      ": expected 2 x 3 pixels (rows x columns), found 3 x 2 pixels (rows x columns)");
         }
     }
+    SUBCASE("unless it is to be resized") {
+        touch(folder / "b" / "2.jpg", "327");
+        const auto mixed = list_image_folder(folder.path());
+        int calls = 0;
+        const auto resized = tactnet::load_images(mixed, 2, 3, decode_digits, [&](tactnet::grey_image image) {
+            ++calls;
+            CHECK(image.rows == 3);
+            return tactnet::grey_image{2, 3, std::vector<std::uint8_t>(6, 99)};
+        });
+        CHECK(calls == 1);
+        CHECK(resized.size() == 4);
+        CHECK(resized.image(3)[5] == 99);
+    }
+    SUBCASE("what a decoder throws goes through") {
+        std::filesystem::remove(folder / "a" / "2.jpg");
+        CHECK_THROWS_AS(tactnet::load_images(listed, 2, 3, decode_digits), file_error);
+    }
+    SUBCASE("a decoder that contradicts itself is a mistake of the program") {
+        const auto wrong = [](const std::filesystem::path&) {
+            return tactnet::grey_image{2, 3, std::vector<std::uint8_t>(5)};
+        };
+        CHECK_THROWS_AS(tactnet::load_images(listed, 2, 3, wrong), std::logic_error);
+    }
+}
 
-    TEST_CASE("the real recordings") {
-        const auto root = support::find_data("tactile_images");
-        if (!root)
-            return;
-        const auto listed = list_image_folder(*root);
-        CHECK(listed.classes.size() == 22);
-        CHECK(listed.classes.front() == "adhesive");
-        CHECK(listed.classes.back() == "tube");
-        REQUIRE(listed.files.size() == 1100);
-        for (std::size_t i = 0; i < listed.files.size(); ++i) {
-            CHECK(listed.files[i].label == i / 50);
-            const std::string number = std::to_string(i % 50 + 1) + ".jpg";
-            CHECK(listed.files[i].path.filename().string().ends_with(number));
-        }
+TEST_CASE("image_folder: the real recordings") {
+    const auto root = support::find_data("tactile_images");
+    if (!root)
+        return;
+    const auto listed = list_image_folder(*root);
+    CHECK(listed.classes.size() == 22);
+    CHECK(listed.classes.front() == "adhesive");
+    CHECK(listed.classes.back() == "tube");
+    REQUIRE(listed.files.size() == 1100);
+    for (std::size_t i = 0; i < listed.files.size(); ++i) {
+        CHECK(listed.files[i].label == i / 50);
+        const std::string number = std::to_string(i % 50 + 1) + ".jpg";
+        CHECK(listed.files[i].path.filename().string().ends_with(number));
     }
 }

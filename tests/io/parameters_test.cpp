@@ -78,129 +78,126 @@ std::string error_after(const std::function<void(arrays&)>& change, std::size_t 
 
 } // namespace
 
-TEST_SUITE("io/parameters") {
-    TEST_CASE("what is stored comes back") {
-        const small_network original = numbered_network();
+TEST_CASE("parameters: what is stored comes back") {
+    const small_network original = numbered_network();
+    safetensors_writer writer;
+    add_parameters(writer, original);
+    const safetensors file = safetensors::parse(writer.to_bytes(), "weights.safetensors");
+    CHECK(file.tensors().size() == small_network::describe().size());
+    file.require_extents("conv2.weight", std::vector<std::size_t>{3, 2, 2, 2});
+    file.require_extents("bn2.running_var", std::vector<std::size_t>{3});
+    file.require_extents("fc.weight", std::vector<std::size_t>{5, dense_inputs});
+    CHECK(stored_classes<small_network>(file) == 5);
+
+    small_network copy;
+    CHECK_FALSE(same_numbers(copy, original));
+    load_parameters(copy, file);
+    CHECK(same_numbers(copy, original));
+}
+
+TEST_CASE("parameters: fewer classes than outputs: only their rows are stored, the others become zero") {
+    const small_network original = numbered_network();
+    safetensors_writer writer;
+    add_parameters(writer, original, 3);
+    const safetensors file = safetensors::parse(writer.to_bytes(), "weights.safetensors");
+    file.require_extents("fc.weight", std::vector<std::size_t>{3, dense_inputs});
+    file.require_extents("fc.bias", std::vector<std::size_t>{3});
+    file.require_extents("conv2.weight",
+                         std::vector<std::size_t>{3, 2, 2, 2}); // three filters, not three classes
+    CHECK(stored_classes<small_network>(file) == 3);
+
+    small_network copy = numbered_network();
+    load_parameters(copy, file, 3);
+    const arrays expected = arrays_of(original), found = arrays_of(copy);
+    for (const auto& [name, a] : expected) {
+        const bool output_layer = name.starts_with("fc");
+        const std::size_t kept = output_layer ? a.values.size() / 5 * 3 : a.values.size();
+        for (std::size_t i = 0; i < a.values.size(); ++i)
+            REQUIRE(found.at(name).values[i] == (i < kept ? a.values[i] : 0));
+    }
+    CHECK_THROWS_AS(load_parameters(copy, file), file_error); // five were asked for
+    CHECK_THROWS_AS(add_parameters(writer, original, 6), std::invalid_argument);
+}
+
+TEST_CASE("parameters: dense weights may keep channels, rows and columns apart; companions are passed over") {
+    arrays content = arrays_of(numbered_network());
+    content["fc.weight"].extents = {5, 3, 2, 3};
+    content["bn1.num_batches_tracked"] = {{}, {7}};
+    content["input_mean"] = {{4, 6}, std::vector<float>(24)};
+    content["selftest.logits"] = {{1, 5}, std::vector<float>(5)};
+    small_network copy;
+    load_parameters(copy, file_of(content));
+    CHECK(same_numbers(copy, numbered_network()));
+
+    // Of fewer classes, too.
+    content["fc.weight"] = {{2, 3, 2, 3}, std::vector<float>(36, 1)};
+    content["fc.bias"] = {{2}, {3, 4}};
+    load_parameters(copy, file_of(content), 2);
+    CHECK(arrays_of(copy).at("fc.weight").values[35] == 1);
+}
+
+TEST_CASE("parameters: several dense layers: each has its own input") {
+    using two_layers = network<shape{4, 6, 2}, max_pool<2>, dense<7>, relu, dense<5>>;
+    const auto load = [](std::vector<std::size_t> first, std::vector<std::size_t> second) {
         safetensors_writer writer;
-        add_parameters(writer, original);
-        const safetensors file = safetensors::parse(writer.to_bytes(), "weights.safetensors");
-        CHECK(file.tensors().size() == small_network::describe().size());
-        file.require_extents("conv2.weight", std::vector<std::size_t>{3, 2, 2, 2});
-        file.require_extents("bn2.running_var", std::vector<std::size_t>{3});
-        file.require_extents("fc.weight", std::vector<std::size_t>{5, dense_inputs});
-        CHECK(stored_classes<small_network>(file) == 5);
+        const std::vector<float> numbers(84);
+        writer.add("fc1.weight", std::move(first), std::span(numbers).first(84));
+        writer.add("fc1.bias", {7}, std::span(numbers).first(7));
+        writer.add("fc2.weight", std::move(second), std::span(numbers).first(35));
+        writer.add("fc2.bias", {5}, std::span(numbers).first(5));
+        two_layers n;
+        load_parameters(n, safetensors::parse(writer.to_bytes(), "weights.safetensors"));
+    };
+    load({7, 12}, {5, 7});
+    load({7, 2, 2, 3}, {5, 7, 1, 1});
+    CHECK_THROWS_AS(load({7, 3, 2, 2}, {5, 7}), file_error);
+    CHECK_THROWS_AS(load({7, 12}, {5, 1, 1, 7}), file_error);
+}
 
-        small_network copy;
-        CHECK_FALSE(same_numbers(copy, original));
-        load_parameters(copy, file);
-        CHECK(same_numbers(copy, original));
-    }
+TEST_CASE("parameters: a file of another network") {
+    CHECK(error_after([](arrays& a) {
+              a["conv3.weight"] = {{1}, {1}};
+          }) == "weights.safetensors: expected only the 14 arrays of this network, found tensor "
+                "'conv3.weight' of "
+                "another network");
+    CHECK(error_after([](arrays& a) { a.erase("bn2.bias"); }) ==
+          "weights.safetensors: expected a tensor 'bn2.bias' of 3, found none of that name");
+    CHECK(error_after([](arrays& a) {
+              a["conv1.weight"].extents = {2, 1, 1, 9};
+          }) == "weights.safetensors: tensor 'conv1.weight': expected 2x1x3x3, found 2x1x1x9");
+    CHECK(error_after([](arrays& a) {
+              a["fc.weight"].extents = {3, 5, 2, 3};
+          }) == "weights.safetensors: tensor 'fc.weight': expected 5x18 or 5x3x2x3, found 3x5x2x3");
+    // As many numbers, in another order: the channels must not be taken for rows.
+    for (const std::vector<std::size_t>& extents :
+         {std::vector<std::size_t>{5, 3, 3, 2}, {5, 2, 3, 3}, {5, 18, 1, 1}, {5, 3, 6}, {90}})
+        CHECK(error_after([&](arrays& a) { a["fc.weight"].extents = extents; }) ==
+              "weights.safetensors: tensor 'fc.weight': expected 5x18 or 5x3x2x3, found " +
+                  shape_text(extents));
+    CHECK(error_after([](arrays& a) {
+              a["fc.bias"] = {{6}, std::vector<float>(6)};
+          }) == "weights.safetensors: tensor 'fc.bias': expected 5, found 6");
+}
 
-    TEST_CASE("fewer classes than outputs: only their rows are stored, the others become zero") {
-        const small_network original = numbered_network();
-        safetensors_writer writer;
-        add_parameters(writer, original, 3);
-        const safetensors file = safetensors::parse(writer.to_bytes(), "weights.safetensors");
-        file.require_extents("fc.weight", std::vector<std::size_t>{3, dense_inputs});
-        file.require_extents("fc.bias", std::vector<std::size_t>{3});
-        file.require_extents("conv2.weight",
-                             std::vector<std::size_t>{3, 2, 2, 2}); // three filters, not three classes
-        CHECK(stored_classes<small_network>(file) == 3);
+TEST_CASE("parameters: more classes than outputs") {
+    arrays content = arrays_of(numbered_network());
+    content["fc.bias"] = {{6}, std::vector<float>(6)};
+    CHECK_THROWS_WITH_AS(
+        static_cast<void>(stored_classes<small_network>(file_of(content))),
+        "weights.safetensors: tensor 'fc.bias': expected one number for each of 1 to 5 classes, "
+        "found 6",
+        file_error);
+}
 
-        small_network copy = numbered_network();
-        load_parameters(copy, file, 3);
-        const arrays expected = arrays_of(original), found = arrays_of(copy);
-        for (const auto& [name, a] : expected) {
-            const bool output_layer = name.starts_with("fc");
-            const std::size_t kept = output_layer ? a.values.size() / 5 * 3 : a.values.size();
-            for (std::size_t i = 0; i < a.values.size(); ++i)
-                REQUIRE(found.at(name).values[i] == (i < kept ? a.values[i] : 0));
-        }
-        CHECK_THROWS_AS(load_parameters(copy, file), file_error); // five were asked for
-        CHECK_THROWS_AS(add_parameters(writer, original, 6), std::invalid_argument);
-    }
-
-    TEST_CASE("dense weights may keep channels, rows and columns apart; companions are passed over") {
-        arrays content = arrays_of(numbered_network());
-        content["fc.weight"].extents = {5, 3, 2, 3};
-        content["bn1.num_batches_tracked"] = {{}, {7}};
-        content["input_mean"] = {{4, 6}, std::vector<float>(24)};
-        content["selftest.logits"] = {{1, 5}, std::vector<float>(5)};
-        small_network copy;
-        load_parameters(copy, file_of(content));
-        CHECK(same_numbers(copy, numbered_network()));
-
-        // Of fewer classes, too.
-        content["fc.weight"] = {{2, 3, 2, 3}, std::vector<float>(36, 1)};
-        content["fc.bias"] = {{2}, {3, 4}};
-        load_parameters(copy, file_of(content), 2);
-        CHECK(arrays_of(copy).at("fc.weight").values[35] == 1);
-    }
-
-    TEST_CASE("several dense layers: each has its own input") {
-        using two_layers = network<shape{4, 6, 2}, max_pool<2>, dense<7>, relu, dense<5>>;
-        const auto load = [](std::vector<std::size_t> first, std::vector<std::size_t> second) {
-            safetensors_writer writer;
-            const std::vector<float> numbers(84);
-            writer.add("fc1.weight", std::move(first), std::span(numbers).first(84));
-            writer.add("fc1.bias", {7}, std::span(numbers).first(7));
-            writer.add("fc2.weight", std::move(second), std::span(numbers).first(35));
-            writer.add("fc2.bias", {5}, std::span(numbers).first(5));
-            two_layers n;
-            load_parameters(n, safetensors::parse(writer.to_bytes(), "weights.safetensors"));
-        };
-        load({7, 12}, {5, 7});
-        load({7, 2, 2, 3}, {5, 7, 1, 1});
-        CHECK_THROWS_AS(load({7, 3, 2, 2}, {5, 7}), file_error);
-        CHECK_THROWS_AS(load({7, 12}, {5, 1, 1, 7}), file_error);
-    }
-
-    TEST_CASE("a file of another network") {
-        CHECK(error_after([](arrays& a) {
-                  a["conv3.weight"] = {{1}, {1}};
-              }) == "weights.safetensors: expected only the 14 arrays of this network, found tensor "
-                    "'conv3.weight' of "
-                    "another network");
-        CHECK(error_after([](arrays& a) { a.erase("bn2.bias"); }) ==
-              "weights.safetensors: expected a tensor 'bn2.bias' of 3, found none of that name");
-        CHECK(error_after([](arrays& a) {
-                  a["conv1.weight"].extents = {2, 1, 1, 9};
-              }) == "weights.safetensors: tensor 'conv1.weight': expected 2x1x3x3, found 2x1x1x9");
-        CHECK(error_after([](arrays& a) {
-                  a["fc.weight"].extents = {3, 5, 2, 3};
-              }) == "weights.safetensors: tensor 'fc.weight': expected 5x18 or 5x3x2x3, found 3x5x2x3");
-        // As many numbers, in another order: the channels must not be taken for rows.
-        for (const std::vector<std::size_t>& extents :
-             {std::vector<std::size_t>{5, 3, 3, 2}, {5, 2, 3, 3}, {5, 18, 1, 1}, {5, 3, 6}, {90}})
-            CHECK(error_after([&](arrays& a) { a["fc.weight"].extents = extents; }) ==
-                  "weights.safetensors: tensor 'fc.weight': expected 5x18 or 5x3x2x3, found " +
-                      shape_text(extents));
-        CHECK(error_after([](arrays& a) {
-                  a["fc.bias"] = {{6}, std::vector<float>(6)};
-              }) == "weights.safetensors: tensor 'fc.bias': expected 5, found 6");
-    }
-
-    TEST_CASE("more classes than outputs") {
-        arrays content = arrays_of(numbered_network());
-        content["fc.bias"] = {{6}, std::vector<float>(6)};
-        CHECK_THROWS_WITH_AS(
-            static_cast<void>(stored_classes<small_network>(file_of(content))),
-            "weights.safetensors: tensor 'fc.bias': expected one number for each of 1 to 5 classes, "
-            "found 6",
-            file_error);
-    }
-
-    TEST_CASE("values that cannot be") {
-        const std::string nan = error_after([](arrays& a) { a["conv2.bias"].values[1] = std::nanf(""); });
-        CHECK(nan ==
-              "weights.safetensors: tensor 'conv2.bias', element 1: expected a finite number, found nan");
-        CHECK(error_after(
-                  [](arrays& a) { a["fc.weight"].values[89] = std::numeric_limits<float>::infinity(); }) ==
-              "weights.safetensors: tensor 'fc.weight', element 89: expected a finite number, found inf");
-        CHECK(error_after([](arrays& a) { a["bn1.running_var"].values[0] = -1; }) ==
-              "weights.safetensors: tensor 'bn1.running_var', element 0: expected a variance (finite, at "
-              "least 0), "
-              "found -1.000000");
-        CHECK(error_after([](arrays& a) { a["bn1.running_mean"].values[0] = -1; }) == "no error");
-    }
+TEST_CASE("parameters: values that cannot be") {
+    const std::string nan = error_after([](arrays& a) { a["conv2.bias"].values[1] = std::nanf(""); });
+    CHECK(nan == "weights.safetensors: tensor 'conv2.bias', element 1: expected a finite number, found nan");
+    CHECK(error_after([](arrays& a) {
+              a["fc.weight"].values[89] = std::numeric_limits<float>::infinity();
+          }) == "weights.safetensors: tensor 'fc.weight', element 89: expected a finite number, found inf");
+    CHECK(error_after([](arrays& a) { a["bn1.running_var"].values[0] = -1; }) ==
+          "weights.safetensors: tensor 'bn1.running_var', element 0: expected a variance (finite, at "
+          "least 0), "
+          "found -1.000000");
+    CHECK(error_after([](arrays& a) { a["bn1.running_mean"].values[0] = -1; }) == "no error");
 }

@@ -83,90 +83,87 @@ std::string error_of(const Change& change) {
 
 } // namespace
 
-TEST_SUITE("io/svm_file") {
-    TEST_CASE("a machine that is loaded gives the bits of the one saved") {
-        check_round_trip<rbf_kernel>({.cost = 3, .probability_folds = 3});
-        check_round_trip<rbf_kernel>({.kernel = {0.0}});
-        check_round_trip<rbf_kernel>(
-            {.kernel = {1.0 / 3}, .scheme = multiclass::one_versus_rest, .standardise = true});
-        check_round_trip<linear_kernel>({.standardise = true});
-        const samples s;
-        thread_pool alone;
-        for (const bool standardise : {false, true}) {
-            const auto machine =
-                train_linear_machine(s.rows(), s.labels, {.standardise = standardise}, alone).machine;
-            const support::temporary_folder folder;
-            save_machine(folder.path() / "linear.safetensors", machine);
-            const auto loaded = load_linear_machine<4>(folder.path() / "linear.safetensors");
-            CHECK(loaded.decision_values(s.rows()) == machine.decision_values(s.rows()));
-            const auto file = safetensors::parse(read_file(folder.path() / "linear.safetensors"), "file");
-            CHECK_THROWS_WITH_AS((void)load_linear_machine<5>(file), "file: expected 5 features, found 4",
+TEST_CASE("svm_file: a machine that is loaded gives the bits of the one saved") {
+    check_round_trip<rbf_kernel>({.cost = 3, .probability_folds = 3});
+    check_round_trip<rbf_kernel>({.kernel = {0.0}});
+    check_round_trip<rbf_kernel>(
+        {.kernel = {1.0 / 3}, .scheme = multiclass::one_versus_rest, .standardise = true});
+    check_round_trip<linear_kernel>({.standardise = true});
+    const samples s;
+    thread_pool alone;
+    for (const bool standardise : {false, true}) {
+        const auto machine =
+            train_linear_machine(s.rows(), s.labels, {.standardise = standardise}, alone).machine;
+        const support::temporary_folder folder;
+        save_machine(folder.path() / "linear.safetensors", machine);
+        const auto loaded = load_linear_machine<4>(folder.path() / "linear.safetensors");
+        CHECK(loaded.decision_values(s.rows()) == machine.decision_values(s.rows()));
+        const auto file = safetensors::parse(read_file(folder.path() / "linear.safetensors"), "file");
+        CHECK_THROWS_WITH_AS((void)load_linear_machine<5>(file), "file: expected 5 features, found 4",
+                             file_error);
+        CHECK_THROWS_WITH_AS((void)load_kernel_machine<rbf_kernel>(file),
+                             "file: metadata 'machine': expected 'kernel', found 'linear'", file_error);
+    }
+}
+
+TEST_CASE("svm_file: a machine beside other arrays; standardisation by nothing is refused") {
+    linear_machine_parameters parts;
+    parts.features = 2;
+    parts.labels = {0, 1};
+    parts.weights = {1, 2, 3, 4};
+    parts.offsets = {5, 6};
+    for (const float deviation : {0.5F, 0.0F, -1.0F}) {
+        parts.standardise = standardisation{{0, 0}, {1, deviation}};
+        safetensors_writer writer;
+        writer.metadata["classes"] = "[]";
+        writer.add("own", {1}, std::vector<float>{7});
+        add_machine(writer, linear_machine<>(parts));
+        CHECK(writer.metadata.at("classes") == "[]");
+        const auto file = safetensors::parse(writer.to_bytes(), "file");
+        CHECK(file.values<float>("own") == std::vector<float>{7});
+        if (deviation > 0)
+            CHECK(load_linear_machine<2>(file).parameters().standardise->deviation[1] == deviation);
+        else
+            CHECK_THROWS_WITH_AS((void)load_linear_machine<2>(file),
+                                 ("file: tensor 'standardise.deviation': expected positive numbers, found " +
+                                  std::to_string(deviation))
+                                     .c_str(),
                                  file_error);
-            CHECK_THROWS_WITH_AS((void)load_kernel_machine<rbf_kernel>(file),
-                                 "file: metadata 'machine': expected 'kernel', found 'linear'", file_error);
-        }
+        CHECK_THROWS_AS(add_machine(writer, linear_machine<>(parts)), std::invalid_argument);
     }
+}
 
-    TEST_CASE("a machine beside other arrays; standardisation by nothing is refused") {
-        linear_machine_parameters parts;
-        parts.features = 2;
-        parts.labels = {0, 1};
-        parts.weights = {1, 2, 3, 4};
-        parts.offsets = {5, 6};
-        for (const float deviation : {0.5F, 0.0F, -1.0F}) {
-            parts.standardise = standardisation{{0, 0}, {1, deviation}};
-            safetensors_writer writer;
-            writer.metadata["classes"] = "[]";
-            writer.add("own", {1}, std::vector<float>{7});
-            add_machine(writer, linear_machine<>(parts));
-            CHECK(writer.metadata.at("classes") == "[]");
-            const auto file = safetensors::parse(writer.to_bytes(), "file");
-            CHECK(file.values<float>("own") == std::vector<float>{7});
-            if (deviation > 0)
-                CHECK(load_linear_machine<2>(file).parameters().standardise->deviation[1] == deviation);
-            else
-                CHECK_THROWS_WITH_AS(
-                    (void)load_linear_machine<2>(file),
-                    ("file: tensor 'standardise.deviation': expected positive numbers, found " +
-                     std::to_string(deviation))
-                        .c_str(),
-                    file_error);
-            CHECK_THROWS_AS(add_machine(writer, linear_machine<>(parts)), std::invalid_argument);
-        }
-    }
-
-    TEST_CASE("files that are not what they should be are refused in words") {
-        CHECK(error_of([](auto&, auto&) {}) == "no error");
-        const auto has = [](const std::string& error, const char* part) {
-            CAPTURE(error);
-            CHECK(error.find(part) != std::string::npos);
-        };
-        has(error_of([](auto& w, auto&) { w.metadata.erase("format"); }),
-            "metadata 'format': expected 'tactnet', found none");
-        has(error_of([](auto& w, auto&) { w.metadata["version"] = "2"; }),
-            "metadata 'version': expected '1', found '2'");
-        has(error_of([](auto& w, auto&) { w.metadata["kernel"] = "linear"; }),
-            "metadata 'kernel': expected 'rbf', found 'linear'");
-        has(error_of([](auto& w, auto&) { w.metadata["multiclass"] = "x"; }),
-            "expected 'one versus one' or 'one versus rest', found 'x'");
-        has(error_of([](auto&, auto& p) { p.gamma[0] = -1; }),
-            "tensor 'gamma': expected a number of 0 or more, found -1");
-        has(error_of([](auto&, auto& p) { p.gamma.clear(); }), "a tensor 'gamma'");
-        has(error_of([](auto&, auto& p) { p.vectors[1] = std::numeric_limits<float>::quiet_NaN(); }),
-            "tensor 'support_vectors'");
-        has(error_of([](auto&, auto& p) { p.offsets[0] = std::numeric_limits<double>::infinity(); }),
-            "tensor 'offsets'");
-        has(error_of([](auto&, auto& p) { p.offsets.push_back(1); }), "offsets: expected 1, found 2");
-        has(error_of([](auto&, auto& p) { p.labels[0] = -1; }), "tensor 'labels'");
-        has(error_of([](auto&, auto& p) { p.labels = {8, 3}; }), "parts that fit each other");
-        has(error_of([](auto&, auto& p) { p.labels.pop_back(); }), "two classes or more");
-        has(error_of([](auto&, auto& p) { p.counts = {2, 1}; }), "parts that fit each other");
-        has(error_of([](auto&, auto& p) {
-                p.vectors.clear();
-                p.coefficients.clear();
-                p.counts = {0, 0};
-            }),
-            "support vectors, at least: expected 1, found 0");
-        has(error_of([](auto&, auto& p) { p.coefficients.push_back(1); }), "tensor 'coefficients'");
-    }
+TEST_CASE("svm_file: files that are not what they should be are refused in words") {
+    CHECK(error_of([](auto&, auto&) {}) == "no error");
+    const auto has = [](const std::string& error, const char* part) {
+        CAPTURE(error);
+        CHECK(error.find(part) != std::string::npos);
+    };
+    has(error_of([](auto& w, auto&) { w.metadata.erase("format"); }),
+        "metadata 'format': expected 'tactnet', found none");
+    has(error_of([](auto& w, auto&) { w.metadata["version"] = "2"; }),
+        "metadata 'version': expected '1', found '2'");
+    has(error_of([](auto& w, auto&) { w.metadata["kernel"] = "linear"; }),
+        "metadata 'kernel': expected 'rbf', found 'linear'");
+    has(error_of([](auto& w, auto&) { w.metadata["multiclass"] = "x"; }),
+        "expected 'one versus one' or 'one versus rest', found 'x'");
+    has(error_of([](auto&, auto& p) { p.gamma[0] = -1; }),
+        "tensor 'gamma': expected a number of 0 or more, found -1");
+    has(error_of([](auto&, auto& p) { p.gamma.clear(); }), "a tensor 'gamma'");
+    has(error_of([](auto&, auto& p) { p.vectors[1] = std::numeric_limits<float>::quiet_NaN(); }),
+        "tensor 'support_vectors'");
+    has(error_of([](auto&, auto& p) { p.offsets[0] = std::numeric_limits<double>::infinity(); }),
+        "tensor 'offsets'");
+    has(error_of([](auto&, auto& p) { p.offsets.push_back(1); }), "offsets: expected 1, found 2");
+    has(error_of([](auto&, auto& p) { p.labels[0] = -1; }), "tensor 'labels'");
+    has(error_of([](auto&, auto& p) { p.labels = {8, 3}; }), "parts that fit each other");
+    has(error_of([](auto&, auto& p) { p.labels.pop_back(); }), "two classes or more");
+    has(error_of([](auto&, auto& p) { p.counts = {2, 1}; }), "parts that fit each other");
+    has(error_of([](auto&, auto& p) {
+            p.vectors.clear();
+            p.coefficients.clear();
+            p.counts = {0, 0};
+        }),
+        "support vectors, at least: expected 1, found 0");
+    has(error_of([](auto&, auto& p) { p.coefficients.push_back(1); }), "tensor 'coefficients'");
 }

@@ -5,52 +5,50 @@
 #include <string>
 #include <string_view>
 
-TEST_SUITE("io/text") {
-    TEST_CASE("well-formed UTF-8, as the Unicode standard's table has it") {
-        using tactnet::is_utf8;
-        CHECK(is_utf8(""));
-        CHECK(is_utf8("plain"));
-        CHECK(is_utf8("\xC3\xA9"));         // U+00E9
-        CHECK(is_utf8("\xE0\xA0\x80"));     // U+0800, the first of three bytes
-        CHECK(is_utf8("\xED\x9F\xBF"));     // U+D7FF, the last before the surrogates
-        CHECK(is_utf8("\xEE\x80\x80"));     // U+E000, the first behind them
-        CHECK(is_utf8("\xF0\x90\x80\x80")); // U+10000
-        CHECK(is_utf8("\xF4\x8F\xBF\xBF")); // U+10FFFF
+TEST_CASE("text: well-formed UTF-8, as the Unicode standard's table has it") {
+    using tactnet::is_utf8;
+    CHECK(is_utf8(""));
+    CHECK(is_utf8("plain"));
+    CHECK(is_utf8("\xC3\xA9"));         // U+00E9
+    CHECK(is_utf8("\xE0\xA0\x80"));     // U+0800, the first of three bytes
+    CHECK(is_utf8("\xED\x9F\xBF"));     // U+D7FF, the last before the surrogates
+    CHECK(is_utf8("\xEE\x80\x80"));     // U+E000, the first behind them
+    CHECK(is_utf8("\xF0\x90\x80\x80")); // U+10000
+    CHECK(is_utf8("\xF4\x8F\xBF\xBF")); // U+10FFFF
 
-        CHECK_FALSE(is_utf8("\x80"));
-        CHECK_FALSE(is_utf8("\xC0\x80"));         // overlong
-        CHECK_FALSE(is_utf8("\xC1\xBF"));         // overlong
-        CHECK_FALSE(is_utf8("\xE0\x9F\xBF"));     // overlong
-        CHECK_FALSE(is_utf8("\xF0\x8F\xBF\xBF")); // overlong
-        CHECK_FALSE(is_utf8("\xED\xA0\x80"));     // a surrogate
-        CHECK_FALSE(is_utf8("\xF4\x90\x80\x80")); // above U+10FFFF
-        CHECK_FALSE(is_utf8("\xF5\x80\x80\x80"));
-        CHECK_FALSE(is_utf8("\xC3"));
-        CHECK_FALSE(is_utf8("\xE2\x82"));
-        CHECK_FALSE(is_utf8("\xF0\x9F\x98"));
-        CHECK_FALSE(is_utf8("a\xC3z"));
-        CHECK_FALSE(is_utf8("\xFF"));
-    }
+    CHECK_FALSE(is_utf8("\x80"));
+    CHECK_FALSE(is_utf8("\xC0\x80"));         // overlong
+    CHECK_FALSE(is_utf8("\xC1\xBF"));         // overlong
+    CHECK_FALSE(is_utf8("\xE0\x9F\xBF"));     // overlong
+    CHECK_FALSE(is_utf8("\xF0\x8F\xBF\xBF")); // overlong
+    CHECK_FALSE(is_utf8("\xED\xA0\x80"));     // a surrogate
+    CHECK_FALSE(is_utf8("\xF4\x90\x80\x80")); // above U+10FFFF
+    CHECK_FALSE(is_utf8("\xF5\x80\x80\x80"));
+    CHECK_FALSE(is_utf8("\xC3"));
+    CHECK_FALSE(is_utf8("\xE2\x82"));
+    CHECK_FALSE(is_utf8("\xF0\x9F\x98"));
+    CHECK_FALSE(is_utf8("a\xC3z"));
+    CHECK_FALSE(is_utf8("\xFF"));
+}
 
-    TEST_CASE("text as a JSON string") {
-        using namespace std::string_view_literals;
-        using tactnet::json_string;
-        CHECK(json_string("") == "\"\"");
-        CHECK(json_string("a \"b\" \\ \xC3\xA9") == "\"a \\\"b\\\" \\\\ \xC3\xA9\"");
-        CHECK(json_string("a\n\x1F\0"sv) == "\"a\\u000a\\u001f\\u0000\"");
-        CHECK_THROWS_AS(static_cast<void>(json_string("\xC3")), std::invalid_argument);
-    }
+TEST_CASE("text: as a JSON string") {
+    using namespace std::string_view_literals;
+    using tactnet::json_string;
+    CHECK(json_string("") == "\"\"");
+    CHECK(json_string("a \"b\" \\ \xC3\xA9") == "\"a \\\"b\\\" \\\\ \xC3\xA9\"");
+    CHECK(json_string("a\n\x1F\0"sv) == "\"a\\u000a\\u001f\\u0000\"");
+    CHECK_THROWS_AS(static_cast<void>(json_string("\xC3")), std::invalid_argument);
+}
 
-    TEST_CASE("names in messages cannot break the line or the terminal") {
-        using namespace std::string_view_literals;
-        using tactnet::in_quotes;
-        CHECK(in_quotes("conv1.weight") == "'conv1.weight'");
-        CHECK(in_quotes("a\nb\x1B[2J\x7F") == "'a\\x0ab\\x1b[2J\\x7f'");
-        CHECK(in_quotes("a\0b"sv) == "'a\\x00b'");
-        CHECK(in_quotes("\xC3\xA9\xC3") == "'\xC3\xA9\\xc3'");
-        CHECK(in_quotes(std::string(200, 'x'), 10) == "'xxxxxxxxxx\u2026'");
-        CHECK(in_quotes(std::string(10, 'x'), 10) == "'xxxxxxxxxx'");
-        // A character is never cut in half.
-        CHECK(in_quotes("\xC3\xA9\xC3\xA9", 1) == "'\xC3\xA9\u2026'");
-    }
+TEST_CASE("text: names in messages cannot break the line or the terminal") {
+    using namespace std::string_view_literals;
+    using tactnet::in_quotes;
+    CHECK(in_quotes("conv1.weight") == "'conv1.weight'");
+    CHECK(in_quotes("a\nb\x1B[2J\x7F") == "'a\\x0ab\\x1b[2J\\x7f'");
+    CHECK(in_quotes("a\0b"sv) == "'a\\x00b'");
+    CHECK(in_quotes("\xC3\xA9\xC3") == "'\xC3\xA9\\xc3'");
+    CHECK(in_quotes(std::string(200, 'x'), 10) == "'xxxxxxxxxx\u2026'");
+    CHECK(in_quotes(std::string(10, 'x'), 10) == "'xxxxxxxxxx'");
+    // A character is never cut in half.
+    CHECK(in_quotes("\xC3\xA9\xC3\xA9", 1) == "'\xC3\xA9\u2026'");
 }

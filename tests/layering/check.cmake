@@ -26,10 +26,16 @@ set(room_eigen tensor sensors svm)
 # Only what has frames and rows in it, which needs nothing but tensors.
 set(only_eigen_sensors frame)
 set(only_eigen_svm feature_rows)
-set(room_simulation image kernels runtime tensor)
+set(room_simulation sensors image kernels runtime tensor)
+set(only_simulation_sensors tekscan_6077) # what sensors there are, not what they send
 set(room_forward tensor)
 # The core umbrella: a user of inference never pays for training.
 set(room_tactnet forward tensor layers networks deployment)
+
+# Folders that nothing beside themselves includes but these: whoever simulates objects of his own does not pay for
+# the paper's 22 classes.
+set(closed_folders simulation/paper)
+set(users_of_simulation/paper simulation.hpp)
 
 # What only kernels/ may know.
 set(kernel_headers "^xsimd/|^(immintrin|x86intrin|arm_neon|arm_sve)\\.h$")
@@ -60,6 +66,9 @@ foreach(header IN LISTS headers)
     file(READ "${ROOT}/tactnet/${header}" text)
     if(NOT text MATCHES "(^|\n)#pragma once\n")
         problem("${header}: has no '#pragma once'")
+    endif()
+    if(text MATCHES "^#pragma once\n+//[^\n]*\n(//[^\n]*\n)*\n+#include")
+        problem("${header}: has its comment in front of its includes, not behind them")
     endif()
     # Brackets and semicolons mean something to CMake's lists, not here.
     string(REGEX REPLACE "[][;]" " " text "${text}")
@@ -95,6 +104,13 @@ foreach(header IN LISTS headers)
                         problem("${place}: room '${room}' may not include <${included}>")
                     endif()
                 endif()
+                foreach(folder IN LISTS closed_folders)
+                    if(included MATCHES "^tactnet/${folder}/" AND NOT header MATCHES "^${folder}/"
+                       AND NOT header IN_LIST users_of_${folder}
+                    )
+                        problem("${place}: only ${folder}/ and ${users_of_${folder}} may include <${included}>")
+                    endif()
+                endforeach()
             elseif(included MATCHES "${kernel_headers}")
                 if(NOT room STREQUAL "kernels")
                     problem("${place}: only kernels/ may include <${included}>")
@@ -106,6 +122,13 @@ foreach(header IN LISTS headers)
             elseif(included MATCHES "[./]" AND NOT included MATCHES "${system_headers}")
                 problem("${place}: <${included}> is neither the library's nor the standard's, nor Eigen or xsimd")
             endif()
+        elseif(line MATCHES "(random_purpose|effect_purpose) ([a-z_]+){([0-9]+)}")
+            # Two uses with one number would draw the same numbers.
+            set(taken "${CMAKE_MATCH_1}_${CMAKE_MATCH_3}")
+            if(DEFINED place_of_${taken})
+                problem("${place}: the number of ${CMAKE_MATCH_2} is that of ${place_of_${taken}}")
+            endif()
+            set(place_of_${taken} "${place}")
         endif()
     endforeach()
 endforeach()

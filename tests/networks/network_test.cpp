@@ -2,6 +2,7 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactresnet.hpp>
+#include <tactnet/training/initialise.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,14 @@
 #include <tactnet/runtime/random.hpp>
 
+// Every header that declares a purpose.
+#include <tactnet/features/k_means.hpp>
+#include <tactnet/image/augmentation.hpp>
+#include <tactnet/image/noise.hpp>
+#include <tactnet/layers/dropout.hpp>
+#include <tactnet/simulation/effect.hpp>
+#include <tactnet/simulation/objects/object.hpp>
+#include <tactnet/training/initialise.hpp>
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,11 +29,33 @@ static_assert(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffff
 static_assert(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}) ==
               std::array<std::uint32_t, 4>{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}); // digits of π
 
+constexpr random_purpose other{4};
+
+TEST_CASE("random_purpose: the library's have the numbers that they always had, each its own") {
+    // Another number is another training and another data set from the same seed.
+    const std::array purposes{draw::split,   draw::order,    draw::augmentation, draw::initial_weights,
+                              draw::dropout, draw::clusters, draw::noise,        draw::sensor,
+                              draw::frame,   draw::touch};
+    for (std::uint32_t number = 0; number < purposes.size(); ++number)
+        CHECK(purposes.at(number).number() == number);
+}
+
+TEST_CASE("random_purpose: names have numbers that the library never takes") {
+    constexpr auto mine = random_purpose::named("my_gripper/slip"), yours = random_purpose::named("b");
+    static_assert(mine == random_purpose::named("my_gripper/slip"));
+    static_assert(mine != yours);
+    CHECK(mine.number() >= 0x80000000);
+    CHECK(random_purpose::named("").number() == (0x811C9DC5 | 0x80000000));
+    // The published answers of FNV-1a; the highest bit is always set here.
+    CHECK(random_purpose::named("b").number() == (0xE70C2DE5 | 0x80000000));
+    CHECK(random_purpose::named("foobar").number() == (0xBF9CF968 | 0x80000000));
+    CHECK(random_stream(1, mine).bits() != random_stream(1, yours).bits());
+}
+
 TEST_CASE("random_stream: the words of its counters, in order") {
-    random_stream random(0x0123456789abcdef, draw::dropout, 5, 6);
+    random_stream random(0x0123456789abcdef, other, 5, 6);
     for (std::uint32_t block = 0; block < 3; ++block) {
-        const auto expected =
-            philox({block, static_cast<std::uint32_t>(draw::dropout), 5, 6}, {0x89abcdef, 0x01234567});
+        const auto expected = philox({block, 4, 5, 6}, {0x89abcdef, 0x01234567});
         for (const std::uint32_t word : expected)
             CHECK(random.bits() == word);
     }
@@ -33,7 +64,7 @@ TEST_CASE("random_stream: the words of its counters, in order") {
 TEST_CASE("random_stream: another seed, purpose or item has other numbers") {
     std::set<std::uint32_t> first;
     for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{1} << 32})
-        for (const draw purpose : {draw::split, draw::order, draw::augmentation})
+        for (const random_purpose purpose : {draw::split, draw::order, other})
             for (const std::uint32_t major : {0u, 1u})
                 for (const std::uint32_t minor : {0u, 1u})
                     first.insert(random_stream(seed, purpose, major, minor).bits());

@@ -37,73 +37,68 @@ std::vector<float> cells_of(const matrix_stream_format& format, const std::strin
 
 } // namespace
 
-TEST_SUITE("matrix_stream") {
-    static_assert(tactnet::frame_decoder<matrix_stream>);
+static_assert(tactnet::frame_decoder<matrix_stream>);
 
-    TEST_CASE("every form of a cell, row by row or column by column") {
-        using enum tactnet::cell_format;
-        const std::vector<float> counted{1, 2, 3, 4, 5, 6};
-        CHECK(cells_of(bare, "\1\2\3\4\5\6") == counted);
-        CHECK(cells_of({.rows = 2, .columns = 3, .order = tactnet::cell_order::columns}, "\1\4\2\5\3\6") ==
-              counted);
-        CHECK(cells_of({.rows = 1, .columns = 2, .cell = uint16_little}, "\1\2\xFF\xFF") ==
-              std::vector<float>{513, 65535});
-        CHECK(cells_of({.rows = 1, .columns = 2, .cell = uint16_big}, "\1\2\xFF\xFE") ==
-              std::vector<float>{258, 65534});
-        CHECK(cells_of({.rows = 1, .columns = 2, .cell = float32_little}, "\0\0\xC0\x3F\0\0\0\0"s) ==
-              std::vector<float>{1.5F, 0});
-    }
+TEST_CASE("matrix_stream: every form of a cell, row by row or column by column") {
+    using enum tactnet::cell_format;
+    const std::vector<float> counted{1, 2, 3, 4, 5, 6};
+    CHECK(cells_of(bare, "\1\2\3\4\5\6") == counted);
+    CHECK(cells_of({.rows = 2, .columns = 3, .order = tactnet::cell_order::columns}, "\1\4\2\5\3\6") ==
+          counted);
+    CHECK(cells_of({.rows = 1, .columns = 2, .cell = uint16_little}, "\1\2\xFF\xFF") ==
+          std::vector<float>{513, 65535});
+    CHECK(cells_of({.rows = 1, .columns = 2, .cell = uint16_big}, "\1\2\xFF\xFE") ==
+          std::vector<float>{258, 65534});
+    CHECK(cells_of({.rows = 1, .columns = 2, .cell = float32_little}, "\0\0\xC0\x3F\0\0\0\0"s) ==
+          std::vector<float>{1.5F, 0});
+}
 
-    TEST_CASE("markers: joined anywhere, lost and found again") {
-        const std::string one = "MMX_\1\2\3\4\5\6__", two = "MMX_\6\5\4\3\2\1__";
-        const auto whole = sensors_test::decode(matrix_stream(marked()), bytes_of(one + two));
-        REQUIRE(whole.frames.size() == 2);
-        CHECK(whole.frames[1].cells == std::vector<float>{6, 5, 4, 3, 2, 1});
-        CHECK(whole.frames[1].seconds == 0.5);
-        CHECK(whole.status == decode_status::finished);
-        // A marker that begins inside what looked like one.
-        matrix_stream joined(marked());
-        CHECK(joined.push(bytes_of("xMXM" + one.substr(1)), tactnet::ignore_frames{}) ==
-              decode_status::reading);
-        CHECK(joined.push(bytes_of("M" + one), tactnet::ignore_frames{}) == decode_status::damaged);
-        CHECK(joined.frames() == 2);
-        CHECK(joined.skipped_bytes() == 4);
-        CHECK(joined.error().expected == "the marker of a frame");
-        CHECK(joined.push(bytes_of(one), tactnet::ignore_frames{}) == decode_status::reading);
-        // One report for all bytes between two frames, with the place of the first.
-        CHECK(joined.push(bytes_of("zzz" + one), tactnet::ignore_frames{}) == decode_status::damaged);
-        CHECK(joined.error().place() == "byte 40, frame 4");
-        CHECK(joined.skipped_bytes() == 7);
-        CHECK(sensors_test::same_however_split(matrix_stream(marked()), bytes_of("xMX" + one + two)));
-        CHECK(sensors_test::decode(matrix_stream(marked()), bytes_of(one + "MMX_\1")).error ==
-              "byte 12, frame 2: expected a whole frame of 12 bytes, found 5 bytes of it");
-    }
+TEST_CASE("matrix_stream: markers: joined anywhere, lost and found again") {
+    const std::string one = "MMX_\1\2\3\4\5\6__", two = "MMX_\6\5\4\3\2\1__";
+    const auto whole = sensors_test::decode(matrix_stream(marked()), bytes_of(one + two));
+    REQUIRE(whole.frames.size() == 2);
+    CHECK(whole.frames[1].cells == std::vector<float>{6, 5, 4, 3, 2, 1});
+    CHECK(whole.frames[1].seconds == 0.5);
+    CHECK(whole.status == decode_status::finished);
+    // A marker that begins inside what looked like one.
+    matrix_stream joined(marked());
+    CHECK(joined.push(bytes_of("xMXM" + one.substr(1)), tactnet::ignore_frames{}) == decode_status::reading);
+    CHECK(joined.push(bytes_of("M" + one), tactnet::ignore_frames{}) == decode_status::damaged);
+    CHECK(joined.frames() == 2);
+    CHECK(joined.skipped_bytes() == 4);
+    CHECK(joined.error().expected == "the marker of a frame");
+    CHECK(joined.push(bytes_of(one), tactnet::ignore_frames{}) == decode_status::reading);
+    // One report for all bytes between two frames, with the place of the first.
+    CHECK(joined.push(bytes_of("zzz" + one), tactnet::ignore_frames{}) == decode_status::damaged);
+    CHECK(joined.error().place() == "byte 40, frame 4");
+    CHECK(joined.skipped_bytes() == 7);
+    CHECK(sensors_test::same_however_split(matrix_stream(marked()), bytes_of("xMX" + one + two)));
+    CHECK(sensors_test::decode(matrix_stream(marked()), bytes_of(one + "MMX_\1")).error ==
+          "byte 12, frame 2: expected a whole frame of 12 bytes, found 5 bytes of it");
+}
 
-    TEST_CASE("cells that are no pressures") {
-        const matrix_stream_format floats{
-            .rows = 1, .columns = 2, .cell = tactnet::cell_format::float32_little};
-        for (const std::string& cell : {"\0\0\xC0\x7F"s, "\0\0\x80\x7F"s, "\0\0\x80\xBF"s}) {
-            matrix_stream decoder(floats);
-            const std::string good(8, '\0');
-            CHECK(decoder.push(bytes_of(good + "\0\0\0\0"s + cell + good), tactnet::ignore_frames{}) ==
-                  decode_status::damaged);
-            CHECK(decoder.frames() == 2);
-            CHECK(decoder.error().place() == "byte 8, frame 2");
-            CHECK(decoder.error().found.find("in row 1, column 2") != std::string::npos);
-        }
+TEST_CASE("matrix_stream: cells that are no pressures") {
+    const matrix_stream_format floats{.rows = 1, .columns = 2, .cell = tactnet::cell_format::float32_little};
+    for (const std::string& cell : {"\0\0\xC0\x7F"s, "\0\0\x80\x7F"s, "\0\0\x80\xBF"s}) {
+        matrix_stream decoder(floats);
+        const std::string good(8, '\0');
+        CHECK(decoder.push(bytes_of(good + "\0\0\0\0"s + cell + good), tactnet::ignore_frames{}) ==
+              decode_status::damaged);
+        CHECK(decoder.frames() == 2);
+        CHECK(decoder.error().place() == "byte 8, frame 2");
+        CHECK(decoder.error().found.find("in row 1, column 2") != std::string::npos);
     }
+}
 
-    TEST_CASE("descriptions that make no sense; memory") {
-        CHECK_THROWS_AS(matrix_stream({.rows = 0, .columns = 1}), std::invalid_argument);
-        CHECK_THROWS_AS(matrix_stream({.rows = 1025, .columns = 1024}), std::invalid_argument);
-        CHECK_THROWS_AS(matrix_stream({.rows = 1, .columns = 1, .skip_after = SIZE_MAX}),
-                        std::invalid_argument);
-        matrix_stream decoder(marked());
-        const std::string stream = "MMX_\1\2\3\4\5\6__";
-        const std::size_t before = support::bytes_allocated();
-        for (int i = 0; i < 1000; ++i)
-            decoder.push(bytes_of(stream), tactnet::ignore_frames{});
-        CHECK(support::bytes_allocated() == before);
-        CHECK(decoder.frames() == 1000);
-    }
+TEST_CASE("matrix_stream: descriptions that make no sense; memory") {
+    CHECK_THROWS_AS(matrix_stream({.rows = 0, .columns = 1}), std::invalid_argument);
+    CHECK_THROWS_AS(matrix_stream({.rows = 1025, .columns = 1024}), std::invalid_argument);
+    CHECK_THROWS_AS(matrix_stream({.rows = 1, .columns = 1, .skip_after = SIZE_MAX}), std::invalid_argument);
+    matrix_stream decoder(marked());
+    const std::string stream = "MMX_\1\2\3\4\5\6__";
+    const std::size_t before = support::bytes_allocated();
+    for (int i = 0; i < 1000; ++i)
+        decoder.push(bytes_of(stream), tactnet::ignore_frames{});
+    CHECK(support::bytes_allocated() == before);
+    CHECK(decoder.frames() == 1000);
 }

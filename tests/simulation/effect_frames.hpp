@@ -2,6 +2,7 @@
 
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/effect.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <doctest/doctest.h>

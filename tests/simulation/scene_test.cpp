@@ -33,7 +33,7 @@ using whole = scene<array<8, 12>, contact<winkler>, tactel_average<3>, saturatio
 static_assert(plain::surface == tactnet::shape{8, 12} && plain::output == plain::tactels);
 static_assert(whole::surface == tactnet::shape{24, 36} && whole::output == tactnet::shape{8, 12});
 
-TEST_CASE("a scene presses to the force that it is given") {
+TEST_CASE("scene: a scene presses to the force that it is given") {
     whole touch;
     tactnet::tensor<float, whole::surface> heights;
     for (std::size_t row = 0; row < whole::surface.rows; ++row)
@@ -52,7 +52,7 @@ TEST_CASE("a scene presses to the force that it is given") {
     CHECK(sum * touch.sensor().tactel_area() == doctest::Approx(1).epsilon(1e-6));
 }
 
-TEST_CASE("a scene with the accurate contact and a pad") {
+TEST_CASE("scene: a scene with the accurate contact and a pad") {
     using accurate = scene<array<14, 16>, contact<bonded_layer>, elastic_pad, tactel_average<2>>;
     accurate touch({}, {}, elastic_pad{.thickness = 5e-4}, contact<bonded_layer>{{.poisson = 0.4}});
     const auto heights = support::heights_of<accurate::surface>(touch.cell(), support::sphere(0.01));
@@ -64,7 +64,7 @@ TEST_CASE("a scene with the accurate contact and a pad") {
           doctest::Approx(2).epsilon(1e-3));
 }
 
-TEST_CASE("a scene that goes on with another sensor is a scene of that sensor") {
+TEST_CASE("scene: a scene that goes on with another sensor is a scene of that sensor") {
     using faulty =
         scene<array<8, 12>, contact<winkler>, elastic_pad, gain_map, hysteresis, noise, dead_tactels>;
     const object ball{{rod::sphere({1e-3, 2e-3}, 0.02)}, {}};
@@ -136,7 +136,7 @@ struct halved {
 
 const touch ball{{{rod::sphere({}, 0.02)}, {}}, {}, pressing::to_force(1)};
 
-TEST_CASE("effects with a memory go on from frame to frame, until the scene is reset") {
+TEST_CASE("scene: effects with a memory go on from frame to frame, until the scene is reset") {
     scene<array<8, 12>, contact<winkler>, slow_film> touched({}, {}, slow_film{.share = 0.75f});
     decltype(touched)::frames first, second, again;
     simulate(touched, ball, {}, first);
@@ -151,7 +151,7 @@ TEST_CASE("effects with a memory go on from frame to frame, until the scene is r
     CHECK(std::ranges::equal(first.measured, again.measured));
 }
 
-TEST_CASE("another sensor of the make begins without a memory") {
+TEST_CASE("scene: another sensor of the make begins without a memory") {
     scene<array<8, 12>, contact<winkler>, tactel_average<2>, slow_film> touched(
         array<8, 12>{.pitch = 3e-3}, sensor_unit{5}, contact<winkler>{{.modulus = 2e5}});
     decltype(touched)::frames first, other;
@@ -164,7 +164,7 @@ TEST_CASE("another sensor of the make begins without a memory") {
     CHECK(touched.cell() == 1.5e-3);
 }
 
-TEST_CASE("an effect is told the cells of what reaches it") {
+TEST_CASE("scene: an effect is told the cells of what reaches it") {
     scene<array<8, 12>, contact<winkler>, tactel_average<3>, quantisation<8>, halved, jpeg_storage> touched;
     static_assert(decltype(touched)::tactels == tactnet::shape{8, 12});
     static_assert(decltype(touched)::output == tactnet::shape{4, 6});
@@ -174,7 +174,7 @@ TEST_CASE("an effect is told the cells of what reaches it") {
     CHECK(result.measured(1, 2) == 4e-3f);
 }
 
-TEST_CASE("clean is what reaches the film, measured what comes of it") {
+TEST_CASE("scene: clean is what reaches the film, measured what comes of it") {
     scene<array<8, 12>, contact<winkler>, elastic_pad, saturation> touched({}, {}, saturation{.limit = 2e3});
     scene<array<8, 12>, contact<winkler>, elastic_pad> endless;
     decltype(touched)::frames result;
@@ -187,7 +187,7 @@ TEST_CASE("clean is what reaches the film, measured what comes of it") {
     CHECK(std::ranges::max(result.measured) == 2e3f);
 }
 
-TEST_CASE("parameters may be given in any order, and reach their effects") {
+TEST_CASE("scene: parameters may be given in any order, and reach their effects") {
     using sensor = scene<array<8, 12>, contact<winkler>, saturation, quantisation<8>>;
     sensor one({}, {}, saturation{.limit = 3e3}, quantisation<8>{.full_scale = 6e3});
     sensor other({}, {}, quantisation<8>{.full_scale = 6e3}, saturation{.limit = 3e3});
@@ -198,7 +198,7 @@ TEST_CASE("parameters may be given in any order, and reach their effects") {
     CHECK(std::ranges::equal(a.measured, b.measured));
 }
 
-TEST_CASE("effects of no strength change no bit, and a frame takes no heap memory") {
+TEST_CASE("scene: effects of no strength change no bit, and a frame takes no heap memory") {
     scene<array<8, 12>, contact<winkler>, quantisation<8>> without;
     scene<array<8, 12>, contact<winkler>, elastic_pad, film_texture, noise, saturation, quantisation<8>> with(
         {}, {}, elastic_pad{.thickness = 0}, film_texture{0, 0}, noise{0, 0},
@@ -213,7 +213,7 @@ TEST_CASE("effects of no strength change no bit, and a frame takes no heap memor
     CHECK(std::ranges::equal(expected.measured, found.measured));
 }
 
-TEST_CASE("a pressing that cannot be leaves the array untouched, and is not said to have been found") {
+TEST_CASE("scene: a pressing that cannot be leaves the array untouched, and is not said to have been found") {
     constexpr double none = std::numeric_limits<double>::quiet_NaN(),
                      endless = std::numeric_limits<double>::infinity();
     const auto check = [](auto touched) {
@@ -246,7 +246,7 @@ TEST_CASE("a pressing that cannot be leaves the array untouched, and is not said
     check(scene<array<8, 12>, contact<bonded_layer>>());
 }
 
-TEST_CASE("a touch of nothing, or with no force, leaves the array untouched") {
+TEST_CASE("scene: a touch of nothing, or with no force, leaves the array untouched") {
     scene<array<8, 12>, contact<winkler>, elastic_pad, film_texture, saturation, quantisation<8>> touched;
     decltype(touched)::frames result;
     for (const touch& faint : {touch{}, touch{ball.shape, {}, pressing::to_force(0)},

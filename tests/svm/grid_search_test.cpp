@@ -23,100 +23,98 @@ auto search_on(const support::samples& s, const kernel_training_options<rbf_kern
 
 } // namespace
 
-TEST_SUITE("svm/grid_search") {
-    TEST_CASE("accuracies are those of machines trained on the rest; the best is the best of these") {
-        const support::samples s = support::blobs(160, 5, 4, 0.6);
-        for (const bool standardise : {false, true})
-            for (const multiclass scheme : {multiclass::one_versus_one, multiclass::one_versus_rest}) {
-                kernel_training_options<rbf_kernel> options{.scheme = scheme, .standardise = standardise};
-                const auto found = search_on(s, options);
-                REQUIRE(found.accuracies.size() == 12);
-                const auto grid = small_grid();
-                const class_members classes(s.labels, all_samples(160));
-                const auto folds = deal_folds(classes.samples, 160, 4, options.seed);
-                double best = 0;
-                thread_pool alone;
-                for (std::size_t k = 0; k < 4; ++k)
-                    for (std::size_t c = 0; c < 3; ++c) {
-                        std::size_t right = 0;
-                        for (std::size_t f = 0; f < 4; ++f) {
-                            support::samples training{5, {}, {}}, held{5, {}, {}};
-                            for (std::size_t i = 0; i < 160; ++i) {
-                                auto& to = folds[i] == f ? held : training;
-                                to.values.insert(to.values.end(), s.rows().row(i).begin(),
-                                                 s.rows().row(i).end());
-                                to.labels.push_back(s.labels[i]);
-                            }
-                            options.kernel = grid.kernels[k];
-                            options.cost = grid.costs[c];
-                            const auto machine =
-                                train_kernel_machine(training.rows(), training.labels, options, alone)
-                                    .machine;
-                            const auto labels = machine.predict(held.rows(), alone);
-                            for (std::size_t i = 0; i < labels.size(); ++i)
-                                right += labels[i] == held.labels[i] ? 1 : 0;
+TEST_CASE(
+    "grid_search: accuracies are those of machines trained on the rest; the best is the best of these") {
+    const support::samples s = support::blobs(160, 5, 4, 0.6);
+    for (const bool standardise : {false, true})
+        for (const multiclass scheme : {multiclass::one_versus_one, multiclass::one_versus_rest}) {
+            kernel_training_options<rbf_kernel> options{.scheme = scheme, .standardise = standardise};
+            const auto found = search_on(s, options);
+            REQUIRE(found.accuracies.size() == 12);
+            const auto grid = small_grid();
+            const class_members classes(s.labels, all_samples(160));
+            const auto folds = deal_folds(classes.samples, 160, 4, options.seed);
+            double best = 0;
+            thread_pool alone;
+            for (std::size_t k = 0; k < 4; ++k)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    std::size_t right = 0;
+                    for (std::size_t f = 0; f < 4; ++f) {
+                        support::samples training{5, {}, {}}, held{5, {}, {}};
+                        for (std::size_t i = 0; i < 160; ++i) {
+                            auto& to = folds[i] == f ? held : training;
+                            to.values.insert(to.values.end(), s.rows().row(i).begin(), s.rows().row(i).end());
+                            to.labels.push_back(s.labels[i]);
                         }
-                        const double accuracy = static_cast<double>(right) / 160;
-                        best = std::max(best, accuracy);
-                        CAPTURE(k);
-                        CAPTURE(c);
-                        // One sample may lie on a border within rounding.
-                        CHECK(std::abs(found.accuracies[k * 3 + c] - accuracy) <= 1.0 / 160 + 1e-12);
+                        options.kernel = grid.kernels[k];
+                        options.cost = grid.costs[c];
+                        const auto machine =
+                            train_kernel_machine(training.rows(), training.labels, options, alone).machine;
+                        const auto labels = machine.predict(held.rows(), alone);
+                        for (std::size_t i = 0; i < labels.size(); ++i)
+                            right += labels[i] == held.labels[i] ? 1 : 0;
                     }
-                CHECK(std::abs(found.accuracy - best) <= 1.0 / 160 + 1e-12);
-                CHECK(found.converged);
-            }
-    }
+                    const double accuracy = static_cast<double>(right) / 160;
+                    best = std::max(best, accuracy);
+                    CAPTURE(k);
+                    CAPTURE(c);
+                    // One sample may lie on a border within rounding.
+                    CHECK(std::abs(found.accuracies[k * 3 + c] - accuracy) <= 1.0 / 160 + 1e-12);
+                }
+            CHECK(std::abs(found.accuracy - best) <= 1.0 / 160 + 1e-12);
+            CHECK(found.converged);
+        }
+}
 
-    TEST_CASE("the same on any number of threads, with all pairs stored or rows found one by one") {
-        const support::samples s = support::blobs(120, 5, 3, 0.6);
-        kernel_training_options<rbf_kernel> options{};
-        const auto one = search_on(s, options), three = search_on(s, options, 3);
-        CHECK(one.accuracies == three.accuracies);
-        CHECK(one.kernel.gamma == three.kernel.gamma);
-        CHECK(one.cost == three.cost);
-        options.solver.cache_bytes = 0;
-        CHECK(search_on(s, options, 2).accuracies == one.accuracies);
-    }
+TEST_CASE("grid_search: the same on any number of threads, with all pairs stored or rows found one by one") {
+    const support::samples s = support::blobs(120, 5, 3, 0.6);
+    kernel_training_options<rbf_kernel> options{};
+    const auto one = search_on(s, options), three = search_on(s, options, 3);
+    CHECK(one.accuracies == three.accuracies);
+    CHECK(one.kernel.gamma == three.kernel.gamma);
+    CHECK(one.cost == three.cost);
+    options.solver.cache_bytes = 0;
+    CHECK(search_on(s, options, 2).accuracies == one.accuracies);
+}
 
-    TEST_CASE("a class with one sample is missing from the training of a part, and not recognised there") {
-        support::samples s = support::blobs(41, 3, 2, 0.05);
-        s.labels[40] = 2;
-        const auto found = search_on(s, {});
-        CHECK(found.accuracy == doctest::Approx(40.0 / 41));
-        const support::samples pair{1, {0, 1}, {0, 1}};
-        thread_pool alone;
-        const search_grid<rbf_kernel> grid{{{}}, {1}, 2};
-        CHECK(grid_search(grid, pair.rows(), pair.labels, {}, alone).accuracy ==
-              0); // one class left in each part
-    }
+TEST_CASE(
+    "grid_search: a class with one sample is missing from the training of a part, and not recognised there") {
+    support::samples s = support::blobs(41, 3, 2, 0.05);
+    s.labels[40] = 2;
+    const auto found = search_on(s, {});
+    CHECK(found.accuracy == doctest::Approx(40.0 / 41));
+    const support::samples pair{1, {0, 1}, {0, 1}};
+    thread_pool alone;
+    const search_grid<rbf_kernel> grid{{{}}, {1}, 2};
+    CHECK(grid_search(grid, pair.rows(), pair.labels, {}, alone).accuracy ==
+          0); // one class left in each part
+}
 
-    TEST_CASE("of equal ones the first is the best; a limit of iterations is reported") {
-        const support::samples s = support::blobs(60, 3, 2, 0.02);
-        thread_pool alone;
-        const search_grid<rbf_kernel> grid{{{0.5}, {1.0}}, {3, 1, 10}, 3};
-        const auto found = grid_search(grid, s.rows(), s.labels, {}, alone);
-        CHECK(found.accuracies == std::vector<double>(6, 1.0));
-        CHECK(found.cost == 3);
-        CHECK(*found.kernel.gamma == 0.5);
-        CHECK(found.converged);
-        const support::samples wide = support::blobs(60, 3, 2, 1);
-        kernel_training_options<rbf_kernel> hurried;
-        hurried.solver.iteration_limit = 1;
-        CHECK_FALSE(grid_search(grid, wide.rows(), wide.labels, hurried, alone).converged);
-    }
+TEST_CASE("grid_search: of equal ones the first is the best; a limit of iterations is reported") {
+    const support::samples s = support::blobs(60, 3, 2, 0.02);
+    thread_pool alone;
+    const search_grid<rbf_kernel> grid{{{0.5}, {1.0}}, {3, 1, 10}, 3};
+    const auto found = grid_search(grid, s.rows(), s.labels, {}, alone);
+    CHECK(found.accuracies == std::vector<double>(6, 1.0));
+    CHECK(found.cost == 3);
+    CHECK(*found.kernel.gamma == 0.5);
+    CHECK(found.converged);
+    const support::samples wide = support::blobs(60, 3, 2, 1);
+    kernel_training_options<rbf_kernel> hurried;
+    hurried.solver.iteration_limit = 1;
+    CHECK_FALSE(grid_search(grid, wide.rows(), wide.labels, hurried, alone).converged);
+}
 
-    TEST_CASE("a grid without anything to try is refused") {
-        const support::samples s = support::blobs(20, 3, 2, 1);
-        thread_pool alone;
-        const auto refused = [&](const search_grid<rbf_kernel>& grid) {
-            CHECK_THROWS_AS((void)grid_search(grid, s.rows(), s.labels, {}, alone), std::invalid_argument);
-        };
-        refused({{}, {1}, 5});
-        refused({{{}}, {}, 5});
-        refused({{{}}, {1}, 1});
-        refused({{{}}, {1}, 21});
-        refused({{{}}, {-1}, 5});
-        refused({{{-1.0}}, {1}, 5});
-    }
+TEST_CASE("grid_search: a grid without anything to try is refused") {
+    const support::samples s = support::blobs(20, 3, 2, 1);
+    thread_pool alone;
+    const auto refused = [&](const search_grid<rbf_kernel>& grid) {
+        CHECK_THROWS_AS((void)grid_search(grid, s.rows(), s.labels, {}, alone), std::invalid_argument);
+    };
+    refused({{}, {1}, 5});
+    refused({{{}}, {}, 5});
+    refused({{{}}, {1}, 1});
+    refused({{{}}, {1}, 21});
+    refused({{{}}, {-1}, 5});
+    refused({{{-1.0}}, {1}, 5});
 }

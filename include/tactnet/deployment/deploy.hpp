@@ -82,7 +82,7 @@ public:
                             std::span<float, outputs> to) const noexcept {
         return view()(counts, to);
     }
-    /// Frames one after the other, on all threads of a pool: each with the same bits as alone. Tells whether
+    /// Frames one after the other, on all threads of a pool: each bit-exact with itself alone. Tells whether
     /// all were recognised. Throws std::invalid_argument unless there is a row of outputs for each frame.
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames,
                             std::span<float> to) const {

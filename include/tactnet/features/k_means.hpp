@@ -25,6 +25,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace draw {
+inline constexpr random_purpose clusters{5}; ///< where clusters begin
+} // namespace draw
+
 struct k_means_settings {
     std::size_t centres = 500;
     std::size_t most_iterations = 100;
@@ -220,7 +224,7 @@ template <std::size_t Values>
     return result;
 }
 
-/// Clusters `points` of `Values` numbers, one after the other. The same bits on any number of threads. There
+/// Clusters `points` of `Values` numbers, one after the other. Bit-exact on any number of threads. There
 /// are as many centres as asked for, or as many as there are different points if those are fewer. Throws
 /// std::invalid_argument for no points, no centres, and numbers that are NaN, infinite or beyond 10¹⁷.
 template <std::size_t Values>

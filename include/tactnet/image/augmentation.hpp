@@ -11,6 +11,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace draw {
+inline constexpr random_purpose augmentation{2}; ///< what is done to one image in one epoch
+} // namespace draw
+
 /// The same object, touched elsewhere, in another direction, or harder.
 struct augmentation_ranges {
     double reflect_rows = 0;    ///< probability of turning upside down

@@ -10,6 +10,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace draw {
+inline constexpr random_purpose noise{6}; ///< what is added to one image in one epoch
+} // namespace draw
+
 /// How far counts scatter from touch to touch, as standard deviations.
 struct pressure_noise {
     double additive = 0; ///< counts

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <type_traits>
 
-// Resize between two sizes known when compiling: all weights are constants, both passes are written for
-// these sizes, and there is no heap. running_resize.hpp is for sizes known only when running.
+// Resize between two sizes that are compile-time constants: so are all weights, both passes are written for
+// these sizes, and there is no heap. running_resize.hpp is for sizes known at run time only.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

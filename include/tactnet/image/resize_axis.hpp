@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-// The taps of every output along one direction: a table when sizes are known when compiling, else made once a
+// The taps of every output along one direction: a compile-time constant where sizes are, else made once a
 // call. An input that an output weighs by zero is no tap of it: if it is not a number, the output still is.
 
 namespace tactnet {
@@ -57,7 +57,7 @@ constexpr void find_taps(std::size_t output, std::size_t from, std::size_t to, r
 
 } // namespace detail
 
-/// The taps of all outputs, known when compiling, in single precision.
+/// The taps of all outputs, a compile-time constant, in single precision.
 template <class Kernel, std::size_t From, std::size_t To>
 struct resize_axis {
     static constexpr std::size_t inputs = From, outputs = To;

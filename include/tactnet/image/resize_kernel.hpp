@@ -22,7 +22,7 @@ enum class edge {
 
 namespace detail {
 
-/// std::floor, usable when compiling.
+/// std::floor at compile time too.
 [[nodiscard]] constexpr std::ptrdiff_t whole_below(double x) {
     const auto towards_zero = static_cast<std::ptrdiff_t>(x);
     return towards_zero - (static_cast<double>(towards_zero) > x);

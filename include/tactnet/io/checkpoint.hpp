@@ -1,9 +1,5 @@
 #pragma once
 
-// A training that was stopped, so that it can go on as if it had not been. A checkpoint remembers the
-// settings of its training (network, recipe, seed, data, …) as text: going on with others would give a
-// network that no settings describe, so that is an error which says what differs.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
@@ -22,6 +18,10 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+// A training that was stopped, so that it can go on as if it had not been. A checkpoint remembers the
+// settings of its training (network, recipe, seed, data, …) as text: going on with others would give a
+// network that no settings describe, so that is an error which says what differs.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,8 +1,5 @@
 #pragma once
 
-// The element types of stored tensors, as the safetensors format names them, and the two 16-bit
-// floating-point formats that C++20 has no type for.
-
 #include <tactnet/detail/config.hpp>
 
 #include <array>
@@ -13,6 +10,9 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+
+// The element types of stored tensors, as the safetensors format names them, and the two 16-bit
+// floating-point formats that C++20 has no type for.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

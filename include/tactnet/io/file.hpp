@@ -1,10 +1,5 @@
 #pragma once
 
-// Whole files in and out. A reader gets all of a file or a sentence that says why not; a writer leaves either
-// the old file or the new one, also when the disk fills up or the program is killed half-way: the bytes go to
-// a temporary file in the same folder, are flushed to the disk, and take the name by a rename, which is
-// atomic.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 
@@ -21,6 +16,11 @@
 #include <string_view>
 #include <system_error>
 #include <vector>
+
+// Whole files in and out. A reader gets all of a file or a sentence that says why not; a writer leaves either
+// the old file or the new one, also when the disk fills up or the program is killed half-way: the bytes go to
+// a temporary file in the same folder, are flushed to the disk, and take the name by a rename, which is
+// atomic.
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <fcntl.h>

@@ -1,14 +1,14 @@
 #pragma once
 
-// One exception for all that can be wrong with a user's file. Whoever reads it must be able to act on it, so
-// it cannot be made without saying which file, where in it, what was expected and what was found.
-
 #include <tactnet/detail/config.hpp>
 
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+// One exception for all that can be wrong with a user's file. Whoever reads it must be able to act on it, so
+// it cannot be made without saying which file, where in it, what was expected and what was found.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

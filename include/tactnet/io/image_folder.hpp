@@ -1,9 +1,5 @@
 #pragma once
 
-// Labelled images as the ecosystem keeps them: a folder with one subfolder a class. Listing and loading are
-// apart, and the library decodes nothing itself: the caller passes a function that turns a file into grey
-// values.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/text.hpp>
@@ -21,6 +17,10 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+// Labelled images as the ecosystem keeps them: a folder with one subfolder a class. Listing and loading are
+// apart, and the library decodes nothing itself: the caller passes a function that turns a file into grey
+// values.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

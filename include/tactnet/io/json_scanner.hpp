@@ -1,10 +1,5 @@
 #pragma once
 
-// Just enough JSON (RFC 8259) for the header of a safetensors file, read as what it is: text from a stranger.
-// No tree is built; the caller says what it expects next, and each deviation is a file_error with its byte.
-// Duplicate keys are refused, since readers that keep the first and readers that keep the last would see two
-// different files.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/text.hpp>
@@ -18,6 +13,11 @@
 #include <string>
 #include <string_view>
 #include <utility>
+
+// Just enough JSON (RFC 8259) for the header of a safetensors file, read as what it is: text from a stranger.
+// No tree is built; the caller says what it expects next, and each deviation is a file_error with its byte.
+// Duplicate keys are refused, since readers that keep the first and readers that keep the last would see two
+// different files.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

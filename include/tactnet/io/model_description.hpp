@@ -1,8 +1,5 @@
 #pragma once
 
-// What the file of a trained network says about itself in its metadata: what it is, and how its inputs are
-// meant.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/json_scanner.hpp>
@@ -18,6 +15,9 @@
 #include <string_view>
 #include <system_error>
 #include <vector>
+
+// What the file of a trained network says about itself in its metadata: what it is, and how its inputs are
+// meant.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,12 +1,5 @@
 #pragma once
 
-// A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
-// inputs are meant. A file may carry inputs and the logits that they gave; loading then checks that they
-// still do, so that no mistake of a compiler, a processor or a format goes unseen.
-//
-// What does not depend on the network's type works on stored_model and model_parts: programs of many networks
-// may call that in one place.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/model_description.hpp>
@@ -28,6 +21,17 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
+// inputs are meant. A file may carry inputs and the logits that they gave; loading then checks that they
+// still do, so that no mistake of a compiler, a processor or a format goes unseen.
+//
+// What does not depend on the network's type works on stored_model and model_parts: programs of many networks
+// may call that in one place.
+
+// A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
+// inputs are meant. A file may carry inputs and the logits that they gave; loading then checks that they
+// still do, so that no mistake of a compiler, a processor or a format goes unseen.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,9 +1,5 @@
 #pragma once
 
-// A network's arrays in and out of weight files, under the names that PyTorch gives them. Names, extents and
-// spans do for that: only what reads them off a network is a template, and anything that describes its arrays
-// as tactnet::basic_network does may be one.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
@@ -21,6 +17,13 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+// A network's arrays in and out of weight files, under the names that PyTorch gives them. Names, extents and
+// spans do for that: only what reads them off a network is a template, and anything that describes its arrays
+// as tactnet::basic_network does may be one.
+
+// A network's arrays in and out of weight files, under the names that PyTorch gives them. The network is a
+// template argument: anything that describes its arrays as tactnet::basic_network does.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,8 +1,5 @@
 #pragma once
 
-// Tensors by name, in the file format that the machine-learning world exchanges weights in. This is the
-// reader; the writer comes with it.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file.hpp>
@@ -25,6 +22,9 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+// Tensors by name, in the file format that the machine-learning world exchanges weights in. This is the
+// reader; the writer comes with it.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,10 +1,5 @@
 #pragma once
 
-// The header of a safetensors file: eight bytes with its length (little endian), then JSON that maps each
-// tensor's name to element type, extents and place. The file may come from anywhere, so everything that the
-// header claims is checked against everything else before a byte of data is touched. Source: the format
-// description at https://github.com/huggingface/safetensors.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file_error.hpp>
@@ -24,6 +19,11 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+// The header of a safetensors file: eight bytes with its length (little endian), then JSON that maps each
+// tensor's name to element type, extents and place. The file may come from anywhere, so everything that the
+// header claims is checked against everything else before a byte of data is touched. Source: the format
+// description at https://github.com/huggingface/safetensors.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

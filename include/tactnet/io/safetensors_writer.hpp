@@ -1,8 +1,5 @@
 #pragma once
 
-// Writes safetensors files. The same content gives the same bytes, whatever the order it was added in:
-// tensors stand by falling element size and then by name, so that each is aligned to its elements.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file.hpp>
@@ -22,6 +19,9 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+// Writes safetensors files. The same content gives the same bytes, whatever the order it was added in:
+// tensors stand by falling element size and then by name, so that each is aligned to its elements.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,8 +1,5 @@
 #pragma once
 
-// Trained support vector machines as files: arrays by name, and in the metadata what they are. What is loaded
-// gives the same bits as what was saved. Not part of io.hpp: who uses networks alone does not pay for it.
-
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_writer.hpp>
@@ -24,6 +21,9 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+// Trained support vector machines as files: arrays by name, and in the metadata what they are. What is loaded
+// is bit-exact with what was saved. Not part of io.hpp: who uses networks alone does not pay for it.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

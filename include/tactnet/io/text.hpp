@@ -1,14 +1,14 @@
 #pragma once
 
-// What the file side needs to know about text: whether bytes are UTF-8, how names go into JSON headers (which
-// must be), and how to show a name that may come from a hostile or damaged file in an error message.
-
 #include <tactnet/detail/config.hpp>
 
 #include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+// What the file side needs to know about text: whether bytes are UTF-8, how names go into JSON headers (which
+// must be), and how to show a name that may come from a hostile or damaged file in an error message.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,11 +1,16 @@
 #pragma once
 
 #include <tactnet/layers/layer.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <algorithm>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
+namespace draw {
+inline constexpr random_purpose dropout{4}; ///< which elements of one sample stay in one step
+} // namespace draw
 
 namespace detail {
 

@@ -144,8 +144,8 @@ public:
     void prepare(thread_pool& threads, workspace& space) const {
         logit_layers::prepare(make_pass(threads), values_.data(), statistics_.data(), space.memory_);
     }
-    /// Outputs of a batch, with running statistics. The workspace must be prepared. A sample's result has the
-    /// same bits whatever the batch and the threads. Any number of samples goes through in parts, so that the
+    /// Outputs of a batch, with running statistics. The workspace must be prepared. A sample's result is
+    /// bit-exact whatever the batch and the threads. Any number of samples goes through in parts, so that the
     /// workspace stays small.
     void infer(thread_pool& threads, workspace& space, const_input in, output_type out) const {
         logits(threads, space, in, out);

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <string_view>
+#include <utility>
 
 // Counter-based random numbers: Philox 4×32-10 (Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy
 // as 1, 2, 3", SC 2011). The numbers of (seed, stream, item) are the same wherever and in whatever order they
@@ -29,28 +31,55 @@ inline namespace TACTNET_ARCH {
     return counter;
 }
 
-/// What random numbers are drawn for. Each purpose has numbers of its own, so that one more draw for one does
-/// not change another.
-enum class draw : std::uint32_t {
-    split,
-    order,
-    augmentation,
-    initial_weights,
-    dropout,
-    clusters,
-    noise,
-    sensor, ///< what a simulated sensor was made with
-    frame,  ///< what befalls one simulated frame
-    touch,  ///< what touches a simulated sensor, and how
+/// One purpose among those of a kind, known by its number. Each has random numbers of its own, so that one
+/// more draw for one does not change another. Numbers below 2³¹ are the library's, which declares its
+/// purposes beside what draws them; your own have names:
+///
+///     inline constexpr auto slip = tactnet::random_purpose::named("my_gripper/slip");
+template <class Kind>
+class numbered_purpose {
+public:
+    /// One of the library's, or of a test: below 2³¹, or it does not compile.
+    explicit consteval numbered_purpose(std::uint32_t number) : number_(number) {
+        if (number >= first_named)
+            throw "numbered_purpose: numbers from 2^31 are those of purposes with a name";
+    }
+    /// One of your own: its number is a hash of the name (FNV-1a) from 2³¹ on, so never one of the library's.
+    /// Two names share a number with a probability of 2⁻³¹; `static_assert(a != b)` rules it out.
+    [[nodiscard]] static consteval numbered_purpose named(std::string_view name) {
+        std::uint32_t hash = 0x811C9DC5;
+        for (const char letter : name)
+            hash = (hash ^ static_cast<std::uint8_t>(letter)) * 0x01000193;
+        numbered_purpose purpose(0);
+        purpose.number_ = hash | first_named;
+        return purpose;
+    }
+    [[nodiscard]] constexpr std::uint32_t number() const { return number_; }
+
+    friend constexpr bool operator==(numbered_purpose, numbered_purpose) = default;
+
+private:
+    static constexpr std::uint32_t first_named = 0x80000000;
+
+    std::uint32_t number_;
 };
+
+/// What a stream of random numbers is drawn for.
+using random_purpose = numbered_purpose<class random_stream>;
+
+/// The library's purposes. Those of one room stand in it; these are drawn in several.
+namespace draw {
+inline constexpr random_purpose split{0}; ///< which samples go together: sets of data, folds
+inline constexpr random_purpose order{1}; ///< in which order samples are visited
+} // namespace draw
 
 /// The numbers of one item: for example (seed, draw::augmentation, epoch, sample).
 class random_stream {
 public:
-    constexpr random_stream(std::uint64_t seed, draw purpose, std::uint32_t major = 0,
+    constexpr random_stream(std::uint64_t seed, random_purpose purpose, std::uint32_t major = 0,
                             std::uint32_t minor = 0)
         : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-          counter_{0, static_cast<std::uint32_t>(purpose), major, minor} {}
+          counter_{0, purpose.number(), major, minor} {}
 
     [[nodiscard]] constexpr std::uint32_t bits() {
         if (next_ == 4) {

@@ -1,7 +1,5 @@
 #pragma once
 
-// A recording or map of which only the bytes are known: what it is shows in them, never in a file's name.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
@@ -18,6 +16,8 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+// A recording or map of which only the bytes are known: what it is shows in them, never in a file's name.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,13 +1,13 @@
 #pragma once
 
-// Numbers in binary data, byte by byte, whatever the order of this machine.
-
 #include <tactnet/detail/config.hpp>
 
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+
+// Numbers in binary data, byte by byte, whatever the order of this machine.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

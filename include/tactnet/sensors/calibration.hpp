@@ -1,11 +1,8 @@
 #pragma once
 
-// From counts to pressure. A tactel's count is proportional to the pressure on it, up to the pressure at
-// which the converter saturates; equilibration, a recording under even pressure, tells by how much each
-// tactel differs from the mean; and what is no more than the noise counts as no contact.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/frame.hpp>
+#include <tactnet/sensors/tekscan_6077.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -16,15 +13,12 @@
 #include <utility>
 #include <vector>
 
+// From counts to pressure. A tactel's count is proportional to the pressure on it, up to the pressure at
+// which the converter saturates; equilibration, a recording under even pressure, tells by how much each
+// tactel differs from the mean; and what is no more than the noise counts as no contact.
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
-
-/// Tekscan's 6077 sensor with the electronics of Gandarias et al. 2019: what calibration and simulation need.
-struct tekscan_6077 {
-    static constexpr shape extents{28, 50, 1};
-    static constexpr double saturation_pressure = 34e3; ///< pascal
-    static constexpr double tactels_per_area = 27.6e4;  ///< a square metre; 27.6 a square centimetre
-};
 
 /// What counts mean. All that is not given changes nothing.
 struct calibration_values {

@@ -1,11 +1,5 @@
 #pragma once
 
-// What a decoder is: bytes are pushed as they arrive, split anywhere, and frames come out. A decoder keeps at
-// most one frame and one piece of its input; what both may need at most is a constant of the format, stated
-// with each decoder. Where the memory of a piece grows as its bytes come, it may be three times what is
-// stated while it does. A decoder throws nothing but std::bad_alloc: a push returns a status, and what was
-// wrong can be asked for.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/frame.hpp>
 
@@ -17,6 +11,12 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// What a decoder is: bytes are pushed as they arrive, split anywhere, and frames come out. A decoder keeps at
+// most one frame and one piece of its input; what both may need at most is a constant of the format, stated
+// with each decoder. Where the memory of a piece grows as its bytes come, it may be three times what is
+// stated while it does. A decoder throws nothing but std::bad_alloc: a push returns a status, and what was
+// wrong can be asked for.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

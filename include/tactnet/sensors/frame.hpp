@@ -1,8 +1,5 @@
 #pragma once
 
-// What every sensor and every file format comes down to: frames of rows × columns cells, each with a number
-// and, where the source tells, a time; and one description of where they come from.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>
@@ -17,6 +14,9 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// What every sensor and every file format comes down to: frames of rows × columns cells, each with a number
+// and, where the source tells, a time; and one description of where they come from.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -61,7 +61,8 @@ struct frame_view {
         return cells[row * columns + column];
     }
 
-    /// The same cells in a size known when compiling, without a copy; nothing if the frame has another size.
+    /// The same cells in a size that is a compile-time constant, without a copy; nothing if the frame has
+    /// another size.
     template <shape Shape>
     [[nodiscard]] std::optional<tensor_view<const float, Shape>> as() const noexcept {
         static_assert(Shape.channels == 1, "frame_view: a frame has one channel");

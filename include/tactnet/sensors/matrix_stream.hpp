@@ -1,9 +1,5 @@
 #pragma once
 
-// A plain stream of matrices, as a microcontroller sends it: a marker, if any, bytes to pass over, the cells,
-// more bytes to pass over. The user describes it. A device that does more is a class of its own with `push`
-// and `finish`.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
@@ -19,6 +15,10 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// A plain stream of matrices, as a microcontroller sends it: a marker, if any, bytes to pass over, the cells,
+// more bytes to pass over. The user describes it. A device that does more is a class of its own with `push`
+// and `finish`.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

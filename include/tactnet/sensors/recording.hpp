@@ -1,7 +1,5 @@
 #pragma once
 
-// A whole recording in memory, from bytes or from a file. Control loops push bytes into a decoder instead.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
@@ -19,6 +17,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// A whole recording in memory, from bytes or from a file. Control loops push bytes into a decoder instead.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -39,7 +39,8 @@ public:
                 std::span(cells_).subspan(index * cells, cells)};
     }
 
-    /// Frame `index` in a size known when compiling. Throws std::invalid_argument if the frames have another.
+    /// Frame `index` in a size that is a compile-time constant. Throws std::invalid_argument if the frames
+    /// have another.
     template <shape Shape>
     [[nodiscard]] tensor_view<const float, Shape> as(std::size_t index) const {
         const auto view = (*this)[index].template as<Shape>();

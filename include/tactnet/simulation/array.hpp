@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <cstddef>
@@ -8,14 +9,13 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// An array of tactels: its size, and how far they are apart. By default the Tekscan 6077 of the paper: 27.6
-/// tactels a square centimetre, so 1.9 mm, and 34 kPa at most.
+/// An array of tactels: its size, and how far they are apart. By default as far as in the paper's.
 template <std::size_t Rows, std::size_t Columns>
 struct array {
     static constexpr shape extents{Rows, Columns};
     static_assert(Rows > 0 && Columns > 0, "array: there must be at least one row and one column of tactels");
 
-    double pitch = 1.903e-3; ///< metres from tactel to tactel, the same in both directions
+    double pitch = tekscan_6077::pitch; ///< metres from tactel to tactel, the same in both directions
 
     [[nodiscard]] constexpr double tactel_area() const { return pitch * pitch; }
 };

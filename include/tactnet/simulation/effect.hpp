@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/runtime/random.hpp>
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <concepts>
@@ -13,6 +14,12 @@
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
+namespace draw {
+inline constexpr random_purpose sensor{7}; ///< what a simulated sensor was made with
+inline constexpr random_purpose frame{8};  ///< what befalls one simulated frame
+} // namespace draw
+
 namespace simulation {
 
 /// Where on the way from the object to the file an effect happens, in the order of physics. A scene lists its
@@ -27,22 +34,24 @@ enum class stage : std::uint8_t {
     storage,   ///< what is done with counts: resolution, compression
 };
 
-/// Whose random numbers: each effect draws from a stream of its own, so that a scene with one effect more
-/// draws the same numbers for all others.
-enum class random_use : std::uint32_t { gain, dead, noise, drift, shape, pose, force, texture };
+/// Whose random numbers: each effect draws from streams of its own, so that a scene with one effect more
+/// draws the same numbers for all others. An effect declares its use itself, your own by a name:
+///
+///     static constexpr auto random_use = effect_purpose::named("my_gripper/slip");
+using effect_purpose = numbered_purpose<struct sensor_unit>;
 
 /// One sensor of a make: what varies from one to the next is drawn from its number.
 struct sensor_unit {
     std::uint64_t number = 1;
 
-    [[nodiscard]] constexpr random_stream random(random_use use) const {
-        return {number, draw::sensor, 0, static_cast<std::uint32_t>(use)};
+    [[nodiscard]] constexpr random_stream random(effect_purpose use) const {
+        return {number, draw::sensor, 0, use.number()};
     }
 };
 
 /// Where an effect is put: on which sensor, on a grid of what cells.
 struct mounting {
-    double cell = 1.903e-3; ///< metres from cell to cell
+    double cell = tekscan_6077::pitch; ///< metres from cell to cell
     sensor_unit unit{};
 };
 
@@ -53,8 +62,8 @@ struct moment {
     double seconds = 0;      ///< since the touch began
     double celsius = 22;     ///< of the sensor
 
-    [[nodiscard]] constexpr random_stream random(random_use use) const {
-        return {seed, draw::frame, frame, static_cast<std::uint32_t>(use)};
+    [[nodiscard]] constexpr random_stream random(effect_purpose use) const {
+        return {seed, draw::frame, frame, use.number()};
     }
 };
 

@@ -83,7 +83,7 @@ std::vector<std::size_t> count_recognised(const kernel_samples<Kernel>& samples,
 
 } // namespace detail
 
-/// Cross-validates every kernel with every cost, on all threads; the same bits on any number of them.
+/// Cross-validates every kernel with every cost, on all threads; bit-exact on any number of them.
 /// `options` say all else; standardisation is fitted on each part's training samples, as is a γ of "scale".
 /// Products of the samples are found once for each part and serve all kernels. A class with fewer samples
 /// than parts may be missing from the training of some: its samples there count as not recognised. Throws

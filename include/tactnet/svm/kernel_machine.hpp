@@ -51,7 +51,7 @@ struct kernel_machine_parameters {
 
 /// A trained support vector machine with a kernel. All machines share their support vectors: a batch is one
 /// product with all of these, one exponential of each pair, and one small sum. Const calls may come from any
-/// number of threads; a row gives the same bits alone and in any batch.
+/// number of threads; a row is bit-exact alone and in any batch.
 template <svm_kernel Kernel, std::size_t Features = dynamic_features>
 class kernel_machine {
 public:

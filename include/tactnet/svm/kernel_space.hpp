@@ -133,7 +133,7 @@ public:
     /// The length of a row of results, in whole panels.
     [[nodiscard]] std::size_t padded_size() const { return packed_.padded_rows(); }
 
-    /// out[i][j]: product or squared distance of row `first` + i and column j. The same bits for a row
+    /// out[i][j]: product or squared distance of row `first` + i and column j. Bit-exact for a row
     /// whatever the rows beside it; for a pair of samples whichever is the row.
     void measure(const placed_rows& rows, std::size_t first, std::size_t count, float* out,
                  std::size_t stride) const {

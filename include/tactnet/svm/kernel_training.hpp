@@ -123,7 +123,7 @@ void gather_support(kernel_machine_parameters<Kernel>& parts, feature_rows<> row
 
 } // namespace detail
 
-/// Trains machines for all classes among the labels, on all threads; the same bits on any number of them.
+/// Trains machines for all classes among the labels, on all threads; bit-exact on any number of them.
 /// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
 /// its row and column), fewer than two classes, another number of labels than rows.
 template <svm_kernel Kernel, std::size_t Features>

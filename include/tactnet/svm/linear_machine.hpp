@@ -42,7 +42,7 @@ struct linear_machine_parameters {
 };
 
 /// A trained linear machine of any number of classes, one versus rest. Const calls may come from any number
-/// of threads; a row gives the same bits alone and in any batch.
+/// of threads; a row is bit-exact alone and in any batch.
 template <std::size_t Features = dynamic_features>
 class linear_machine {
 public:
@@ -116,7 +116,7 @@ struct linear_training_result {
     }
 };
 
-/// Trains one machine for each class among the labels, on all threads; the same bits on any number of them.
+/// Trains one machine for each class among the labels, on all threads; bit-exact on any number of them.
 /// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
 /// its row and column), fewer than two classes, another number of labels than rows.
 template <std::size_t Features>

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-// Sizes known when compiling. All of these are structural types, so that they can be template arguments.
+// Sizes as compile-time constants. All of these are structural types, so that they can be template arguments.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -12,6 +12,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace draw {
+inline constexpr random_purpose initial_weights{3}; ///< one array of weights
+} // namespace draw
+
 /// Weights from N(0, deviation²), as in the paper.
 struct fixed_normal {
     double deviation = 0.01;

@@ -45,7 +45,7 @@ inline void blend(std::span<float> mean, std::span<const float> latest, float sh
 } // namespace detail
 
 /// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
-/// sums have a fixed order: the same seed gives the same bits on any number of threads, in one go or in
+/// sums have a fixed order: the same seed is bit-exact on any number of threads, in one go or in
 /// several (see for_each_state).
 template <class Network>
 class trainer {

@@ -149,7 +149,7 @@ void run_all() {
 
 } // namespace
 
-TEST_CASE("frame convolution by taps: sizes, strides and paddings") {
+TEST_CASE("convolution: by taps: sizes, strides and paddings") {
     run_all<job<step({28, 50}, 5, 8, 1)>,                                  //
             job<step({1, 1}, 3, 1, 1)>,                                    //
             job<step({1, 9, 3}, 3, 5, 3)>,                                 //
@@ -162,7 +162,7 @@ TEST_CASE("frame convolution by taps: sizes, strides and paddings") {
             job<step({4, 5, 16}, 1, 64, 16)>>();
 }
 
-TEST_CASE("frame convolution by taps: pools, ReLU and sums") {
+TEST_CASE("convolution: by taps: pools, ReLU and sums") {
     run_all<job<pooled(step({7, 13}, 5, 8, 1), 2)>,                     //
             job<pooled(step({7, 13, 2}, 3, 12, 16), 2, true)>,          //
             job<pooled(step({8, 11, 3}, 3, 5, 3), extent(3, 2))>,       //
@@ -171,7 +171,7 @@ TEST_CASE("frame convolution by taps: pools, ReLU and sums") {
             job<adding(step({3, 9, 4}, 1, 3, 4, 2), false)>>();
 }
 
-TEST_CASE("frame convolution by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddings") {
+TEST_CASE("convolution: by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddings") {
     run_all<job<step({14, 25, 8}, 3, 16, 8), true>,           //
             job<step({7, 13, 16}, 2, 32, 16), true>,          //
             job<step({1, 1, 4}, 3, 4, 4), true>,              //
@@ -182,7 +182,7 @@ TEST_CASE("frame convolution by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddi
             job<step({6, 7, 4}, 3, 12, 4, 1, pad(2, 0, 1, 2)), true>>();
 }
 
-TEST_CASE("frame convolution by tiles: pools, ReLU and sums") {
+TEST_CASE("convolution: by tiles: pools, ReLU and sums") {
     run_all<job<pooled(step({7, 13, 16}, 3, 32, 16), 2), true>,    //
             job<pooled(step({7, 13, 8}, 3, 5, 8), 2, true), true>, //
             job<pooled(step({5, 9, 12}, 2, 20, 16), 2), true>,     //

@@ -93,7 +93,7 @@ void compare_pool() {
 
 } // namespace
 
-TEST_CASE("frame dense: outputs and channels that fill vectors and that do not") {
+TEST_CASE("dense: outputs and channels that fill vectors and that do not") {
     compare_dense<frame_dense{{4, 7, 32}, 32, 22}>();
     compare_dense<frame_dense{{1, 1, 3}, 4, 1}>();
     compare_dense<frame_dense{{3, 2, 5}, 8, 5}>();
@@ -101,7 +101,7 @@ TEST_CASE("frame dense: outputs and channels that fill vectors and that do not")
     compare_dense<frame_dense{{1, 5, 12}, 16, 131}>();
 }
 
-TEST_CASE("frame pooling: windows that overlap, keep the image, or reach beyond it") {
+TEST_CASE("pooling: windows that overlap, keep the image, or reach beyond it") {
     compare_pool<sliding_window::over({7, 9, 12}, 3, 2, same), 16>();
     compare_pool<sliding_window::over({7, 9, 20}, 2, 1, same), 32>();
     compare_pool<sliding_window::over({6, 5, 3}, 3, 1, pad(1)), 3>();

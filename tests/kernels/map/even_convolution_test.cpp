@@ -56,7 +56,7 @@ double error_in_roundings() {
     return worst / (std::numeric_limits<double>::epsilon() * influence * std::sqrt(squares));
 }
 
-TEST_CASE("the fast convolution is the sum written out") {
+TEST_CASE("even_convolution: the fast convolution is the sum written out") {
     CHECK(error_in_roundings<shape{28, 50}>() < 20);
     CHECK(error_in_roundings<shape{1, 1}>() < 20);
     CHECK(error_in_roundings<shape{1, 9}>() < 20);
@@ -65,7 +65,7 @@ TEST_CASE("the fast convolution is the sum written out") {
     CHECK(error_in_roundings<shape{33, 65}>() < 20);
 }
 
-TEST_CASE("nothing wraps around the edges") {
+TEST_CASE("even_convolution: nothing wraps around the edges") {
     constexpr shape size{5, 11};
     using convolution = even_convolution<size>;
     convolution convolve;

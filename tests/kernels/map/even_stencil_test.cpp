@@ -49,7 +49,7 @@ void compare(extent reach) {
         }
 }
 
-TEST_CASE("a stencil is the sum written out") {
+TEST_CASE("even_stencil: a stencil is the sum written out") {
     compare<shape{28, 50}>(3);
     compare<shape{28, 50}>({27, 49});
     compare<shape{28, 50}>(0);
@@ -59,7 +59,7 @@ TEST_CASE("a stencil is the sum written out") {
     compare<shape{9, 8}>({2, 7});
 }
 
-TEST_CASE("what is no pressure counts as none, and what is too much as the most there is") {
+TEST_CASE("even_stencil: what is no pressure counts as none, and what is too much as the most there is") {
     constexpr float most = std::numeric_limits<float>::max();
     constexpr shape size{4, 20};
     even_stencil<size> stencil(1, [](std::size_t i, std::size_t j) { return i + j == 0 ? 0.5f : 0.0625f; });
@@ -75,7 +75,7 @@ TEST_CASE("what is no pressure counts as none, and what is too much as the most 
     CHECK(map[75] == 0);
 }
 
-TEST_CASE("negative weights leave nothing below zero") {
+TEST_CASE("even_stencil: negative weights leave nothing below zero") {
     constexpr shape size{3, 9};
     even_stencil<size> stencil({0, 1}, [](std::size_t, std::size_t j) { return j == 0 ? 2.0f : -0.5f; });
     std::vector<float> map(size.size(), 0.0f);

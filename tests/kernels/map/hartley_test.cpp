@@ -62,7 +62,7 @@ void compare() {
               doctest::Approx(given.sample[i]).epsilon(1e-14));
 }
 
-TEST_CASE("the fast transform is the sum that defines it, and its own inverse") {
+TEST_CASE("hartley: the fast transform is the sum that defines it, and its own inverse") {
     compare<4>();
     compare<8>();
     compare<16>();

@@ -23,7 +23,7 @@ std::vector<float> random_values(std::size_t count, std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("packed rows: products against double precision, for sizes around those of blocks and panels") {
+TEST_CASE("packed: products against double precision, for sizes around those of blocks and panels") {
     constexpr std::size_t width = packed_rows::panel_width;
     for (const std::size_t features : {std::size_t{1}, std::size_t{127}, std::size_t{128}, std::size_t{1400}})
         for (const std::size_t columns : {std::size_t{1}, width, width + 1}) {
@@ -61,7 +61,7 @@ TEST_CASE("packed rows: products against double precision, for sizes around thos
         }
 }
 
-TEST_CASE("packed rows: a row alone gives the bits that it gives in a batch") {
+TEST_CASE("packed: a row alone gives the bits that it gives in a batch") {
     constexpr std::size_t features = 300, columns = 40, count = 2 * packed_rows::block_rows;
     const std::vector<float> a = random_values(count * features, 3), b = random_values(columns * features, 4);
     const packed_rows packed(columns, features, [&](std::size_t j) { return b.data() + j * features; });

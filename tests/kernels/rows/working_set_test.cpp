@@ -46,7 +46,7 @@ struct working_set {
 
 } // namespace
 
-TEST_CASE("working set: choices and steps as plain loops make them") {
+TEST_CASE("working_set: choices and steps as plain loops make them") {
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         working_set w(seed);
         const chosen_sample expected = w.first_highest();
@@ -86,7 +86,7 @@ TEST_CASE("working set: choices and steps as plain loops make them") {
     }
 }
 
-TEST_CASE("dense rows: a long product and a sum, against double precision") {
+TEST_CASE("working_set: dense rows: a long product and a sum, against double precision") {
     random_stream random(1, draw::order);
     for (const std::size_t count : {std::size_t{16}, std::size_t{1408}, std::size_t{16 * 1001}}) {
         aligned_vector<float> a(count), b(count);
@@ -110,7 +110,7 @@ TEST_CASE("dense rows: a long product and a sum, against double precision") {
     }
 }
 
-TEST_CASE("weighted rows: sums of rows in double, whole numbers exactly") {
+TEST_CASE("weighted: sums of rows in double, whole numbers exactly") {
     constexpr std::size_t width = 3 * lanes<double>, rows = 7;
     aligned_vector<double> values(rows * width), sums(width, 99);
     std::array<float, rows> weights{};

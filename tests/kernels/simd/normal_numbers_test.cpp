@@ -17,6 +17,7 @@ using namespace tactnet::kernels;
 namespace {
 
 constexpr std::size_t group = normal_numbers::group_size;
+constexpr random_purpose purpose{8};
 
 std::vector<double> drawn(const random_stream& random, std::size_t count) {
     std::vector<double> numbers(count);
@@ -32,7 +33,7 @@ std::vector<double> drawn(const random_stream& random, std::size_t count) {
 TEST_CASE("normal_numbers: moments and tails") {
     constexpr std::size_t count = 2'000'000;
     constexpr double n = count;
-    const std::vector<double> numbers = drawn(random_stream(3, draw::frame), count);
+    const std::vector<double> numbers = drawn(random_stream(3, purpose), count);
     double moments[5] = {};
     for (const double x : numbers) {
         double power = 1;
@@ -52,7 +53,7 @@ TEST_CASE("normal_numbers: moments and tails") {
 }
 TEST_CASE("normal_numbers: independent of each other, near and far") {
     constexpr std::size_t count = 1'000'000;
-    const std::vector<double> numbers = drawn(random_stream(4, draw::frame), count);
+    const std::vector<double> numbers = drawn(random_stream(4, purpose), count);
     // 16 and 32 apart are the two numbers of one transform, and the two transforms of one block.
     for (const std::size_t apart : {1u, 2u, 15u, 16u, 17u, 32u, 48u, 64u, 50u, 1400u}) {
         CAPTURE(apart);
@@ -70,11 +71,10 @@ TEST_CASE("normal_numbers: Box and Muller's transform of the stream's own words"
     std::array<float, group> numbers;
     for (const std::uint32_t index : {0u, 1u, 1000u}) {
         alignas(64) std::array<float, group> aligned;
-        normal_numbers(random_stream(seed, draw::frame, 5, 6)).group(index, aligned.data());
+        normal_numbers(random_stream(seed, purpose, 5, 6)).group(index, aligned.data());
         numbers = aligned;
         for (std::uint32_t block = 0; block < 16; ++block) {
-            const auto words = philox({16 * index + block, static_cast<std::uint32_t>(draw::frame), 5, 6},
-                                      {0x89abcdef, 0x01234567});
+            const auto words = philox({16 * index + block, purpose.number(), 5, 6}, {0x89abcdef, 0x01234567});
             for (std::size_t pair = 0; pair < 2; ++pair) {
                 const double uniform = (static_cast<double>(words[2 * pair] >> 1) + 0.5) * 0x1p-31;
                 const double angle =
@@ -98,7 +98,7 @@ TEST_CASE("normal_numbers: the same bits with every instruction set") {
     std::uint64_t hash = 0xcbf29ce484222325; // Fowler, Noll and Vo's
     for (std::uint32_t index = 0; index < 1000; ++index) {
         alignas(64) std::array<float, group> numbers;
-        normal_numbers(random_stream(7, draw::frame, 3, 2)).group(index, numbers.data());
+        normal_numbers(random_stream(7, purpose, 3, 2)).group(index, numbers.data());
         for (const float number : numbers)
             hash = (hash ^ std::bit_cast<std::uint32_t>(number)) * 0x100000001b3;
     }

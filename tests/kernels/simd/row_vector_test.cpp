@@ -38,7 +38,7 @@ std::array<float, size_of<Vector>> elements(const Vector& v) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("row vectors: every operation, lane by lane", Width, width<lanes<float>>,
+TEST_CASE_TEMPLATE("row_vector: every operation, lane by lane", Width, width<lanes<float>>,
                    width<fewest_lanes<float>>) {
     constexpr std::size_t n = Width::value;
     using wide = sized_vector<float, n>;
@@ -67,7 +67,7 @@ TEST_CASE_TEMPLATE("row vectors: every operation, lane by lane", Width, width<la
     }
 }
 
-TEST_CASE_TEMPLATE("row vectors: zipped, unzipped and spread", Width, width<lanes<float>>,
+TEST_CASE_TEMPLATE("row_vector: zipped, unzipped and spread", Width, width<lanes<float>>,
                    width<fewest_lanes<float>>) {
     constexpr std::size_t n = Width::value;
     using wide = sized_vector<float, n>;
@@ -91,7 +91,7 @@ TEST_CASE_TEMPLATE("row vectors: zipped, unzipped and spread", Width, width<lane
     }
 }
 
-TEST_CASE("row vectors: cover a row, and nothing beyond it where it is long enough") {
+TEST_CASE("row_vector: cover a row, and nothing beyond it where it is long enough") {
     for (const std::size_t width : {1u, 4u, 8u, 16u})
         for (std::size_t count = 1; count < 60; ++count) {
             std::size_t covered = 0;

@@ -41,141 +41,136 @@ std::string replaced(std::string text, std::string_view from, std::string_view t
 
 } // namespace
 
-TEST_SUITE("tekscan_binary") {
-    static_assert(tactnet::frame_decoder<tekscan_binary>);
+static_assert(tactnet::frame_decoder<tekscan_binary>);
 
-    TEST_CASE("runs and records") {
-        const auto found = decode(recording);
-        CHECK_MESSAGE(found.status == decode_status::finished, found.error);
-        REQUIRE(found.frames.size() == 3);
-        CHECK(found.frames[0].cells == std::vector<float>{7, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255});
-        CHECK(found.frames[1].cells == std::vector<float>(12));
-        CHECK(found.frames[2].cells == std::vector<float>{0, 0, 0, 0, 1, 2, 3, 4, 0, 0, 0, 0});
-        CHECK(found.frames[0].number == 5);
-        CHECK(found.frames[1].number == 6);
-        CHECK(found.frames[2].number == 7);
-        CHECK(found.frames[0].seconds == 0.01);
-        CHECK(found.frames[2].seconds == 0.02);
-        CHECK(found.description.frames == 3);
-        CHECK(found.description.version == "Tek API");
-        // The unit is one for showing; a length without a unit is none.
-        CHECK((found.description.unit == tactnet::pressure_unit::raw));
-        CHECK(decode(replaced(recording, "UNITS PSI", "UNITS bananas")).frames == found.frames);
-        CHECK(!decode(replaced(recording, "UNITS", "ROW_SPACING 1\nUNITS")).description.row_spacing);
-        CHECK(decode(replaced(recording, "ROWS 3\n", "ROWS 3\r\n")).frames == found.frames);
-    }
+TEST_CASE("tekscan_binary: runs and records") {
+    const auto found = decode(recording);
+    CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+    REQUIRE(found.frames.size() == 3);
+    CHECK(found.frames[0].cells == std::vector<float>{7, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255});
+    CHECK(found.frames[1].cells == std::vector<float>(12));
+    CHECK(found.frames[2].cells == std::vector<float>{0, 0, 0, 0, 1, 2, 3, 4, 0, 0, 0, 0});
+    CHECK(found.frames[0].number == 5);
+    CHECK(found.frames[1].number == 6);
+    CHECK(found.frames[2].number == 7);
+    CHECK(found.frames[0].seconds == 0.01);
+    CHECK(found.frames[2].seconds == 0.02);
+    CHECK(found.description.frames == 3);
+    CHECK(found.description.version == "Tek API");
+    // The unit is one for showing; a length without a unit is none.
+    CHECK((found.description.unit == tactnet::pressure_unit::raw));
+    CHECK(decode(replaced(recording, "UNITS PSI", "UNITS bananas")).frames == found.frames);
+    CHECK(!decode(replaced(recording, "UNITS", "ROW_SPACING 1\nUNITS")).description.row_spacing);
+    CHECK(decode(replaced(recording, "ROWS 3\n", "ROWS 3\r\n")).frames == found.frames);
+}
 
-    TEST_CASE("split anywhere, the same comes out; cut anywhere, whole frames and no others") {
-        CHECK(sensors_test::same_however_split(tekscan_binary(), bytes_of(recording)));
-        CHECK(sensors_test::same_however_split(tekscan_binary(), bytes_of(header + first + "\x00\x00\xFF"s)));
-        CHECK(sensors_test::only_whole_frames_when_cut(tekscan_binary(), bytes_of(recording)));
-        const std::string cut = recording.substr(0, recording.size() - closing.size() - 1);
-        CHECK(decode(cut).error ==
-              "byte " + std::to_string(cut.size()) +
-                  ", frame 3: expected frames and a closing FF FE, found the end of the data "
-                  "(1 announced frames are missing)");
-        CHECK(decode(cut).frames.size() == 2);
-        CHECK(decode("ROWS 3\nCOLS 4\n").error ==
-              "byte 14: expected a header that ends with the bytes 0A BB BA, found the end of the data");
-    }
+TEST_CASE("tekscan_binary: split anywhere, the same comes out; cut anywhere, whole frames and no others") {
+    CHECK(sensors_test::same_however_split(tekscan_binary(), bytes_of(recording)));
+    CHECK(sensors_test::same_however_split(tekscan_binary(), bytes_of(header + first + "\x00\x00\xFF"s)));
+    CHECK(sensors_test::only_whole_frames_when_cut(tekscan_binary(), bytes_of(recording)));
+    const std::string cut = recording.substr(0, recording.size() - closing.size() - 1);
+    CHECK(decode(cut).error ==
+          "byte " + std::to_string(cut.size()) +
+              ", frame 3: expected frames and a closing FF FE, found the end of the data "
+              "(1 announced frames are missing)");
+    CHECK(decode(cut).frames.size() == 2);
+    CHECK(decode("ROWS 3\nCOLS 4\n").error ==
+          "byte 14: expected a header that ends with the bytes 0A BB BA, found the end of the data");
+}
 
-    TEST_CASE("what does not fit is an error with its place") {
-        const auto error = [](const std::string& frames) {
-            const decoded found = decode(header + frames);
-            CHECK(found.status == decode_status::damaged);
-            return found.error;
-        };
-        const std::string at = "byte " + std::to_string(header.size()),
-                          missing = " (3 announced frames are missing)";
-        CHECK(error("\x0C\x00\x01\x01"s) == at +
-                                                ", frame 1: expected a run from cell 0 of 12 on, FFFF or, "
-                                                "behind a frame, FF FE, found cell 12" +
-                                                missing);
-        CHECK(error("\x0B\x00\x02\x01\x01"s).find("expected a run of 1 to 1 cells from cell 11, found 2") !=
-              std::string::npos);
-        CHECK(error("\x00\x00\x00"s).find("expected a run of 1 to 12 cells from cell 0, found 0") !=
-              std::string::npos);
-        CHECK(error("\x01\x00\x02\x01\x01\x02\x00\x01\x01"s).find("expected a run from cell 3 of 12") !=
-              std::string::npos);
-        CHECK(error(end_list + "\x01\x00\x03\x00"s).find("expected a record 1 of 4 bytes, found 3") !=
-              std::string::npos);
-        CHECK(error(end_list + "\x02\x00\x00\x00"s).find("expected a record 2 of 8 bytes, found 0") !=
-              std::string::npos);
-        CHECK(error(first + first).find("expected a frame after number 5, found number 5") !=
-              std::string::npos);
-        CHECK(error(first + closing)
-                  .find("expected 3 frames as the header announces, found 1 before FF FE (2 ann") !=
-              std::string::npos);
-        CHECK(error(first + empty + third + empty)
-                  .find("expected 3 frames as the header announces, found one more") != std::string::npos);
-        CHECK(
-            error(first + empty + third + closing + "x").find("expected nothing behind the closing FF FE") !=
-            std::string::npos);
-        // FF FE inside a frame is no end.
-        CHECK(error("\x00\x00\x01\x01"s + closing).find("found cell 65279") != std::string::npos);
-        CHECK(decode("COLS 4\n\xBB\xBA").error ==
-              "byte 0, line 1: expected a line 'ROWS' in the header, found none");
-        CHECK(decode("ROWS 255\nCOLS 256\n\xBB\xBA").error ==
-              "byte 0, line 1: expected at most 65279 cells, found 255 x 256");
-        CHECK(decode("ROWS 1\nCOLS 65279\n\xBB\xBA" + empty + closing).frames.at(0).cells.size() == 65279);
-        CHECK(decode("ROWS x\nCOLS 4\n\xBB\xBA").status == decode_status::damaged);
-    }
+TEST_CASE("tekscan_binary: what does not fit is an error with its place") {
+    const auto error = [](const std::string& frames) {
+        const decoded found = decode(header + frames);
+        CHECK(found.status == decode_status::damaged);
+        return found.error;
+    };
+    const std::string at = "byte " + std::to_string(header.size()),
+                      missing = " (3 announced frames are missing)";
+    CHECK(error("\x0C\x00\x01\x01"s) == at +
+                                            ", frame 1: expected a run from cell 0 of 12 on, FFFF or, "
+                                            "behind a frame, FF FE, found cell 12" +
+                                            missing);
+    CHECK(error("\x0B\x00\x02\x01\x01"s).find("expected a run of 1 to 1 cells from cell 11, found 2") !=
+          std::string::npos);
+    CHECK(error("\x00\x00\x00"s).find("expected a run of 1 to 12 cells from cell 0, found 0") !=
+          std::string::npos);
+    CHECK(error("\x01\x00\x02\x01\x01\x02\x00\x01\x01"s).find("expected a run from cell 3 of 12") !=
+          std::string::npos);
+    CHECK(error(end_list + "\x01\x00\x03\x00"s).find("expected a record 1 of 4 bytes, found 3") !=
+          std::string::npos);
+    CHECK(error(end_list + "\x02\x00\x00\x00"s).find("expected a record 2 of 8 bytes, found 0") !=
+          std::string::npos);
+    CHECK(error(first + first).find("expected a frame after number 5, found number 5") != std::string::npos);
+    CHECK(error(first + closing)
+              .find("expected 3 frames as the header announces, found 1 before FF FE (2 ann") !=
+          std::string::npos);
+    CHECK(error(first + empty + third + empty)
+              .find("expected 3 frames as the header announces, found one more") != std::string::npos);
+    CHECK(error(first + empty + third + closing + "x").find("expected nothing behind the closing FF FE") !=
+          std::string::npos);
+    // FF FE inside a frame is no end.
+    CHECK(error("\x00\x00\x01\x01"s + closing).find("found cell 65279") != std::string::npos);
+    CHECK(decode("COLS 4\n\xBB\xBA").error ==
+          "byte 0, line 1: expected a line 'ROWS' in the header, found none");
+    CHECK(decode("ROWS 255\nCOLS 256\n\xBB\xBA").error ==
+          "byte 0, line 1: expected at most 65279 cells, found 255 x 256");
+    CHECK(decode("ROWS 1\nCOLS 65279\n\xBB\xBA" + empty + closing).frames.at(0).cells.size() == 65279);
+    CHECK(decode("ROWS x\nCOLS 4\n\xBB\xBA").status == decode_status::damaged);
+}
 
-    TEST_CASE("the mask of a map") {
-        std::vector<std::uint8_t> mask(12, 1);
-        mask[3] = 0;
-        const auto found = sensors_test::decode(tekscan_binary(mask), bytes_of(recording));
-        CHECK(found.status == decode_status::finished);
-        CHECK(found.description.missing_cells() == 1);
-        mask[6] = 0;
-        const auto refused = sensors_test::decode(tekscan_binary(mask), bytes_of(recording));
-        CHECK(refused.frames.size() == 2);
-        CHECK(
-            refused.error.find("frame 3: expected counts on tactels of the map only, found one in cell 6") !=
-            std::string::npos);
-        CHECK(sensors_test::same_however_split(tekscan_binary(mask), bytes_of(recording)));
-        const auto size =
-            sensors_test::decode(tekscan_binary(std::vector<std::uint8_t>(11, 1)), bytes_of(recording));
-        CHECK(size.error.find("expected the size of the map, 11 cells, found 3 x 4") != std::string::npos);
-    }
+TEST_CASE("tekscan_binary: the mask of a map") {
+    std::vector<std::uint8_t> mask(12, 1);
+    mask[3] = 0;
+    const auto found = sensors_test::decode(tekscan_binary(mask), bytes_of(recording));
+    CHECK(found.status == decode_status::finished);
+    CHECK(found.description.missing_cells() == 1);
+    mask[6] = 0;
+    const auto refused = sensors_test::decode(tekscan_binary(mask), bytes_of(recording));
+    CHECK(refused.frames.size() == 2);
+    CHECK(refused.error.find("frame 3: expected counts on tactels of the map only, found one in cell 6") !=
+          std::string::npos);
+    CHECK(sensors_test::same_however_split(tekscan_binary(mask), bytes_of(recording)));
+    const auto size =
+        sensors_test::decode(tekscan_binary(std::vector<std::uint8_t>(11, 1)), bytes_of(recording));
+    CHECK(size.error.find("expected the size of the map, 11 cells, found 3 x 4") != std::string::npos);
+}
 
-    TEST_CASE("memory does not grow with the stream") {
-        tekscan_binary decoder;
-        decoder.push(bytes_of("ROWS 3\nCOLS 4\n\xBB\xBA" + first), tactnet::ignore_frames{});
-        const std::string unnumbered = third,
-                          record = end_list + "\x63\x00\xFF\xFF"s + std::string(65535, 'x') + end_list;
-        const std::size_t before = support::bytes_allocated();
-        for (int i = 0; i < 1000; ++i)
-            REQUIRE(decoder.push(bytes_of(unnumbered), tactnet::ignore_frames{}) == decode_status::reading);
-        REQUIRE(decoder.push(bytes_of(record), tactnet::ignore_frames{}) == decode_status::reading);
-        CHECK(support::bytes_allocated() == before);
-        CHECK(decoder.frames() == 1002);
-        CHECK(decode(std::string(tactnet::largest_header_bytes + 1, 'x')).error ==
-              "byte 262144: expected a header of at most 262144 bytes, found a longer one");
-    }
+TEST_CASE("tekscan_binary: memory does not grow with the stream") {
+    tekscan_binary decoder;
+    decoder.push(bytes_of("ROWS 3\nCOLS 4\n\xBB\xBA" + first), tactnet::ignore_frames{});
+    const std::string unnumbered = third,
+                      record = end_list + "\x63\x00\xFF\xFF"s + std::string(65535, 'x') + end_list;
+    const std::size_t before = support::bytes_allocated();
+    for (int i = 0; i < 1000; ++i)
+        REQUIRE(decoder.push(bytes_of(unnumbered), tactnet::ignore_frames{}) == decode_status::reading);
+    REQUIRE(decoder.push(bytes_of(record), tactnet::ignore_frames{}) == decode_status::reading);
+    CHECK(support::bytes_allocated() == before);
+    CHECK(decoder.frames() == 1002);
+    CHECK(decode(std::string(tactnet::largest_header_bytes + 1, 'x')).error ==
+          "byte 262144: expected a header of at most 262144 bytes, found a longer one");
+}
 
-    TEST_CASE("the real recording") {
-        const auto path = support::find_data("tekscan/MySampleRecording.fsx");
-        if (!path)
-            return;
-        const auto bytes = tactnet::read_file(*path);
-        const auto found = sensors_test::decode(tekscan_binary(), bytes);
-        CHECK_MESSAGE(found.status == decode_status::finished, found.error);
-        REQUIRE(found.frames.size() == 500);
-        CHECK(found.description.rows == 44);
-        CHECK(found.description.columns == 52);
-        double sum = 0;
-        for (std::size_t i = 0; i < found.frames.size(); ++i) {
-            CHECK(found.frames[i].number == i + 1);
-            sum = std::accumulate(found.frames[i].cells.begin(), found.frames[i].cells.end(), sum);
-        }
-        CHECK(sum == 476261); // counted apart, with another program
-        CHECK(found.frames[0].cells[814] == 10);
-        CHECK(found.frames[0].cells[815] == 12);
-        CHECK(found.frames[1].seconds == 0.01);
-        std::vector<std::size_t> every(bytes.size());
-        std::iota(every.begin(), every.end(), std::size_t{0});
-        CHECK(sensors_test::decode(tekscan_binary(), bytes, every).frames == found.frames);
-        CHECK(sensors_test::only_whole_frames_when_cut(tekscan_binary(), bytes, 2999));
+TEST_CASE("tekscan_binary: the real recording") {
+    const auto path = support::find_data("tekscan/MySampleRecording.fsx");
+    if (!path)
+        return;
+    const auto bytes = tactnet::read_file(*path);
+    const auto found = sensors_test::decode(tekscan_binary(), bytes);
+    CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+    REQUIRE(found.frames.size() == 500);
+    CHECK(found.description.rows == 44);
+    CHECK(found.description.columns == 52);
+    double sum = 0;
+    for (std::size_t i = 0; i < found.frames.size(); ++i) {
+        CHECK(found.frames[i].number == i + 1);
+        sum = std::accumulate(found.frames[i].cells.begin(), found.frames[i].cells.end(), sum);
     }
+    CHECK(sum == 476261); // counted apart, with another program
+    CHECK(found.frames[0].cells[814] == 10);
+    CHECK(found.frames[0].cells[815] == 12);
+    CHECK(found.frames[1].seconds == 0.01);
+    std::vector<std::size_t> every(bytes.size());
+    std::iota(every.begin(), every.end(), std::size_t{0});
+    CHECK(sensors_test::decode(tekscan_binary(), bytes, every).frames == found.frames);
+    CHECK(sensors_test::only_whole_frames_when_cut(tekscan_binary(), bytes, 2999));
 }

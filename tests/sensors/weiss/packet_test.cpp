@@ -62,125 +62,120 @@ const std::vector<float> runs_cells{4095, 4095, 5, 5, 5, 5};
 
 } // namespace
 
-TEST_SUITE("weiss_packet") {
-    static_assert(tactnet::frame_decoder<weiss_wts> && tactnet::frame_decoder<dsacon32m>);
+static_assert(tactnet::frame_decoder<weiss_wts> && tactnet::frame_decoder<dsacon32m>);
 
-    TEST_CASE("the table begins as the protocol's does") {
-        // One byte 0 after FFFF: table[FF] ^ 00FF = 1EF0 ^ 00FF.
-        tactnet::weiss_checksum sum;
-        sum.add(span_of({0x00}));
-        CHECK(sum.value() == 0x1E0F);
+TEST_CASE("weiss_packet: the table begins as the protocol's does") {
+    // One byte 0 after FFFF: table[FF] ^ 00FF = 1EF0 ^ 00FF.
+    tactnet::weiss_checksum sum;
+    sum.add(span_of({0x00}));
+    CHECK(sum.value() == 0x1E0F);
+}
+
+TEST_CASE("weiss_packet: frames of a WTS: plain cells, whole packet under the checksum") {
+    const auto found =
+        sensors_test::decode(weiss_wts(array), span_of(packet(0, plain, 0) + packet(0, runs, 0)));
+    CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+    REQUIRE(found.frames.size() == 2);
+    CHECK(found.frames[0].cells == plain_cells);
+    CHECK(found.frames[0].seconds == 10.0);
+    CHECK(found.frames[1].cells == runs_cells);
+    CHECK(found.frames[1].number == 2);
+    CHECK(found.description.format == "Weiss WTS");
+}
+
+TEST_CASE("weiss_packet: the largest packet") {
+    constexpr std::size_t cells = (0xFFFF - 5) / 2;
+    bytes payload(5 + 2 * cells, 0);
+    payload.back() = 1;
+    const auto found =
+        sensors_test::decode(weiss_wts({.rows = 5, .columns = cells / 5}), span_of(packet(0, payload, 0)));
+    CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+    REQUIRE(found.frames.size() == 1);
+    CHECK(found.frames[0].cells.back() == 256);
+}
+
+TEST_CASE("weiss_packet: frames of a DSACON32m: runs, preamble not under the checksum") {
+    const auto found = sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 3)));
+    CHECK_MESSAGE(found.status == decode_status::finished, found.error);
+    REQUIRE(found.frames.size() == 1);
+    CHECK(found.frames[0].cells == runs_cells);
+    CHECK(found.frames[0].seconds == 0.001);
+    CHECK(sensors_test::decode(weiss_wts(array), span_of(packet(0, runs, 3))).frames.empty());
+    CHECK(sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 0))).frames.empty());
+}
+
+TEST_CASE("weiss_packet: a stream may be joined anywhere; answers to commands are passed over") {
+    const bytes stream = bytes{1, 0xAA, 0xAA, 7} + packet(0x20, {0, 0, 1}, 0) + bytes{0xAA} +
+                         packet(0, plain, 0) + bytes{0xAA, 0xAA, 0xAA, 0, 0xFF, 0xFF} + packet(0, runs, 0);
+    weiss_wts decoder(array);
+    std::vector<std::vector<float>> frames;
+    decoder.push(span_of(stream),
+                 [&](const tactnet::frame_view& f) { frames.emplace_back(f.cells.begin(), f.cells.end()); });
+    CHECK(decoder.finish(tactnet::ignore_frames{}) == decode_status::finished);
+    CHECK(frames == std::vector{plain_cells, runs_cells});
+    CHECK(decoder.skipped_bytes() == 4 + 1 + 6);
+    CHECK(decoder.damaged_packets() == 0);
+    CHECK(sensors_test::same_however_split(weiss_wts(array), span_of(stream)));
+    const bytes whole = packet(0, plain, 0) + packet(0, runs, 0);
+    for (std::size_t from = 0; from < whole.size(); ++from) {
+        const auto rest = sensors_test::decode(weiss_wts(array), span_of(whole).subspan(from));
+        CHECK(rest.frames.size() == (from == 0 ? 2U : from <= packet(0, plain, 0).size() ? 1U : 0U));
     }
+}
 
-    TEST_CASE("frames of a WTS: plain cells, whole packet under the checksum") {
-        const auto found =
-            sensors_test::decode(weiss_wts(array), span_of(packet(0, plain, 0) + packet(0, runs, 0)));
-        CHECK_MESSAGE(found.status == decode_status::finished, found.error);
-        REQUIRE(found.frames.size() == 2);
-        CHECK(found.frames[0].cells == plain_cells);
-        CHECK(found.frames[0].seconds == 10.0);
-        CHECK(found.frames[1].cells == runs_cells);
-        CHECK(found.frames[1].number == 2);
-        CHECK(found.description.format == "Weiss WTS");
-    }
-
-    TEST_CASE("the largest packet") {
-        constexpr std::size_t cells = (0xFFFF - 5) / 2;
-        bytes payload(5 + 2 * cells, 0);
-        payload.back() = 1;
-        const auto found = sensors_test::decode(weiss_wts({.rows = 5, .columns = cells / 5}),
-                                                span_of(packet(0, payload, 0)));
-        CHECK_MESSAGE(found.status == decode_status::finished, found.error);
-        REQUIRE(found.frames.size() == 1);
-        CHECK(found.frames[0].cells.back() == 256);
-    }
-
-    TEST_CASE("frames of a DSACON32m: runs, preamble not under the checksum") {
-        const auto found = sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 3)));
-        CHECK_MESSAGE(found.status == decode_status::finished, found.error);
-        REQUIRE(found.frames.size() == 1);
-        CHECK(found.frames[0].cells == runs_cells);
-        CHECK(found.frames[0].seconds == 0.001);
-        CHECK(sensors_test::decode(weiss_wts(array), span_of(packet(0, runs, 3))).frames.empty());
-        CHECK(sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 0))).frames.empty());
-    }
-
-    TEST_CASE("a stream may be joined anywhere; answers to commands are passed over") {
-        const bytes stream = bytes{1, 0xAA, 0xAA, 7} + packet(0x20, {0, 0, 1}, 0) + bytes{0xAA} +
-                             packet(0, plain, 0) + bytes{0xAA, 0xAA, 0xAA, 0, 0xFF, 0xFF} +
-                             packet(0, runs, 0);
+TEST_CASE("weiss_packet: a damaged packet is told, and costs no other frame") {
+    const bytes good = packet(0, plain, 0);
+    for (std::size_t at = 6; at < good.size(); ++at) {
+        bytes bad = good;
+        bad[at] ^= 0x10;
         weiss_wts decoder(array);
-        std::vector<std::vector<float>> frames;
-        decoder.push(span_of(stream), [&](const tactnet::frame_view& f) {
-            frames.emplace_back(f.cells.begin(), f.cells.end());
-        });
-        CHECK(decoder.finish(tactnet::ignore_frames{}) == decode_status::finished);
-        CHECK(frames == std::vector{plain_cells, runs_cells});
-        CHECK(decoder.skipped_bytes() == 4 + 1 + 6);
-        CHECK(decoder.damaged_packets() == 0);
-        CHECK(sensors_test::same_however_split(weiss_wts(array), span_of(stream)));
-        const bytes whole = packet(0, plain, 0) + packet(0, runs, 0);
-        for (std::size_t from = 0; from < whole.size(); ++from) {
-            const auto rest = sensors_test::decode(weiss_wts(array), span_of(whole).subspan(from));
-            CHECK(rest.frames.size() == (from == 0 ? 2U : from <= packet(0, plain, 0).size() ? 1U : 0U));
-        }
+        CHECK(decoder.push(span_of(good + bad + good), tactnet::ignore_frames{}) == decode_status::damaged);
+        CHECK(decoder.frames() == 2);
+        CHECK(decoder.damaged_packets() >= 1);
+        CHECK(decoder.error().place() == "byte 25, frame 2");
+        CHECK(decoder.error().expected.find("a checksum of") == 0);
     }
+    // A size that reaches into the packets behind.
+    bytes longer = good;
+    longer[4] += 20;
+    weiss_wts reached(array);
+    CHECK(reached.push(span_of(longer + good), tactnet::ignore_frames{}) == decode_status::damaged);
+    CHECK(reached.frames() == 1);
+    CHECK(reached.push(span_of(good), tactnet::ignore_frames{}) == decode_status::reading);
+    CHECK(reached.frames() == 2);
+    const auto refused = [](const bytes& payload) {
+        const auto found = sensors_test::decode(weiss_wts(array), span_of(packet(0, payload, 0)));
+        CHECK(found.frames.empty());
+        return found.status == decode_status::finished ? std::string("nothing") : found.error;
+    };
+    weiss_wts decoder(array);
+    const auto error = [&](const bytes& payload) {
+        CHECK(decoder.push(span_of(packet(0, payload, 0)), tactnet::ignore_frames{}) ==
+              decode_status::damaged);
+        return decoder.error().expected + "; " + decoder.error().found;
+    };
+    CHECK(error({1, 2, 3}) == "a frame with a time stamp; 3 bytes");
+    CHECK(error({0, 0, 0, 0, 0, 1, 0}) == "6 cells; 1");
+    CHECK(error({0, 0, 0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 7, 0}) ==
+          "runs of 1 to 15 cells, 6 in all; 1 behind 6");
+    CHECK(error({0, 0, 0, 0, 1, 0, 0x70}) == "runs of 1 to 15 cells, 6 in all; 7 behind 0");
+    CHECK(error({0, 0, 0, 0, 1, 5, 0x00}) == "runs of 1 to 15 cells, 6 in all; 0 behind 0");
+    CHECK(error({0, 0, 0, 0, 1, 5, 0x60, 1}) == "6 cells; 6 and half of one");
+    CHECK(decoder.frames() == 0);
+    CHECK(refused({}) == "nothing"); // reported by the push, before the end
+    // Cut short.
+    const auto cut = sensors_test::decode(weiss_wts(array), span_of(good).first(good.size() - 1));
+    CHECK(cut.error == "byte 24, frame 1: expected a whole packet, found 24 bytes of one");
+}
 
-    TEST_CASE("a damaged packet is told, and costs no other frame") {
-        const bytes good = packet(0, plain, 0);
-        for (std::size_t at = 6; at < good.size(); ++at) {
-            bytes bad = good;
-            bad[at] ^= 0x10;
-            weiss_wts decoder(array);
-            CHECK(decoder.push(span_of(good + bad + good), tactnet::ignore_frames{}) ==
-                  decode_status::damaged);
-            CHECK(decoder.frames() == 2);
-            CHECK(decoder.damaged_packets() >= 1);
-            CHECK(decoder.error().place() == "byte 25, frame 2");
-            CHECK(decoder.error().expected.find("a checksum of") == 0);
-        }
-        // A size that reaches into the packets behind.
-        bytes longer = good;
-        longer[4] += 20;
-        weiss_wts reached(array);
-        CHECK(reached.push(span_of(longer + good), tactnet::ignore_frames{}) == decode_status::damaged);
-        CHECK(reached.frames() == 1);
-        CHECK(reached.push(span_of(good), tactnet::ignore_frames{}) == decode_status::reading);
-        CHECK(reached.frames() == 2);
-        const auto refused = [](const bytes& payload) {
-            const auto found = sensors_test::decode(weiss_wts(array), span_of(packet(0, payload, 0)));
-            CHECK(found.frames.empty());
-            return found.status == decode_status::finished ? std::string("nothing") : found.error;
-        };
-        weiss_wts decoder(array);
-        const auto error = [&](const bytes& payload) {
-            CHECK(decoder.push(span_of(packet(0, payload, 0)), tactnet::ignore_frames{}) ==
-                  decode_status::damaged);
-            return decoder.error().expected + "; " + decoder.error().found;
-        };
-        CHECK(error({1, 2, 3}) == "a frame with a time stamp; 3 bytes");
-        CHECK(error({0, 0, 0, 0, 0, 1, 0}) == "6 cells; 1");
-        CHECK(error({0, 0, 0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 7, 0}) ==
-              "runs of 1 to 15 cells, 6 in all; 1 behind 6");
-        CHECK(error({0, 0, 0, 0, 1, 0, 0x70}) == "runs of 1 to 15 cells, 6 in all; 7 behind 0");
-        CHECK(error({0, 0, 0, 0, 1, 5, 0x00}) == "runs of 1 to 15 cells, 6 in all; 0 behind 0");
-        CHECK(error({0, 0, 0, 0, 1, 5, 0x60, 1}) == "6 cells; 6 and half of one");
-        CHECK(decoder.frames() == 0);
-        CHECK(refused({}) == "nothing"); // reported by the push, before the end
-        // Cut short.
-        const auto cut = sensors_test::decode(weiss_wts(array), span_of(good).first(good.size() - 1));
-        CHECK(cut.error == "byte 24, frame 1: expected a whole packet, found 24 bytes of one");
-    }
-
-    TEST_CASE("memory does not grow with the stream; sizes are checked") {
-        weiss_wts decoder(array);
-        const bytes stream = bytes(300, 0xA0) + packet(0, plain, 0);
-        const std::size_t before = support::bytes_allocated();
-        for (int i = 0; i < 100; ++i)
-            decoder.push(span_of(stream), tactnet::ignore_frames{});
-        CHECK(support::bytes_allocated() == before);
-        CHECK(decoder.frames() == 100);
-        CHECK_THROWS_AS(weiss_wts({.rows = 0, .columns = 3}), std::invalid_argument);
-        CHECK_THROWS_AS(weiss_wts({.rows = SIZE_MAX, .columns = 2}), std::invalid_argument);
-    }
+TEST_CASE("weiss_packet: memory does not grow with the stream; sizes are checked") {
+    weiss_wts decoder(array);
+    const bytes stream = bytes(300, 0xA0) + packet(0, plain, 0);
+    const std::size_t before = support::bytes_allocated();
+    for (int i = 0; i < 100; ++i)
+        decoder.push(span_of(stream), tactnet::ignore_frames{});
+    CHECK(support::bytes_allocated() == before);
+    CHECK(decoder.frames() == 100);
+    CHECK_THROWS_AS(weiss_wts({.rows = 0, .columns = 3}), std::invalid_argument);
+    CHECK_THROWS_AS(weiss_wts({.rows = SIZE_MAX, .columns = 2}), std::invalid_argument);
 }

@@ -22,7 +22,7 @@ std::size_t cells(int count) {
     return static_cast<std::size_t>(std::abs(count));
 }
 
-TEST_CASE("all cells pressed alike sink as a layer does that cannot widen") {
+TEST_CASE("bonded_layer: all cells pressed alike sink as a layer does that cannot widen") {
     // k = 0: h (1 + ν) (1 − 2ν) / ((1 − ν) E), whatever the ratio of thickness and cell.
     for (const double poisson : {-0.5, 0.0, 0.3, 0.45, 0.49})
         for (const double thickness : {0.01, 0.1, 0.37, 1.0, 2.5}) { // in cells
@@ -39,7 +39,7 @@ TEST_CASE("all cells pressed alike sink as a layer does that cannot widen") {
         }
 }
 
-TEST_CASE("however thin and incompressible, pressing never raises what is pressed") {
+TEST_CASE("bonded_layer: however thin and incompressible, pressing never raises what is pressed") {
     using convolution = tactnet::kernels::even_convolution<shape{28, 50}>;
     convolution convolve;
     for (const double poisson : {0.4999, 0.4999999, 0.5})
@@ -53,7 +53,7 @@ TEST_CASE("however thin and incompressible, pressing never raises what is presse
         }
 }
 
-TEST_CASE("a row of waves sinks as the compliance of its length says") {
+TEST_CASE("bonded_layer: a row of waves sinks as the compliance of its length says") {
     // Pressure cos(k x) even over each cell: Σ over the waves k + 2πn that have the same values in the middle
     // of the cells, each with its share sinc and its own compliance.
     for (const double poisson : {0.0, 0.3, 0.5})
@@ -78,7 +78,7 @@ TEST_CASE("a row of waves sinks as the compliance of its length says") {
         }
 }
 
-TEST_CASE("a thick layer is a half space") {
+TEST_CASE("bonded_layer: a thick layer is a half space") {
     const double cell = 1e-3;
     for (const double poisson : {0.0, 0.3, 0.5}) {
         const layer_influence endless(std::numeric_limits<double>::infinity(), poisson, cell),
@@ -100,7 +100,7 @@ TEST_CASE("a thick layer is a half space") {
     CHECK(peak_of(layer.pressures) == doctest::Approx(peak_of(half.pressures)).epsilon(1e-3));
 }
 
-TEST_CASE("a thin layer that can be squeezed is a bed of springs") {
+TEST_CASE("bonded_layer: a thin layer that can be squeezed is a bed of springs") {
     constexpr shape size{48, 48};
     const double cell = 1e-3, young = 1e5, poisson = 0.3, thickness = 1e-4;
     const double squeezed = (1 - poisson) * young / ((1 + poisson) * (1 - 2 * poisson));
@@ -117,7 +117,8 @@ TEST_CASE("a thin layer that can be squeezed is a bed of springs") {
     }
 }
 
-TEST_CASE("an incompressible layer is stiffer than one that can be squeezed, the thinner the more") {
+TEST_CASE(
+    "bonded_layer: an incompressible layer is stiffer than one that can be squeezed, the thinner the more") {
     constexpr shape size{32, 32};
     const auto heights = heights_of<size>(1e-3, support::sphere(0.05));
     const auto depth = [&](double poisson, double thickness) {
@@ -153,7 +154,7 @@ double spread_on() {
     return std::sqrt(sum * cell * cell / 2);
 }
 
-TEST_CASE("a finer grid changes less and less") {
+TEST_CASE("bonded_layer: a finer grid changes less and less") {
     const double coarse = spread_on<8>(), middle = spread_on<24>(), fine = spread_on<72>(),
                  finest = spread_on<144>();
     CHECK(std::abs(middle - finest) < std::abs(coarse - finest) / 2);

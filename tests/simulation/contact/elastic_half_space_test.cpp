@@ -27,7 +27,7 @@ struct hertz_sphere {
     double depth() const { return contact() * contact() / radius; }
 };
 
-TEST_CASE("Love's integral is that of one over the distance") {
+TEST_CASE("elastic_half_space: Love's integral is that of one over the distance") {
     // Far away by a fine sum over points; over the cell itself 4 ln(1 + √2).
     CHECK(love_integral(0, 0) == doctest::Approx(4 * std::log(1 + std::sqrt(2))).epsilon(1e-14));
     for (const std::array<double, 2> place : {std::array{1.0, 0.0}, {1.0, 1.0}, {7.0, 3.0}, {49.0, 27.0}}) {
@@ -43,7 +43,7 @@ TEST_CASE("Love's integral is that of one over the distance") {
     }
 }
 
-TEST_CASE("a sphere: radius, peak, depth and profile of Hertz within 2 %") {
+TEST_CASE("elastic_half_space: a sphere: radius, peak, depth and profile of Hertz within 2 %") {
     const hertz_sphere hertz{.radius = 0.02, .force = 1};
     constexpr shape size{80, 80};
     const double cell = 2.4 * hertz.contact() / 80;
@@ -68,7 +68,7 @@ TEST_CASE("a sphere: radius, peak, depth and profile of Hertz within 2 %") {
         }
 }
 
-TEST_CASE("pressed to a depth it bears the force that belongs to it") {
+TEST_CASE("elastic_half_space: pressed to a depth it bears the force that belongs to it") {
     const hertz_sphere hertz{.radius = 0.02, .force = 2};
     constexpr shape size{64, 64};
     const double cell = 2.4 * hertz.contact() / 64;
@@ -83,7 +83,7 @@ TEST_CASE("pressed to a depth it bears the force that belongs to it") {
     CHECK(again.report.depth == doctest::Approx(found.report.depth).epsilon(1e-4).scale(0));
 }
 
-TEST_CASE("a deformable object yields as much as the surface does") {
+TEST_CASE("elastic_half_space: a deformable object yields as much as the surface does") {
     hertz_sphere hertz{.radius = 0.02, .force = 1, .star = modulus / 3};
     constexpr shape size{64, 64};
     const double cell = 2.4 * hertz.contact() / 64;
@@ -94,7 +94,7 @@ TEST_CASE("a deformable object yields as much as the surface does") {
     CHECK(peak_of(found.pressures) == doctest::Approx(hertz.peak()).epsilon(0.02));
 }
 
-TEST_CASE("a long cylinder: in the middle the line contact of Hertz within 2 %") {
+TEST_CASE("elastic_half_space: a long cylinder: in the middle the line contact of Hertz within 2 %") {
     // Half width b = √(4 P R / (π E*)) under P newtons a metre, peak 2P / (π b) (Johnson, section 4.2c).
     const double radius = 0.01, line_load = 200;
     const double half_width = std::sqrt(4 * line_load * radius / (std::numbers::pi * modulus)),
@@ -126,7 +126,7 @@ TEST_CASE("a long cylinder: in the middle the line contact of Hertz within 2 %")
     }
 }
 
-TEST_CASE("a flat punch: pressure away from the rim, and depth") {
+TEST_CASE("elastic_half_space: a flat punch: pressure away from the rim, and depth") {
     // p = F / (2π a √(a² − r²)), depth F / (2 a E*) (Johnson, section 3.4).
     const double radius = 5e-3, force = 10;
     constexpr shape size{84, 84};
@@ -160,7 +160,7 @@ double depth_error() {
     return std::abs(found.report.depth + lowest - hertz.depth()) / hertz.depth();
 }
 
-TEST_CASE("a finer grid is closer to the truth") {
+TEST_CASE("elastic_half_space: a finer grid is closer to the truth") {
     const double coarse = depth_error<8>(), middle = depth_error<24>(), fine = depth_error<72>();
     CHECK(middle < coarse / 2);
     CHECK(fine < middle / 2);

@@ -44,7 +44,7 @@ long double sorted_depth(const map& heights, double stiffness, double force) {
     return 0;
 }
 
-TEST_CASE("springs: the force and the depth of a reference that sorts them") {
+TEST_CASE("winkler: the force and the depth of a reference that sorts them") {
     std::uint64_t state = 7;
     for (int round = 0; round < 20; ++round) {
         map heights;
@@ -86,7 +86,7 @@ TEST_CASE("springs: the force and the depth of a reference that sorts them") {
     }
 }
 
-TEST_CASE("springs pressed to a depth") {
+TEST_CASE("winkler: springs pressed to a depth") {
     const map heights = heights_of<size>(cell, support::sphere(0.02));
     const auto found = press(foam, cell, heights, pressing::to_depth(5e-4));
     CHECK(found.report.depth == doctest::Approx(5e-4).epsilon(1e-12).scale(0));
@@ -105,7 +105,7 @@ void check_nothing(const map& heights, const pressing& how, bool converged) {
         CHECK(pressure == 0);
 }
 
-TEST_CASE("springs: nothing to press, or nothing that presses") {
+TEST_CASE("winkler: nothing to press, or nothing that presses") {
     const map ball = heights_of<size>(cell, support::sphere(0.02));
     for (const float none : {infinite, -infinite, broken}) {
         map nowhere;
@@ -123,7 +123,7 @@ TEST_CASE("springs: nothing to press, or nothing that presses") {
     check_nothing(ball, pressing::to_depth(std::numeric_limits<double>::infinity()), false);
 }
 
-TEST_CASE("springs: what is no modulus is that of a rigid object") {
+TEST_CASE("winkler: what is no modulus is that of a rigid object") {
     const map ball = heights_of<size>(cell, support::sphere(0.02));
     const double depth = press(foam, cell, ball, pressing::to_force(5)).report.depth;
     for (const double object : {0.0, -1e5, 1e-30, std::numeric_limits<double>::quiet_NaN()})
@@ -131,7 +131,7 @@ TEST_CASE("springs: what is no modulus is that of a rigid object") {
     CHECK(press(foam, cell, ball, {pressing::goal::force, 5, 1e5}).report.depth > depth);
 }
 
-TEST_CASE("springs: one cell, and all of them") {
+TEST_CASE("winkler: one cell, and all of them") {
     map needle;
     for (float& height : needle)
         height = infinite;

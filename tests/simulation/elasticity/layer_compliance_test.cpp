@@ -86,7 +86,7 @@ surface_and_base solve_one_wave(real x, real nu) {
     return result;
 }
 
-TEST_CASE("compliance and transfer of a layer are those of one wave solved directly") {
+TEST_CASE("layer_compliance: compliance and transfer of a layer are those of one wave solved directly") {
     for (const double poisson : {-0.5, 0.0, 0.2, 0.3, 0.45, 0.499, 0.5})
         for (double x = 0.05; x < 30; x *= 1.3) {
             CAPTURE(poisson);
@@ -103,7 +103,7 @@ TEST_CASE("compliance and transfer of a layer are those of one wave solved direc
         }
 }
 
-TEST_CASE("a thin layer is a bed of springs, an incompressible one is stiffer by far") {
+TEST_CASE("layer_compliance: a thin layer is a bed of springs, an incompressible one is stiffer by far") {
     const double x = 1e-5;
     for (const double poisson : {-0.5, 0.0, 0.3, 0.49})
         CHECK(layer_compliance(x, poisson) ==
@@ -116,7 +116,7 @@ TEST_CASE("a thin layer is a bed of springs, an incompressible one is stiffer by
     CHECK(layer_transfer(0, 0.0) == 1);
 }
 
-TEST_CASE("short waves see a half space, and nothing of them reaches the base") {
+TEST_CASE("layer_compliance: short waves see a half space, and nothing of them reaches the base") {
     for (const double poisson : {-0.9, 0.0, 0.3, 0.5})
         for (const double x :
              {40.0, 299.0, 300.0, 710.0, 1e4, 1e308, std::numeric_limits<double>::infinity()}) {

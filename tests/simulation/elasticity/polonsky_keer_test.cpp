@@ -3,6 +3,7 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/contact/bonded_layer.hpp>
 #include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 
 #include <doctest/doctest.h>
 
@@ -108,7 +109,7 @@ map bumpy() {
     });
 }
 
-TEST_CASE("pressures and gaps are none negative, and one of both is zero") {
+TEST_CASE("polonsky_keer: pressures and gaps are none negative, and one of both is zero") {
     for (const double poisson : {0.0, 0.3, 0.5})
         for (const double thickness : {5e-4, 3e-3, 0.1}) {
             CAPTURE(poisson);
@@ -122,7 +123,7 @@ TEST_CASE("pressures and gaps are none negative, and one of both is zero") {
         }
 }
 
-TEST_CASE("contact does not depend on how high the object hangs, and it takes no heap") {
+TEST_CASE("polonsky_keer: contact does not depend on how high the object hangs, and it takes no heap") {
     map low = bumpy(), high = low;
     for (float& height : high)
         height += 0.25f; // exact in float only to 3e-8 m
@@ -231,7 +232,7 @@ void check_hard_cases(const Model& model) {
     }
 }
 
-TEST_CASE("hard cases on a half space and on layers of all kinds") {
+TEST_CASE("polonsky_keer: hard cases on a half space and on layers of all kinds") {
     check_hard_cases(elastic_half_space{.young = 1e6, .poisson = 0.5});
     for (const double poisson : {-0.5, 0.0, 0.3, 0.49, 0.5 - 1e-9, 0.5})
         for (const double thickness : {1e-3, 3e-3, 0.05, std::numeric_limits<double>::infinity()}) {
@@ -241,7 +242,7 @@ TEST_CASE("hard cases on a half space and on layers of all kinds") {
         }
 }
 
-TEST_CASE("random contacts are found in few steps") {
+TEST_CASE("polonsky_keer: random contacts are found in few steps") {
     tactnet::random_stream random(3, tactnet::draw::touch);
     for (const bonded_layer& layer : {bonded_layer{}, bonded_layer{.poisson = 0.5, .thickness = 3e-3},
                                       bonded_layer{.poisson = 0.5, .thickness = 1}}) {
@@ -268,7 +269,7 @@ TEST_CASE("random contacts are found in few steps") {
     }
 }
 
-TEST_CASE("what cannot be found in time is said to be") {
+TEST_CASE("polonsky_keer: what cannot be found in time is said to be") {
     const auto found = press(bonded_layer{.accuracy = {.tolerance = 1e-9, .most_iterations = 2}}, cell,
                              bumpy(), pressing::to_force(50));
     CHECK(found.report.iterations == 2);

@@ -9,7 +9,7 @@ namespace {
 
 using namespace tactnet::simulation;
 
-TEST_CASE("Bessel's function is the integral that defines it") {
+TEST_CASE("radial_kernel: Bessel's function is the integral that defines it") {
     for (double z = 0; z < 1500; z = z * 1.07 + 0.1) {
         // The mean of cos(z sin θ) over even steps, exact to the last digits once they are close enough.
         const int steps = 40 + static_cast<int>(z);
@@ -21,7 +21,7 @@ TEST_CASE("Bessel's function is the integral that defines it") {
     }
 }
 
-TEST_CASE("a table of known transforms") {
+TEST_CASE("radial_kernel: a table of known transforms") {
     // ∫ e⁻²ˣ J₀(xs) dx = 1 / √(s² + 4), and ∫ x e⁻ˣ J₀(xs) dx = (s² + 1)^(−3/2).
     const radial_kernel distance([](double x) { return std::exp(-2 * x); }, 16);
     const radial_kernel shadow([](double x) { return x * std::exp(-x); }, 36);
@@ -34,7 +34,7 @@ TEST_CASE("a table of known transforms") {
     CHECK(shadow(1e9) == 0);
 }
 
-TEST_CASE("integrals over rectangles, near a narrow peak and far from it") {
+TEST_CASE("radial_kernel: integrals over rectangles, near a narrow peak and far from it") {
     const auto near_distance = [](double depth) {
         return [=](double x, double y) { return depth / std::pow(x * x + y * y + depth * depth, 1.5); };
     };

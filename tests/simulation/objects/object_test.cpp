@@ -27,7 +27,8 @@ tactnet::tensor<float, size> laid(const object& body, const pose& at) {
     return heights;
 }
 
-TEST_CASE("an object lies where its pose says: x along the columns, y along the rows, turned from x to y") {
+TEST_CASE(
+    "object: an object lies where its pose says: x along the columns, y along the rows, turned from x to y") {
     const object ball{{rod::sphere({5e-3, 0}, 1.6e-3)}, {}};
     CHECK(laid(ball, {})(10, 20) == 0);
     CHECK(laid(ball, {.position = {2e-3, -3e-3}})(7, 22) == 0);
@@ -36,7 +37,7 @@ TEST_CASE("an object lies where its pose says: x along the columns, y along the 
     CHECK(std::isinf(laid(ball, {})(10, 23)));
 }
 
-TEST_CASE("a slope raises an object along x and y, from where it lies") {
+TEST_CASE("object: a slope raises an object along x and y, from where it lies") {
     const object face{{plate{.centre = {}, .half_length = 1, .half_width = 1}}, {}};
     const auto heights = laid(face, {.position = {1e-3, 0}, .angle = 1, .slope = {0.1, -0.2}});
     CHECK(heights(10, 16) == metres(0));
@@ -44,7 +45,7 @@ TEST_CASE("a slope raises an object along x and y, from where it lies") {
     CHECK(heights(13, 16) == metres(-0.6e-3));
 }
 
-TEST_CASE("of several parts the lowest counts") {
+TEST_CASE("object: of several parts the lowest counts") {
     const object two{{rod::sphere({}, 4e-3, 1e-3), rod::sphere({3e-3, 0}, 4e-3)}, {}};
     CHECK(two.height({0, 0}) == metres(1e-3));
     CHECK(two.height({2e-3, 0}) == metres(4e-3 - std::sqrt(16e-6 - 1e-6)));
@@ -52,7 +53,8 @@ TEST_CASE("of several parts the lowest counts") {
     CHECK(object{}.height({0, 0}) == nothing);
 }
 
-TEST_CASE("a height map of the array's size reaches all of its tactels, whatever rounding does to its rim") {
+TEST_CASE("object: a height map of the array's size reaches all of its tactels, whatever rounding does to "
+          "its rim") {
     const double odd_cell = 1.903e-3;
     const object map{{relief{{}, size.rows, size.columns, odd_cell, std::vector<float>(size.size(), 1e-3f)}},
                      {}};
@@ -65,7 +67,7 @@ TEST_CASE("a height map of the array's size reaches all of its tactels, whatever
     }
 }
 
-TEST_CASE("roughness stays within its amplitude, is continuous, and varies over its wavelength") {
+TEST_CASE("object: roughness stays within its amplitude, is continuous, and varies over its wavelength") {
     const roughness bumps{2e-4, 3e-3, 7};
     double lowest = 1, highest = 0, steepest = 0;
     for (int i = -4000; i < 4000; ++i) {

@@ -20,7 +20,7 @@ double round(double radius, double distance) {
     return radius - std::sqrt(radius * radius - distance * distance);
 }
 
-TEST_CASE("a rod of no length is a sphere") {
+TEST_CASE("part: a rod of no length is a sphere") {
     const rod ball = rod::sphere({0.01, -0.02}, 0.03, 0.001);
     CHECK(ball.height({0.01, -0.02}) == metres(0.001));
     CHECK(ball.height({0.02, -0.02}) == metres(0.001 + round(0.03, 0.01)));
@@ -29,7 +29,7 @@ TEST_CASE("a rod of no length is a sphere") {
     CHECK(ball.height({0.0401, -0.02}) == nothing);
 }
 
-TEST_CASE("a rod is a cylinder along its axis, round at its ends, and a cone between two radii") {
+TEST_CASE("part: a rod is a cylinder along its axis, round at its ends, and a cone between two radii") {
     const rod bar{{0, 0}, {0.1, 0}, 0.004, 0.004};
     for (const double along : {0.0, 0.03, 0.1})
         CHECK(bar.height({along, 0.003}) == metres(round(0.004, 0.003)));
@@ -41,7 +41,7 @@ TEST_CASE("a rod is a cylinder along its axis, round at its ends, and a cone bet
     CHECK(cone.height({0, 0.003}) == nothing);
 }
 
-TEST_CASE("an arc is round along its circle and ends where it should") {
+TEST_CASE("part: an arc is round along its circle and ends where it should") {
     const arc half{{0, 0}, 0.02, 0.003, 0, std::numbers::pi, 0, 0.002};
     CHECK(half.height({0.02, 0}) == metres(0));
     CHECK(half.height({0, 0.021}) == metres(0.001 + round(0.003, 0.001)));
@@ -56,7 +56,7 @@ TEST_CASE("an arc is round along its circle and ends where it should") {
               metres(round(0.003, 0.0015)));
 }
 
-TEST_CASE("arcs of no angle, of less than none and of more than a turn") {
+TEST_CASE("part: arcs of no angle, of less than none and of more than a turn") {
     const arc ball{{0, 0}, 0.02, 0.003, 1, 1, 0.004, 0.004};
     CHECK(ball.height(0.02 * point::at_angle(1)) == metres(0.004));
     CHECK(ball.height(0.022 * point::at_angle(1)) == metres(0.004 + round(0.003, 0.002)));
@@ -71,7 +71,7 @@ TEST_CASE("arcs of no angle, of less than none and of more than a turn") {
     CHECK(twice.height({-0.02, 0}) == metres(0.001));
 }
 
-TEST_CASE("a round bar without a radius, or with one that is no number, is nothing") {
+TEST_CASE("part: a round bar without a radius, or with one that is no number, is nothing") {
     const double none = std::numeric_limits<double>::quiet_NaN();
     for (const double radius : {0.0, -0.01, none}) {
         CAPTURE(radius);
@@ -82,7 +82,7 @@ TEST_CASE("a round bar without a radius, or with one that is no number, is nothi
     CHECK(rod{{0, 0}, {none, 0}, 0.004, 0.004}.height({0, 0}) == nothing);
 }
 
-TEST_CASE("a plate is flat inside its rim, and hollow where it says so") {
+TEST_CASE("part: a plate is flat inside its rim, and hollow where it says so") {
     const plate box{.centre = {}, .half_length = 0.02, .half_width = 0.01, .corner = 0.002, .rim = 0.003};
     CHECK(box.height({0, 0}) == 0);
     CHECK(box.height({0.0165, 0}) == 0);
@@ -114,7 +114,7 @@ TEST_CASE("a plate is flat inside its rim, and hollow where it says so") {
     CHECK(disc.height({0.0072, 0.0072}) == nothing);
 }
 
-TEST_CASE("a plate's corner takes no more than it has, and a hollow of no width all of it") {
+TEST_CASE("part: a plate's corner takes no more than it has, and a hollow of no width all of it") {
     const plate pill{.centre = {}, .half_length = 0.02, .half_width = 0.01, .corner = 1};
     CHECK(pill.height({0.0199, 0}) == 0);
     CHECK(pill.height({0, 0.0099}) == 0);
@@ -126,7 +126,7 @@ TEST_CASE("a plate's corner takes no more than it has, and a hollow of no width 
     CHECK(raised.height({0.0201, 0}) == nothing);
 }
 
-TEST_CASE("a relief is bilinear between its points and nothing beyond them") {
+TEST_CASE("part: a relief is bilinear between its points and nothing beyond them") {
     const float none = std::numeric_limits<float>::infinity();
     const relief map{{0, 0}, 2, 3, 0.01, {0, 1, 2, 3, 5, none}, 10};
     CHECK(map.height({-0.01, -0.005}) == 10);
@@ -147,7 +147,7 @@ TEST_CASE("a relief is bilinear between its points and nothing beyond them") {
     CHECK(gap.height({0.005, 0}) == 3);
 }
 
-TEST_CASE("a relief of one row is a strip, of none nothing, of too few heights an error") {
+TEST_CASE("part: a relief of one row is a strip, of none nothing, of too few heights an error") {
     const relief row{{0, 0}, 1, 3, 0.01, {0, 1, 2}};
     CHECK(row.height({0.005, 0.0049}) == metres(1.5));
     CHECK(row.height({0.005, 0.0051}) == nothing);

@@ -17,7 +17,7 @@ using namespace tactnet::simulation;
 constexpr std::size_t draws = 2000;
 const random_stream shapes(1, draw::touch, 0, 0), poses(1, draw::touch, 0, 1), forces(1, draw::touch, 0, 2);
 
-TEST_CASE("forces are log-uniform: half of them below the geometric mean") {
+TEST_CASE("drawing: forces are log-uniform: half of them below the geometric mean") {
     drawing draw(shapes, poses, forces);
     std::size_t below = 0;
     for (std::size_t i = 0; i < draws; ++i) {
@@ -31,7 +31,7 @@ TEST_CASE("forces are log-uniform: half of them below the geometric mean") {
     CHECK(std::abs(static_cast<double>(below) - draws / 2.0) < 5 * std::sqrt(draws / 4.0));
 }
 
-TEST_CASE("poses stay within their range, and their tilt has its deviation along both axes") {
+TEST_CASE("drawing: poses stay within their range, and their tilt has its deviation along both axes") {
     drawing draw(shapes, poses, forces);
     const pose_range range{{1, 2}, {0.25, 0.5}, 0.5, 0.75, 3e-3};
     double along = 0, across = 0;
@@ -57,7 +57,7 @@ TEST_CASE("poses stay within their range, and their tilt has its deviation along
     CHECK(std::sqrt(across / draws) == doctest::Approx(3e-3).epsilon(tolerance).scale(0));
 }
 
-TEST_CASE("the point of an object that is named lies where the object would") {
+TEST_CASE("drawing: the point of an object that is named lies where the object would") {
     const pose_range range{{1e-3, 2e-3}, {5e-3, 5e-3}};
     for (std::uint32_t i = 0; i < 20; ++i) {
         const random_stream where(1, draw::touch, i, 1);
@@ -70,14 +70,14 @@ TEST_CASE("the point of an object that is named lies where the object would") {
     }
 }
 
-TEST_CASE("an object that deforms is pressed like any other") {
+TEST_CASE("drawing: an object that deforms is pressed like any other") {
     const pressing press = soft(pressing::to_force(7), 15e3, 8 * mm);
     CHECK(press.amount == 7);
     CHECK(press.object_modulus == 15e3);
     CHECK(press.object_thickness == 8 * mm);
 }
 
-TEST_CASE("counts reach both of their ends, and chance is as likely as it says") {
+TEST_CASE("drawing: counts reach both of their ends, and chance is as likely as it says") {
     drawing draw(shapes, poses, forces);
     std::array<std::size_t, 6> seen{};
     std::size_t yes = 0, left = 0;
@@ -93,7 +93,7 @@ TEST_CASE("counts reach both of their ends, and chance is as likely as it says")
     CHECK(std::abs(static_cast<double>(left) - 0.5 * draws) < 5 * std::sqrt(0.25 * draws));
 }
 
-TEST_CASE("shape, pose and force are drawn apart: more draws of one change no other") {
+TEST_CASE("drawing: shape, pose and force are drawn apart: more draws of one change no other") {
     drawing one(shapes, poses, forces), other(shapes, poses, forces);
     static_cast<void>(other.within(0, 1));
     CHECK(one.somewhere({}).angle == other.somewhere({}).angle);
@@ -101,7 +101,7 @@ TEST_CASE("shape, pose and force are drawn apart: more draws of one change no ot
     CHECK(one.pressed(1, 2).amount == other.pressed(1, 2).amount);
 }
 
-TEST_CASE("a bent bar is a rod from each bend to the next") {
+TEST_CASE("drawing: a bent bar is a rod from each bend to the next") {
     std::vector<part> parts;
     add_bar(parts, std::array{bend{{0, 0}, 1, 0.1}, bend{{4, 0}, 2, 0.2}, bend{{4, 4}, 3, 0.3}});
     REQUIRE(parts.size() == 2);

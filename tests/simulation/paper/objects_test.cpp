@@ -1,6 +1,6 @@
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <doctest/doctest.h>
 
@@ -33,12 +33,12 @@ std::vector<float> images_of(std::size_t count, std::size_t threads) {
     return all;
 }
 
-TEST_CASE("the classes are those of the paper, in the order of a folder") {
+TEST_CASE("objects: the classes are those of the paper, in the order of a folder") {
     CHECK(paper_objects.size() == 22);
     CHECK(std::ranges::is_sorted(paper_objects, {}, &object_family::name));
 }
 
-TEST_CASE("every draw of every class touches the array, with whole counts and a force that is met") {
+TEST_CASE("objects: every draw of every class touches the array, with whole counts and a force that is met") {
     paper_scene scene;
     paper_scene::frames frames;
     for (std::size_t label = 0; label < paper_objects.size(); ++label) {
@@ -59,7 +59,7 @@ TEST_CASE("every draw of every class touches the array, with whole counts and a 
     }
 }
 
-TEST_CASE("an image is the same wherever it is made, and unlike every other") {
+TEST_CASE("objects: an image is the same wherever it is made, and unlike every other") {
     const auto alone = images_of(110, 1);
     CHECK(alone == images_of(110, 2));
     CHECK(alone == images_of(110, 3));
@@ -71,7 +71,7 @@ TEST_CASE("an image is the same wherever it is made, and unlike every other") {
     CHECK(different.size() == 110);
 }
 
-TEST_CASE("classes are drawn apart, though all from one seed") {
+TEST_CASE("objects: classes are drawn apart, though all from one seed") {
     const auto drawn = [](std::string_view name) {
         const auto found = std::ranges::find(paper_objects, name, &object_family::name);
         return draw_touch(static_cast<std::size_t>(found - paper_objects.begin()), 1, 0).at.position;
@@ -82,7 +82,7 @@ TEST_CASE("classes are drawn apart, though all from one seed") {
     CHECK_THROWS_AS(static_cast<void>(draw_touch(paper_objects.size(), 1, 0)), std::out_of_range);
 }
 
-TEST_CASE("soft bodies are broad and faint, tools sharp") {
+TEST_CASE("objects: soft bodies are broad and faint, tools sharp") {
     const auto over = [](std::string_view name) {
         const auto found = std::ranges::find(paper_objects, name, &object_family::name);
         const auto label = static_cast<std::size_t>(found - paper_objects.begin());

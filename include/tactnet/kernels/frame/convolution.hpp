@@ -24,10 +24,10 @@ struct frame_convolution {
     extent pool = 1;          ///< window and stride of the max pool behind, without padding before the image
     std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if a pool cuts or completes windows
     bool rectified = false;
-    bool adds = false;           ///< to the map that the output takes the place of
-    std::size_t groups = 1;      ///< filters of a group see the channels of that group only
-    std::size_t map_stride = 0;  ///< elements from one pixel to the next of a wider map that holds the output
-    std::size_t map_offset = 0;  ///< channels of that map in front of the output; 0 also without one
+    bool adds = false;          ///< to the map that the output takes the place of
+    std::size_t groups = 1;     ///< filters of a group see the channels of that group only
+    std::size_t map_stride = 0; ///< elements from one pixel to the next of a wider map that holds the output
+    std::size_t map_offset = 0; ///< channels of that map in front of the output; 0 also without one
     std::size_t input_offset = 0; ///< the first channel of the input is a multiple of this; 0: aligned
 
     /// Of a register block: more of them, beside inputs and weights, and compilers spill.
@@ -52,12 +52,11 @@ struct frame_convolution {
     /// Elements of the packed weights, then of the biases.
     [[nodiscard]] constexpr std::size_t weights() const { return taps() * padded_filters(); }
 
-    /// Whether the output fits into its place in a wider map: lanes behind its last channel must not reach the
-    /// next pixel.
+    /// Whether the output fits into its place in a wider map: lanes behind its last channel must not reach
+    /// the next pixel.
     [[nodiscard]] constexpr bool fits_map() const {
-        return map_stride == 0 ||
-               (map_stride % width() == 0 && map_offset % width() == 0 &&
-                map_offset + padded_filters() <= map_stride);
+        return map_stride == 0 || (map_stride % width() == 0 && map_offset % width() == 0 &&
+                                   map_offset + padded_filters() <= map_stride);
     }
     /// Whether groups can be computed one by one: their filters must fill vectors.
     [[nodiscard]] constexpr bool groups_apart() const {

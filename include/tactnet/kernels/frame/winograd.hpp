@@ -69,11 +69,10 @@ struct winograd_tiles {
     /// Elements of the transformed, packed kernels.
     static constexpr std::size_t weights = elements * channels * C.padded_filters();
 
-    static constexpr bool possible = (C.window.kernel == extent(3) || C.window.kernel == extent(2)) &&
-                                     C.window.stride == extent(1) &&
-                                     (C.pool == extent(1) || C.pool == extent(2)) &&
-                                     C.input_stride % input_width == 0 && C.input_stride >= input_stride &&
-                                     C.input_offset % input_width == 0;
+    static constexpr bool possible =
+        (C.window.kernel == extent(3) || C.window.kernel == extent(2)) && C.window.stride == extent(1) &&
+        (C.pool == extent(1) || C.pool == extent(2)) && C.input_stride % input_width == 0 &&
+        C.input_stride >= input_stride && C.input_offset % input_width == 0;
     /// Whether fewer vector operations are needed than with taps on real pixels. Transforms count with their
     /// loads and stores; register blocks of few tiles wait for the weights.
     static constexpr bool pays = [] {

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <type_traits>
 
-// The two passes of a separable resize whose weights are tables known when compiling. An `Axis` (see
+// The two passes of a separable resize whose weights are compile-time constants. An `Axis` (see
 // image/resize_axis.hpp) tells `inputs`, `outputs`, `taps` and, in `table`, the first input and the weights
 // of each output's taps.
 //
@@ -16,8 +16,8 @@
 // sum over all inputs that any of them needs, each spread over the lanes and multiplied by a vector of
 // weights, most of them zero: small images leave too little for gathers or transposes to pay off.
 //
-// Zero times NaN is NaN: `Guarded` passes never multiply by a weight of zero, and give the same bits
-// otherwise.
+// Zero times NaN is NaN: `Guarded` passes never multiply by a weight of zero, and are bit-exact
+// with the others otherwise.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

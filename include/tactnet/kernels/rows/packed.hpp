@@ -11,7 +11,7 @@
 
 // Products of every row of one matrix with every row of another: A · Bᵀ, where B is kept in the order of use.
 // Unlike a general matrix product, every sum is taken in one fixed order, whatever the number of rows: a row
-// alone gives the same bits as in a batch.
+// alone is bit-exact with the same row in a batch.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

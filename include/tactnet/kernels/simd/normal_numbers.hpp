@@ -12,7 +12,7 @@
 // Standard normal numbers by the hundreds: the words of Philox in whole vectors, then Box and Muller's
 // transform.
 //
-// The numbers have the same bits with every instruction set, with and without fused multiply-adds. For that,
+// The numbers are bit-exact with every instruction set, with and without fused multiply-adds. For that,
 // no rounded product is ever added to anything, since a compiler may fuse the two: logarithm and tangent are
 // continued fractions (Abramowitz, Stegun, Handbook of Mathematical Functions, 4.1.39 with 4.6.33, and
 // 4.3.94), whose steps are a division and a difference, and those are rounded alike everywhere.

@@ -1,10 +1,5 @@
 #pragma once
 
-// Tekscan's text recordings (.csv, .asf): a header up to 'ASCII_DATA @@', frames of one line and as many rows
-// as the header says, and a closing '@@'. Programs of different versions, countries and spreadsheets write
-// them differently; what they mean is the same, and is checked: rows, columns, the number of frames, the sum
-// of each frame where it is given, and that the cells without a tactel stay the same.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/sensors/decoder.hpp>
@@ -23,6 +18,11 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+// Tekscan's text recordings (.csv, .asf): a header up to 'ASCII_DATA @@', frames of one line and as many rows
+// as the header says, and a closing '@@'. Programs of different versions, countries and spreadsheets write
+// them differently; what they mean is the same, and is checked: rows, columns, the number of frames, the sum
+// of each frame where it is given, and that the cells without a tactel stay the same.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,10 +1,5 @@
 #pragma once
 
-// Tekscan's binary recordings (.fsx): a text header, the bytes 0A BB BA, and frames. A frame is runs of cells
-// that are not zero, { u16 cell, u8 count, count bytes }, up to FFFF, and records { u16 tag, u16 length, data
-// }, up to FFFF; where the next frame would begin, FF FE ends the recording. All numbers have their lowest
-// byte first. The cells are raw counts, whatever unit the header names for showing them.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
@@ -19,6 +14,11 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// Tekscan's binary recordings (.fsx): a text header, the bytes 0A BB BA, and frames. A frame is runs of cells
+// that are not zero, { u16 cell, u8 count, count bytes }, up to FFFF, and records { u16 tag, u16 length, data
+// }, up to FFFF; where the next frame would begin, FF FE ends the recording. All numbers have their lowest
+// byte first. The cells are raw counts, whatever unit the header names for showing them.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,7 +1,5 @@
 #pragma once
 
-// The text in front of a Tekscan binary recording, up to the bytes 0A BB BA, which may arrive in any pieces.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
@@ -15,6 +13,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
+
+// The text in front of a Tekscan binary recording, up to the bytes 0A BB BA, which may arrive in any pieces.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,9 +1,5 @@
 #pragma once
 
-// The text in front of Tekscan's recordings and maps: lines of a key and a value, up to the one that begins
-// the data. Versions differ in which keys they write, in units and in what a spreadsheet has added since.
-// Keys that matter for the cells must make sense; all others are kept as they stand.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/sensors/decoder.hpp>
@@ -19,6 +15,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
+
+// The text in front of Tekscan's recordings and maps: lines of a key and a value, up to the one that begins
+// the data. Versions differ in which keys they write, in units and in what a spreadsheet has added since.
+// Keys that matter for the cells must make sense; all others are kept as they stand.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,9 +1,5 @@
 #pragma once
 
-// Tekscan's maps of sensors (.mp): a text header, and behind 'SENSOR_MAP @@' for each cell, row by row, the
-// place of its tactel in what the electronics scan. A cell without a tactel has no place: a negative number,
-// 65535 or B.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/sensors/decoder.hpp>
@@ -21,6 +17,10 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+// Tekscan's maps of sensors (.mp): a text header, and behind 'SENSOR_MAP @@' for each cell, row by row, the
+// place of its tactel in what the electronics scan. A cell without a tactel has no place: a negative number,
+// 65535 or B.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,9 +1,5 @@
 #pragma once
 
-// One row of cells as Tekscan's text has it: numbers, and B where there is no tactel, with commas,
-// semicolons, tabs or spaces between them, one kind in a row. This is where nearly all bytes of a recording
-// go through.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/tekscan/text.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
@@ -13,6 +9,10 @@
 #include <limits>
 #include <span>
 #include <string_view>
+
+// One row of cells as Tekscan's text has it: numbers, and B where there is no tactel, with commas,
+// semicolons, tabs or spaces between them, one kind in a row. This is where nearly all bytes of a recording
+// go through.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

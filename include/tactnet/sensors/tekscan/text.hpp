@@ -1,8 +1,5 @@
 #pragma once
 
-// The lines between which the cells of Tekscan's text stand: what a spreadsheet may have done to any line,
-// lines of a header, the ones that end it, and the line that begins a frame.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
@@ -13,6 +10,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+
+// The lines between which the cells of Tekscan's text stand: what a spreadsheet may have done to any line,
+// lines of a header, the ones that end it, and the line that begins a frame.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,8 +1,5 @@
 #pragma once
 
-// Text that arrives in pieces, cut into lines: LF, CR LF or both in one file. A line that is whole in one
-// piece is never copied; one that is not is kept until its end comes, up to a limit.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 
@@ -11,6 +8,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+
+// Text that arrives in pieces, cut into lines: LF, CR LF or both in one file. A line that is whole in one
+// piece is never copied; one that is not is kept until its end comes, up to a limit.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

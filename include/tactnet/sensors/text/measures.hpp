@@ -1,14 +1,14 @@
 #pragma once
 
-// Measures in the headers of recordings: a number and a unit, in the spellings that programs of different
-// versions and countries write. Everything becomes metres, square metres, seconds and pascal.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
 
 #include <optional>
 #include <span>
 #include <string_view>
+
+// Measures in the headers of recordings: a number and a unit, in the spellings that programs of different
+// versions and countries write. Everything becomes metres, square metres, seconds and pascal.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

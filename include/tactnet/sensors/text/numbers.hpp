@@ -1,9 +1,5 @@
 #pragma once
 
-// Numbers as recordings write them: digits with or without a decimal point and an exponent, never a sign,
-// since neither counts nor pressures nor lengths are below zero. A decimal comma is nobody's number: it would
-// be a guess. Most cells have one to three digits, so these are read by hand; the rest is exact as well.
-
 #include <tactnet/detail/config.hpp>
 
 #include <array>
@@ -16,6 +12,10 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+
+// Numbers as recordings write them: digits with or without a decimal point and an exponent, never a sign,
+// since neither counts nor pressures nor lengths are below zero. A decimal comma is nobody's number: it would
+// be a guess. Most cells have one to three digits, so these are read by hand; the rest is exact as well.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

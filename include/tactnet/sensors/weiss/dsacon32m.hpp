@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tactnet/sensors/weiss/packet.hpp>
+
 // The DSACON32m controller, as in the Schunk SDH hand: packets whose checksum leaves the preamble out, frames
 // usually in runs. One frame holds the cells of all its matrices, one after the other.
-
-#include <tactnet/sensors/weiss/packet.hpp>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,11 +1,5 @@
 #pragma once
 
-// The packets of Weiss Robotics' tactile controllers: AA AA AA, an identifier, u16 size, as many bytes of
-// payload, and a CRC-16, all numbers with their lowest byte first. A frame has the identifier 0 and a payload
-// of u32 time stamp, u8 flags and cells: u16 each, or, with the lowest flag set, in runs of a u16 each, whose
-// low 12 bits are the value and whose high 4 bits are how many cells have it. The controllers differ in which
-// bytes the checksum covers.
-
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
@@ -20,6 +14,12 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+// The packets of Weiss Robotics' tactile controllers: AA AA AA, an identifier, u16 size, as many bytes of
+// payload, and a CRC-16, all numbers with their lowest byte first. A frame has the identifier 0 and a payload
+// of u32 time stamp, u8 flags and cells: u16 each, or, with the lowest flag set, in runs of a u16 each, whose
+// low 12 bits are the value and whose high 4 bits are how many cells have it. The controllers differ in which
+// bytes the checksum covers.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,8 +1,8 @@
 #pragma once
 
-// Weiss Robotics' WTS sensors: packets whose checksum covers all of them.
-
 #include <tactnet/sensors/weiss/packet.hpp>
+
+// Weiss Robotics' WTS sensors: packets whose checksum covers all of them.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/objects/part.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
@@ -12,6 +13,11 @@
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
+namespace draw {
+inline constexpr random_purpose touch{9}; ///< what touches a simulated sensor, and how
+} // namespace draw
+
 namespace simulation {
 
 /// Bumps of a surface: random heights at the points of a grid, smooth between.

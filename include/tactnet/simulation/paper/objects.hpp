@@ -48,11 +48,11 @@ inline constexpr std::array<object_family, 22> paper_objects{{
 
 /// Touch `number` of a class, which is an index of paper_objects: the same wherever it is drawn.
 [[nodiscard]] inline touch draw_touch(std::size_t label, std::uint64_t seed, std::uint32_t number) {
-    const auto stream = [&](random_use use) {
-        return random_stream(seed, draw::touch, number,
-                             static_cast<std::uint32_t>(label) * 64 + static_cast<std::uint32_t>(use));
+    enum what : std::uint32_t { shape = 4, pose = 5, force = 6 }; // of 64 for each class
+    const auto stream = [&](what drawn) {
+        return random_stream(seed, draw::touch, number, static_cast<std::uint32_t>(label) * 64 + drawn);
     };
-    drawing draw(stream(random_use::shape), stream(random_use::pose), stream(random_use::force));
+    drawing draw(stream(shape), stream(pose), stream(force));
     return paper_objects.at(label).draw(draw);
 }
 

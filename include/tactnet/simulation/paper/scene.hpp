@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tactnet/sensors/tekscan_6077.hpp>
+#include <tactnet/simulation/array.hpp>
 #include <tactnet/simulation/contact/bonded_layer.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
 #include <tactnet/simulation/effects/circuit/quantisation.hpp>
@@ -13,18 +15,21 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
+/// The array that the paper's images were taken with.
+using paper_array = array<tekscan_6077::extents.rows, tekscan_6077::extents.columns>;
+
 /// What the paper's images call for, and no more: the effects without which simulated images are told from
-/// them at a glance. On the 28 × 50 array of the paper, as 8-bit counts that went through a JPEG file.
-using paper_scene = scene<array<28, 50>, contact<winkler>, elastic_pad, film_texture, saturation,
+/// them at a glance. On the paper's array, as 8-bit counts that went through a JPEG file.
+using paper_scene = scene<paper_array, contact<winkler>, elastic_pad, film_texture, saturation,
                           quantisation<8>, jpeg_storage>;
 
 /// With the accurate model of contact, which lets neighbours sink with what presses beside them: for touches
 /// of which the pressures themselves matter. Takes hundreds of times as long.
-using layered_scene = scene<array<28, 50>, contact<bonded_layer>, elastic_pad, film_texture, saturation,
+using layered_scene = scene<paper_array, contact<bonded_layer>, elastic_pad, film_texture, saturation,
                             quantisation<8>, jpeg_storage>;
 
 /// The same touches as an ideal array would show them.
-using ideal_scene = scene<array<28, 50>, contact<winkler>, saturation, quantisation<8>>;
+using ideal_scene = scene<paper_array, contact<winkler>, saturation, quantisation<8>>;
 
 } // namespace simulation
 } // namespace TACTNET_ARCH

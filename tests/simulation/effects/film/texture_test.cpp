@@ -31,7 +31,7 @@ double deviation(const map& values, double middle) {
 // Of 1400 tactels the measured deviation itself varies by 1 / √2800 = 1.9 %; five of these.
 constexpr double tolerance = 5 * 0.019;
 
-TEST_CASE("the deviation grows with the square root of the pressure") {
+TEST_CASE("texture: the deviation grows with the square root of the pressure") {
     for (const float pressure : {2e3f, 8e3f, 32e3f}) {
         CAPTURE(pressure);
         const auto p = static_cast<double>(pressure);
@@ -43,13 +43,14 @@ TEST_CASE("the deviation grows with the square root of the pressure") {
     }
 }
 
-TEST_CASE("one part stays with the sensor, the other changes from frame to frame") {
+TEST_CASE("texture: one part stays with the sensor, the other changes from frame to frame") {
     CHECK(std::ranges::equal(textured({20, 0}, 1e4f, 1, 0), textured({20, 0}, 1e4f, 1, 9)));
     CHECK(!std::ranges::equal(textured({20, 0}, 1e4f, 1, 0), textured({20, 0}, 1e4f, 2, 0)));
     CHECK(!std::ranges::equal(textured({0, 20}, 1e4f, 1, 0), textured({0, 20}, 1e4f, 1, 1)));
 }
 
-TEST_CASE("no texture changes no bit, where nothing presses nothing is felt, and no reading is below zero") {
+TEST_CASE("texture: no texture changes no bit, where nothing presses nothing is felt, and no reading is "
+          "below zero") {
     map values;
     for (std::size_t i = 0; i < map::size(); ++i)
         values.data()[i] = static_cast<float>(i * i) * 0.0371f;

@@ -39,7 +39,8 @@ double sum(const map& pressures) {
 
 static_assert(in_place_effect<elastic_pad::bound<size>, size> && effect<elastic_pad>);
 
-TEST_CASE("the shares of an endless array add up to one, and so do their waves to the transfer function") {
+TEST_CASE(
+    "pad: the shares of an endless array add up to one, and so do their waves to the transfer function") {
     for (const double poisson : {0.0, 0.3, 0.5})
         for (const double thickness : {0.01, 0.3, 1.0, 2.5}) {
             CAPTURE(poisson);
@@ -65,7 +66,8 @@ TEST_CASE("the shares of an endless array add up to one, and so do their waves t
         }
 }
 
-TEST_CASE("no force is lost in the middle of the array, and pressure spreads the more the thicker the pad") {
+TEST_CASE(
+    "pad: no force is lost in the middle of the array, and pressure spreads the more the thicker the pad") {
     double before = 1;
     for (const double thickness : {1e-4, 3e-4, 1e-3, 2e-3, 3e-3}) {
         CAPTURE(thickness);
@@ -82,7 +84,7 @@ TEST_CASE("no force is lost in the middle of the array, and pressure spreads the
     }
 }
 
-TEST_CASE("an even pressure stays what it is, but at the rim of the array force is lost") {
+TEST_CASE("pad: an even pressure stays what it is, but at the rim of the array force is lost") {
     map even;
     for (float& pressure : even)
         pressure = 2000;
@@ -93,7 +95,7 @@ TEST_CASE("an even pressure stays what it is, but at the rim of the array force 
     CHECK(film(0, 0) < film(14, 0));
 }
 
-TEST_CASE("a pad of no thickness changes no bit") {
+TEST_CASE("pad: a pad of no thickness changes no bit") {
     map pressures = pressed_cell(3, 4, 123.456f);
     pressures(5, 6) = NAN, pressures(7, 8) = -1, pressures(9, 10) = INFINITY;
     for (const double thickness : {0.0, -1.0, 1e-10, std::numeric_limits<double>::quiet_NaN()}) {
@@ -107,7 +109,7 @@ TEST_CASE("a pad of no thickness changes no bit") {
     CHECK(film(3, 4) == doctest::Approx(1000).epsilon(1e-3));
 }
 
-TEST_CASE("through an endlessly thick pad nothing is felt") {
+TEST_CASE("pad: through an endlessly thick pad nothing is felt") {
     for (const double poisson : {0.0, 0.3, 0.5}) {
         for (const double thickness : {1e3, 1e300, std::numeric_limits<double>::infinity()})
             for (const float pressure : through({thickness, poisson}, pressed_cell(14, 25, 1000))) {
@@ -121,7 +123,7 @@ TEST_CASE("through an endlessly thick pad nothing is felt") {
     }
 }
 
-TEST_CASE("extreme pressures stay finite") {
+TEST_CASE("pad: extreme pressures stay finite") {
     map extreme;
     for (float& pressure : extreme)
         pressure = std::numeric_limits<float>::max();

@@ -12,7 +12,7 @@ using namespace tactnet::simulation;
 
 constexpr tactnet::shape cells{4, 6};
 
-TEST_CASE("each tactel is the mean of its own square of cells") {
+TEST_CASE("tactel_average: each tactel is the mean of its own square of cells") {
     tactnet::tensor<float, cells> from;
     for (std::size_t row = 0; row < cells.rows; ++row)
         for (std::size_t column = 0; column < cells.columns; ++column)
@@ -26,7 +26,7 @@ TEST_CASE("each tactel is the mean of its own square of cells") {
             CHECK(means(row, column) == static_cast<float>(20 * row + 2 * column) + 5.5f);
 }
 
-TEST_CASE("one cell a tactel changes no bit") {
+TEST_CASE("tactel_average: one cell a tactel changes no bit") {
     tactnet::tensor<float, cells> from, means;
     for (std::size_t i = 0; i < cells.size(); ++i)
         from.data()[i] = static_cast<float>(i) * 0.37f;

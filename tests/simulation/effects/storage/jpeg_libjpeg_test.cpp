@@ -1,3 +1,4 @@
+#include <tactnet/image/noise.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
 #include <tactnet/tensor/tensor.hpp>

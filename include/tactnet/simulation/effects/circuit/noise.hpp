@@ -17,10 +17,11 @@ namespace simulation {
 /// Normal noise of the circuit, each tactel's and each frame's its own: of the standard deviation
 /// √(additive² + (relative · pressure)²). A reading may fall below zero; threshold and converter mend that.
 ///
-/// The numbers are those of (moment.seed, moment.frame), and the noise has the same bits with every
+/// The numbers are those of (moment.seed, moment.frame), and the noise is bit-exact with every
 /// instruction set: as in kernels/simd/normal_numbers.hpp, nothing is added to a rounded product.
 struct noise {
     static constexpr stage place = stage::circuit;
+    static constexpr effect_purpose random_use{2};
 
     /// Pascals; half a count of the paper's converter. Chosen: its images are single frames, which do not
     /// show how much the same touch varies.
@@ -45,7 +46,7 @@ struct noise {
             if (none_)
                 return;
             constexpr std::size_t group = kernels::normal_numbers::group_size;
-            const kernels::normal_numbers random(now.random(random_use::noise));
+            const kernels::normal_numbers random(now.random(random_use));
             alignas(64) std::array<float, group> numbers, values{};
             for (std::size_t first = 0; first < Shape.size(); first += group) {
                 float* const from = pressures.data() + first;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/effect.hpp>
 
 #include <algorithm>
@@ -18,7 +19,7 @@ struct quantisation_levels {
                   "quantisation: there must be 2 to 65536 levels, 1 to 16 bits");
     static constexpr stage place = stage::converter;
 
-    double full_scale = 34e3; ///< pascals that the last count stands for
+    double full_scale = tekscan_6077::saturation_pressure; ///< pascals that the last count stands for
 
     template <shape Shape>
     class bound {

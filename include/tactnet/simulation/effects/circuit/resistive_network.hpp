@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/simulation/effects/circuit/positive_definite.hpp>
 
@@ -24,8 +25,8 @@ struct resistive_network {
     static constexpr stage place = stage::circuit;
 
     /// Siemens of a tactel for each pascal on it, above zero; conductance is proportional to pressure in such
-    /// films. Chosen: 10 kΩ at 34 kPa.
-    double sensitivity = 1e-4 / 34e3;
+    /// films. Chosen: 10 kΩ where the paper's sensor saturates.
+    double sensitivity = 1e-4 / tekscan_6077::saturation_pressure;
     /// Siemens from each line that is not being read to ground: 0 where lines hang free, which is the worst,
     /// and infinite where all are grounded, which has no crosstalk. Below 10⁻⁹ of the best conducting line it
     /// counts as that. Chosen: each line is grounded through the 100 Ω of an analogue switch.

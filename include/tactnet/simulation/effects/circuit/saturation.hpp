@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/effect.hpp>
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace simulation {
 struct saturation {
     static constexpr stage place = stage::circuit;
 
-    double limit = 34e3; ///< pascals; infinite for none
+    double limit = tekscan_6077::saturation_pressure; ///< pascals; infinite for none
 
     template <shape Shape>
     class bound {

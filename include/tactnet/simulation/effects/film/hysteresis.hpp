@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/effect.hpp>
 
 #include <algorithm>
@@ -25,10 +26,11 @@ struct hysteresis {
         double threshold; ///< pascals; below zero counts as zero
         double weight;    ///< share of the reading, 0 … 1; 0 or less is none
     };
-    /// By default the loop of a full cycle is 4.5 % of 34 kPa wide at its middle, which the maker of the
+    static constexpr double step = tekscan_6077::saturation_pressure / 16;
+    /// By default the loop of a full cycle is 4.5 % of full scale wide at its middle, which the maker of the
     /// paper's sensor states as the most for single sensors of the same kind (FlexiForce A201, data sheet).
     /// That the four have the same weight at even distances is chosen.
-    std::array<play, 4> plays{{{2125, 0.036}, {4250, 0.036}, {6375, 0.036}, {8500, 0.036}}};
+    std::array<play, 4> plays{{{step, 0.036}, {2 * step, 0.036}, {3 * step, 0.036}, {4 * step, 0.036}}};
 
     template <shape Shape>
     class bound {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/effect.hpp>
 
 #include <algorithm>
@@ -18,7 +19,7 @@ struct linearity {
     /// Greatest distance from the straight line, as a share of full scale, −0.9 … 0.9; 0 is none. The maker
     /// of the paper's sensor states ±3 % for single sensors of the same kind (FlexiForce A201, data sheet).
     double error = 0.03;
-    double full_scale = 34e3; ///< pascals, above zero
+    double full_scale = tekscan_6077::saturation_pressure; ///< pascals, above zero
 
     template <shape Shape>
     class bound {

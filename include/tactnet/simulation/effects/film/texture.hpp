@@ -18,6 +18,7 @@ namespace simulation {
 /// other 2.0 √count).
 struct film_texture {
     static constexpr stage place = stage::film;
+    static constexpr effect_purpose random_use{7};
 
     double fixed = 20.2;   ///< √Pa, of one sensor
     double varying = 23.1; ///< √Pa, from touch to touch
@@ -28,12 +29,12 @@ struct film_texture {
         bound(const film_texture& effect, const mounting& where)
             : varying_(static_cast<float>(effect.varying)) {
             const auto deviation = static_cast<float>(effect.fixed);
-            kernels::normal_numbers(where.unit.random(random_use::texture))
+            kernels::normal_numbers(where.unit.random(random_use))
                 .each(Shape.size(),
                       [&](std::size_t i, float normal) { fixed_.data()[i] = deviation * normal; });
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
-            kernels::normal_numbers(now.random(random_use::texture))
+            kernels::normal_numbers(now.random(random_use))
                 .each(Shape.size(), [&](std::size_t i, float normal) {
                     float& pressure = pressures.data()[i];
                     const float texture = fixed_.data()[i] + varying_ * normal;

@@ -1,5 +1,4 @@
 #include "mixed.hpp"
-#include "networks.hpp"
 #include "small.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
@@ -8,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <deployment/header_export/networks.hpp>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -39,7 +39,7 @@ void same_as(const Recogniser& recogniser, const Packed& packed) {
 
 } // namespace
 
-TEST_CASE("deployed header: the network that it was written from") {
+TEST_CASE("deployed_header: the network that it was written from") {
     namespace small = gripper::recognition;
     static_assert(small::packed.elements.size() > 0 &&
                   small::folded[small_network::input_shape.size()] == 1.0f / 64);
@@ -53,7 +53,7 @@ TEST_CASE("deployed header: the network that it was written from") {
     CHECK(mixed::classes.empty());
 }
 
-TEST_CASE("deployed header: the folded numbers to the bit") {
+TEST_CASE("deployed_header: the folded numbers to the bit") {
     const auto original = deployed_network<mixed_network>();
     CHECK(std::equal(
         original.folded().begin(), original.folded().end(), mixed::folded.begin(),
@@ -63,7 +63,7 @@ TEST_CASE("deployed header: the folded numbers to the bit") {
     CHECK(tactnet::detail::float_literal(0x1p-149f).starts_with("0x"));
 }
 
-TEST_CASE("deployed header: names of namespaces") {
+TEST_CASE("deployed_header: names of namespaces") {
     for (const char* good : {"a", "gripper", "gripper::tactile", "g2_x::y", "classes"})
         CHECK_MESSAGE(tactnet::is_namespace_name(good), good);
     for (const char* bad : {"",       "2a", "a-b",  "a b",   "a::",    "::a", "a:b",
@@ -72,7 +72,7 @@ TEST_CASE("deployed header: names of namespaces") {
         CHECK_FALSE_MESSAGE(tactnet::is_namespace_name(bad), bad);
 }
 
-TEST_CASE("deployed header: what it refuses") {
+TEST_CASE("deployed_header: what it refuses") {
     const auto original = deployed_network<small_network>();
     const auto frame = frame_of<small_network>(0);
     CHECK_THROWS_WITH_AS((void)tactnet::deployed_header(original, {"x", "a-b", {}}, frame),

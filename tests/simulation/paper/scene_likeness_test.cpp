@@ -3,7 +3,7 @@
 
 #include <tactnet/io/image_folder.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <doctest/doctest.h>
 
@@ -34,7 +34,8 @@ private:
     double contact_ = 0, mean_ = 0, images_ = 0;
 };
 
-TEST_CASE("contact and pressure of simulated images are within a factor of 1.5 of the real ones") {
+TEST_CASE(
+    "paper_scene: contact and pressure of simulated images are within a factor of 1.5 of the real ones") {
     const auto folder = support::find_data("tactile_images");
     if (!folder)
         return;

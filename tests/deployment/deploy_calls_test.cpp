@@ -80,7 +80,7 @@ logits of(const std::vector<std::uint8_t>& counts) {
 
 } // namespace
 
-TEST_CASE("deployed calls: NaN and infinity are told wherever they are in the frame") {
+TEST_CASE("deployed: NaN and infinity are told wherever they are in the frame") {
     const auto missed = [](const auto& network, std::vector<float> frame) {
         using fast_type = std::remove_cvref_t<decltype(network)>;
         const auto told = [&] {
@@ -109,7 +109,7 @@ TEST_CASE("deployed calls: NaN and infinity are told wherever they are in the fr
     CHECK(missed(deploy(small), as_floats(support::make_frame(forgetful::input_shape.size(), 1))) == 0);
 }
 
-TEST_CASE("deployed calls: of a batch with one bad frame too") {
+TEST_CASE("deployed: of a batch with one bad frame too") {
     constexpr std::size_t count = 5;
     std::vector<float> frames(count * pixels, 3), out(count * outputs);
     thread_pool threads(2);
@@ -124,7 +124,7 @@ TEST_CASE("deployed calls: of a batch with one bad frame too") {
     CHECK_THROWS_AS(static_cast<void>(fast()(threads, all, std::span(out).first(1))), std::invalid_argument);
 }
 
-TEST_CASE("deployed calls: numbers so large that sums overflow never pass as a result") {
+TEST_CASE("deployed: numbers so large that sums overflow never pass as a result") {
     const fast_net plain = deploy(trained());
     const auto layers = support::describe<net>();
     std::size_t told = 0, wrong = 0;
@@ -150,7 +150,7 @@ TEST_CASE("deployed calls: numbers so large that sums overflow never pass as a r
     CHECK(wrong == 0);
 }
 
-TEST_CASE("deployed calls: a sum that overflows on the way is told, though a ReLU would hide it") {
+TEST_CASE("deployed: a sum that overflows on the way is told, though a ReLU would hide it") {
     using hides = network<shape{1, 3}, conv2d<1, extent(1, 3), 1, valid>, relu, dense<1>>;
     hides n;
     const std::array<float, 6> values{-2, 1.1f, 1.1f, 0, 1, 0}; // of 3e38: first −inf, in truth 6e37
@@ -165,7 +165,7 @@ TEST_CASE("deployed calls: a sum that overflows on the way is told, though a ReL
     CHECK(out[0] == doctest::Approx(0.2e30));
 }
 
-TEST_CASE("deployed calls: parameters that no training gives are refused") {
+TEST_CASE("deployed: parameters that no training gives are refused") {
     using small = network<shape{1, 3}, conv2d<1, extent(1, 3), 1, valid>, relu, dense<1>>;
     small n;
     n.learnable_values()[0] = 1e36f;
@@ -173,7 +173,7 @@ TEST_CASE("deployed calls: parameters that no training gives are refused") {
                          std::invalid_argument);
 }
 
-TEST_CASE("deployed calls: counts in bytes give the bits of counts in floats") {
+TEST_CASE("deployed: counts in bytes give the bits of counts in floats") {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const std::vector<std::uint8_t> counts = support::make_frame(pixels, seed);
         const std::vector<float> frame = as_floats(counts);
@@ -183,7 +183,7 @@ TEST_CASE("deployed calls: counts in bytes give the bits of counts in floats") {
     }
 }
 
-TEST_CASE("deployed calls: mean and scale give the bits of a frame prepared by hand") {
+TEST_CASE("deployed: mean and scale give the bits of a frame prepared by hand") {
     const fast_net plain = deploy(trained());
     const std::vector<float> mean = mean_image();
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 3);
@@ -227,7 +227,7 @@ TEST_CASE("deployed: parameters that are no numbers, and impossible variances, a
     CHECK_THROWS_AS(static_cast<void>(deploy(good, means, 1)), std::invalid_argument);
 }
 
-TEST_CASE("deployed calls: the same bits in batches of any size on any number of threads") {
+TEST_CASE("deployed: the same bits in batches of any size on any number of threads") {
     constexpr std::size_t most = 64;
     std::vector<std::uint8_t> frames;
     std::vector<float> expected;
@@ -256,8 +256,7 @@ TEST_CASE("deployed calls: the same bits in batches of any size on any number of
     }
 }
 
-TEST_CASE(
-    "deployed calls: the same bits wherever the frame and the outputs lie, with garbage in the memory") {
+TEST_CASE("deployed: the same bits wherever the frame and the outputs lie, with garbage in the memory") {
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 9);
     const std::vector<float> frame = as_floats(counts);
     const logits expected = of(counts);
@@ -283,7 +282,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("deployed calls: copies and views give the same bits, also when the original is gone") {
+TEST_CASE("deployed: copies and views give the same bits, also when the original is gone") {
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 9);
     auto original = std::make_unique<fast_net>(fast());
     const fast_net copy = *original;
@@ -296,7 +295,7 @@ TEST_CASE("deployed calls: copies and views give the same bits, also when the or
     }
 }
 
-TEST_CASE("deployed calls: the same bits for four threads on one object") {
+TEST_CASE("deployed: the same bits for four threads on one object") {
     constexpr std::size_t callers = 4, rounds = 200;
     std::vector<std::vector<std::uint8_t>> frames;
     std::vector<logits> expected;
@@ -321,7 +320,7 @@ TEST_CASE("deployed calls: the same bits for four threads on one object") {
         CHECK(each == 0);
 }
 
-TEST_CASE("deployed calls: nothing is asked of the heap") {
+TEST_CASE("deployed: nothing is asked of the heap") {
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 2);
     const std::vector<float> frame = as_floats(counts);
     const auto memory = std::make_unique<fast_net::scratch>();
@@ -362,7 +361,7 @@ int without_system_calls(Body&& body) {
 
 } // namespace
 
-TEST_CASE("deployed calls: nothing is asked of the system, as real time demands") {
+TEST_CASE("deployed: nothing is asked of the system, as real time demands") {
     const int nothing = without_system_calls([] { return true; });
     if (WIFEXITED(nothing) && WEXITSTATUS(nothing) == 77) {
         MESSAGE("skipped: this system has no strict mode of seccomp");

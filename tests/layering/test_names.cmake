@@ -1,0 +1,58 @@
+# Checks that tests/ mirrors include/, so that whoever changes a header finds its test, and that each test case says
+# first what it tests.
+#
+# cmake -DTESTS=<folder of tests> -DHEADERS=<folder that holds tactnet/> -P test_names.cmake
+cmake_minimum_required(VERSION 3.22)
+
+file(GLOB_RECURSE tests RELATIVE "${TESTS}" "${TESTS}/*_test.cpp")
+# The tests of examples/ mirror that folder; those in layering/ are wrong on purpose.
+list(FILTER tests EXCLUDE REGEX "^(examples|layering)/")
+if(NOT tests)
+    message(FATAL_ERROR "There are no tests in ${TESTS}.")
+endif()
+list(SORT tests)
+
+set(problems "")
+foreach(test IN LISTS tests)
+    string(REGEX REPLACE "_test\\.cpp$" "" header "${test}")
+    # A header whose tests are many has several files, each with its topic behind the header's name.
+    while(NOT EXISTS "${HEADERS}/tactnet/${header}.hpp" AND header MATCHES "_[^_/]*$")
+        string(REGEX REPLACE "_[^_/]*$" "" header "${header}")
+    endwhile()
+    if(NOT EXISTS "${HEADERS}/tactnet/${header}.hpp")
+        string(APPEND problems "  ${test}: tests no header of that name; expected <header>_test.cpp or "
+                               "<header>_<topic>_test.cpp\n"
+        )
+    endif()
+
+    string(REGEX REPLACE "/.*" "" room "${test}")
+    string(REGEX REPLACE "^[^/]*/" "" file "${test}")
+    file(GLOB_RECURSE lists "${TESTS}/${room}/CMakeLists.txt")
+    set(built OFF)
+    foreach(list IN LISTS lists)
+        file(READ "${list}" text)
+        string(FIND "${text}" "${file}" found)
+        if(found GREATER_EQUAL 0)
+            set(built ON)
+        endif()
+    endforeach()
+    if(NOT built)
+        string(APPEND problems "  ${test}: no CMakeLists.txt of tests/${room}/ lists it\n")
+    endif()
+
+    file(READ "${TESTS}/${test}" text)
+    string(REGEX REPLACE "[][;]" " " text "${text}")
+    string(REGEX MATCHALL "TEST_CASE[A-Z_]*\\([ \n]*\"[^\"]*" cases "${text}")
+    foreach(case IN LISTS cases)
+        string(REGEX REPLACE "^[^\"]*\"" "" case "${case}")
+        if(NOT case MATCHES "^[A-Za-z_][A-Za-z0-9_:]*: ")
+            string(APPEND problems "  ${test}: expected a test case 'subject: what holds', found '${case}'\n")
+        endif()
+    endforeach()
+endforeach()
+
+if(problems)
+    message(FATAL_ERROR "What tests are called (see CONTRIBUTING.md):\n${problems}")
+endif()
+list(LENGTH tests count)
+message("${count} tests, each beside its header")

@@ -1,0 +1,3 @@
+#pragma once
+
+#include <tactnet/simulation/paper/objects.hpp>

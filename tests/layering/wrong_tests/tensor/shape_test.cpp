@@ -1,0 +1,4 @@
+TEST_CASE("shape: the size is rows x columns x channels") {}
+// Nothing says of what.
+TEST_CASE(
+    "sizes are multiplied") {}

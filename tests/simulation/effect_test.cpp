@@ -1,0 +1,64 @@
+#include <tactnet/simulation/effect.hpp>
+#include <tactnet/simulation/effects/circuit/dead_tactels.hpp>
+#include <tactnet/simulation/effects/circuit/noise.hpp>
+#include <tactnet/simulation/effects/film/drift.hpp>
+#include <tactnet/simulation/effects/film/gain_map.hpp>
+#include <tactnet/simulation/effects/film/texture.hpp>
+#include <tactnet/simulation/objects/object.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdint>
+#include <set>
+
+namespace {
+
+using namespace tactnet::simulation;
+using tactnet::philox;
+
+// Images made with one version of the library are those of the next: these numbers stay.
+static_assert(tactnet::draw::sensor.number() == 7);
+static_assert(tactnet::draw::frame.number() == 8);
+static_assert(tactnet::draw::touch.number() == 9);
+static_assert(gain_map::random_use.number() == 0);
+static_assert(dead_tactels::random_use.number() == 1);
+static_assert(noise::random_use.number() == 2);
+static_assert(drift::random_use.number() == 3);
+static_assert(film_texture::random_use.number() == 7);
+
+/// An effect as a user writes one, with random numbers of its own.
+struct slip {
+    static constexpr auto random_use = effect_purpose::named("my_gripper/slip");
+};
+
+TEST_CASE("sensor_unit: random numbers are those of its number and the use") {
+    constexpr sensor_unit unit{0x0123'4567'89AB'CDEF};
+    auto random = unit.random(noise::random_use);
+    for (const std::uint32_t word : philox({0, 7, 0, 2}, {0x89AB'CDEF, 0x0123'4567}))
+        CHECK(random.bits() == word);
+}
+
+TEST_CASE("moment: random numbers are those of its seed, its frame and the use") {
+    constexpr moment now{.seed = 0x0123'4567'89AB'CDEF, .frame = 5};
+    auto random = now.random(film_texture::random_use);
+    for (const std::uint32_t word : philox({0, 8, 5, 7}, {0x89AB'CDEF, 0x0123'4567}))
+        CHECK(random.bits() == word);
+}
+
+TEST_CASE("effect_purpose: every effect has numbers of its own, a user's too") {
+    const std::array uses{gain_map::random_use, dead_tactels::random_use, noise::random_use,
+                          drift::random_use,    film_texture::random_use, slip::random_use};
+    std::set<std::uint32_t> numbers, of_sensors, of_frames;
+    for (const effect_purpose use : uses) {
+        numbers.insert(use.number());
+        of_sensors.insert(sensor_unit{}.random(use).bits());
+        of_frames.insert(moment{}.random(use).bits());
+    }
+    CHECK(numbers.size() == uses.size());
+    CHECK(of_sensors.size() == uses.size());
+    CHECK(of_frames.size() == uses.size());
+    CHECK(slip::random_use.number() >= 0x8000'0000);
+}
+
+} // namespace

@@ -1,0 +1,60 @@
+// The same optimum and the same answers as LIBSVM.
+
+#include "peers.hpp"
+#include "samples.hpp"
+
+#include <tactnet/svm/kernel_machine.hpp>
+#include <tactnet/svm/kernel_training.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <peers/libsvm.hpp>
+#include <vector>
+
+#ifdef TACTNET_TEST_IMAGES
+#include "decode_image.hpp"
+
+#include <support/data_folder.hpp>
+#include <support/pixels.hpp>
+#endif
+
+using namespace tactnet;
+using support::agreement;
+
+namespace {
+
+void compare_rbf(feature_rows<> rows, const std::vector<std::size_t>& labels, feature_rows<> fresh,
+                 double cost) {
+    thread_pool alone;
+    const auto own =
+        train_kernel_machine(rows, labels, kernel_training_options<rbf_kernel>{.cost = cost}, alone);
+    const benchmark::libsvm_machine peer(rows, labels, *own.machine.parameters().kernel.gamma, cost);
+    double objective = 0;
+    for (const solver_report& report : own.reports)
+        objective += report.objective;
+    CAPTURE(cost);
+    CHECK(own.converged());
+    CHECK(std::abs(objective - peer.objective()) <= 1e-3 * std::abs(peer.objective()));
+    CHECK(agreement(own.machine.predict(fresh, alone), peer.predict(fresh)) >= 0.995);
+}
+
+} // namespace
+
+TEST_CASE("kernel_machine: synthetic sets, LIBSVM's optimum and answers") {
+    const support::samples s = support::blobs(500, 16, 5, 0.8), fresh = support::blobs(2000, 16, 5, 0.8);
+    for (const double cost : {0.1, 1.0, 100.0})
+        compare_rbf(s.rows(), s.labels, fresh.rows(), cost);
+}
+
+#ifdef TACTNET_TEST_IMAGES
+TEST_CASE("kernel_machine: real pixels, LIBSVM's optimum and answers") {
+    const auto folder = support::find_data("tactile_images");
+    if (!folder)
+        return;
+    const auto split = benchmark::split_pixels(benchmark::load_pixels(*folder, decode_image), 1);
+    for (const double cost : {1.0, 10.0})
+        compare_rbf(split.training.view(), split.training.labels, split.test.view(), cost);
+}
+#endif

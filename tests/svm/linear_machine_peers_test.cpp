@@ -1,0 +1,66 @@
+// The same optimum and the same answers as LIBLINEAR.
+
+#include "peers.hpp"
+#include "samples.hpp"
+
+#include <tactnet/svm/linear_machine.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <peers/liblinear.hpp>
+#include <support/linear_objective.hpp>
+#include <vector>
+
+#ifdef TACTNET_TEST_IMAGES
+#include "decode_image.hpp"
+
+#include <support/data_folder.hpp>
+#include <support/pixels.hpp>
+#endif
+
+using namespace tactnet;
+using support::agreement;
+
+namespace {
+
+void compare_linear(feature_rows<> rows, const std::vector<std::size_t>& labels, feature_rows<> fresh,
+                    linear_loss loss, double cost) {
+    thread_pool alone;
+    const double tolerance = 1e-3;
+    linear_training_options options{.cost = cost};
+    options.solver = {.loss = loss, .tolerance = tolerance, .iteration_limit = 100'000};
+    const auto own = train_linear_machine(rows, labels, options, alone);
+    const benchmark::liblinear_machine peer(rows, labels, loss, cost, tolerance);
+    const auto objective = [&](auto&& weights) {
+        return benchmark::primal_objective(rows, labels, loss, cost, own.machine.classes(), weights);
+    };
+    const double found =
+        objective([&](std::size_t c) { return benchmark::weights_of(own.machine.parameters(), c); });
+    const double expected = objective([&](std::size_t c) { return peer.weights(c); });
+    CAPTURE(cost);
+    CHECK(own.converged());
+    CHECK(std::abs(found - expected) <= 1e-3 * expected);
+    CHECK(agreement(own.machine.predict(fresh), peer.predict(fresh)) >= 0.995);
+}
+
+} // namespace
+
+TEST_CASE("linear_machine: synthetic sets, LIBLINEAR's optimum and answers") {
+    const support::samples s = support::blobs(500, 16, 5, 0.8), fresh = support::blobs(2000, 16, 5, 0.8);
+    for (const linear_loss loss : {linear_loss::hinge, linear_loss::squared_hinge})
+        for (const double cost : {0.01, 1.0})
+            compare_linear(s.rows(), s.labels, fresh.rows(), loss, cost);
+}
+
+#ifdef TACTNET_TEST_IMAGES
+TEST_CASE("linear_machine: real pixels, LIBLINEAR's optimum and answers") {
+    const auto folder = support::find_data("tactile_images");
+    if (!folder)
+        return;
+    const auto split = benchmark::split_pixels(benchmark::load_pixels(*folder, decode_image), 1);
+    for (const linear_loss loss : {linear_loss::hinge, linear_loss::squared_hinge})
+        compare_linear(split.training.view(), split.training.labels, split.test.view(), loss, 0.1);
+}
+#endif

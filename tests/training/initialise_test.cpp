@@ -1,0 +1,49 @@
+#include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/training/initialise.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+using namespace tactnet;
+
+TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
+    using net_type = tactnet4<shape{28, 50, 1}, 22>;
+    net_type net, same, other;
+    for (const bool he : {false, true}) {
+        const initialisation rule = he ? initialisation(he_normal{}) : initialisation(fixed_normal{0.01});
+        for (float& v : net.learnable_values())
+            v = 99;
+        for (float& v : net.running_statistics())
+            v = 99;
+        initialise(net, rule, 1);
+        net.for_each_parameter([&](const parameter& p, std::span<float> values) {
+            CAPTURE(p.name);
+            if (p.what != role::weight) {
+                const bool one = p.what == role::scale || p.what == role::running_variance;
+                CHECK(std::all_of(values.begin(), values.end(), [&](float v) { return v == (one ? 1 : 0); }));
+                return;
+            }
+            const double expected = he ? std::sqrt(2.0 / static_cast<double>(p.fan_in)) : 0.01;
+            const auto n = static_cast<double>(values.size());
+            double sum = 0, squares = 0;
+            for (const float v : values)
+                sum += static_cast<double>(v), squares += static_cast<double>(v) * static_cast<double>(v);
+            CHECK(std::abs(sum / n) < 5 * expected / std::sqrt(n));
+            CHECK(std::abs(squares / n / (expected * expected) - 1) < 5 * std::sqrt(2 / n));
+        });
+    }
+    const auto values = [](const net_type& of) {
+        const auto learned = of.learnable_values().first(net_type::parameters);
+        return std::vector<float>(learned.begin(), learned.end());
+    };
+    initialise(net, he_normal{}, 1);
+    initialise(same, he_normal{}, 1);
+    initialise(other, he_normal{}, 2);
+    CHECK(values(net) == values(same));
+    CHECK(values(net) != values(other));
+    CHECK(net.learnable_values()[0] != net.learnable_values()[208 + 16]); // arrays are not drawn alike
+}

@@ -1,0 +1,36 @@
+#include <tactnet/training/metrics.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+using namespace tactnet;
+
+TEST_CASE("metrics: confusion_matrix") {
+    confusion_matrix m(3), n(3);
+    CHECK(std::isnan(m.accuracy()));
+    m.add(0, 0);
+    m.add(1, 2);
+    n.add(1, 2);
+    n.add(2, 2);
+    m.add(n);
+    CHECK(m(1, 2) == 2);
+    CHECK(m(2, 1) == 0);
+    CHECK(m.total() == 4);
+    CHECK(m.correct() == 2);
+    CHECK(m.accuracy() == 0.5);
+    CHECK(m.classes() == 3);
+}
+
+TEST_CASE("metrics: mean_and_deviation") {
+    const auto m = mean_and_deviation::of(std::array{2.0, 4.0, 4.0, 6.0});
+    CHECK(m.mean == doctest::Approx(4));
+    CHECK(m.deviation == doctest::Approx(std::sqrt(8.0 / 3)));
+    CHECK(mean_and_deviation::of(std::array{3.0}).deviation == 0);
+    CHECK(mean_and_deviation::of({}).mean == 0);
+    // Twenty evaluations without a mistake are no better than that.
+    CHECK(mean_and_deviation::of(std::vector<double>(20, 1.0)).mean == 1);
+    CHECK(mean_and_deviation::of(std::vector<double>(20, 1.0)).deviation == 0);
+}

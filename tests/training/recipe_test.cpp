@@ -1,0 +1,22 @@
+#include <tactnet/training/recipe.hpp>
+
+#include <doctest/doctest.h>
+
+#include <variant>
+
+using namespace tactnet;
+
+TEST_CASE("recipe::published: as in the paper") {
+    const recipe r = recipe::published(28, 50, 0.01, 150, 4);
+    CHECK(std::get<sgd>(r.optimiser).momentum == 0.8);
+    CHECK(std::get<sgd>(r.optimiser).l2 == 1e-4);
+    CHECK(std::get<step_drop>(r.schedule).period == 150);
+    CHECK(std::get<step_drop>(r.schedule).factor == 0.1);
+    CHECK(std::get<fixed_normal>(r.initialisation).deviation == 0.01);
+    CHECK(r.batch == 0);
+    CHECK(r.rate == 0.01);
+    CHECK(r.validate_every == 10);
+    CHECK(r.patience == 4);
+    CHECK(r.label_smoothing == 0);
+    CHECK(std::holds_alternative<constant_rate>(recipe::published(28, 50, 0.002, 0, 5).schedule));
+}
