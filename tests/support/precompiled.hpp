@@ -1,7 +1,7 @@
 #pragma once
 
-// What most tests read of other libraries. Nothing of tactnet, so that a change of one of its headers compiles only
-// the tests that include it.
+// What most tests read of other libraries. Nothing of tactnet, so that a change of one of its headers
+// compiles only the tests that include it.
 
 #include <doctest/doctest.h>
 
