@@ -1,23 +1,45 @@
 find_package(doctest REQUIRED)
 
-# tactnet_test(room SOURCES file... [LIBRARIES target...] [TIMEOUT seconds])
+# In a Release build most of the compiler's time would go into optimising what runs once, so tests are compiled at -O1.
+# Other configurations say themselves how they are built.
+add_library(tactnet_quick_to_compile INTERFACE)
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+    target_compile_options(tactnet_quick_to_compile INTERFACE $<$<CONFIG:Release>:-O1>)
+endif()
+
+# tactnet_test(room SOURCES file... [LIBRARIES target...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED])
 #
 # One program test_<room> and one entry in CTest. A program in which no test case is left fails, rather than passing
 # because nothing was wrong.
+#
+# FULLY_OPTIMISED is for rooms whose subject is the optimised code itself: the kernels, and what is built of them as
+# users build it. COST is about what the test takes, so that CTest starts the longest first.
 function(tactnet_test room)
-    cmake_parse_arguments(PARSE_ARGV 1 test "" "TIMEOUT" "SOURCES;LIBRARIES")
+    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED" "TIMEOUT;COST" "SOURCES;LIBRARIES")
     if(test_UNPARSED_ARGUMENTS OR NOT test_SOURCES)
         message(FATAL_ERROR "tactnet_test(${room}): expected SOURCES file..., found '${ARGN}'.")
     endif()
     if(NOT test_TIMEOUT)
         set(test_TIMEOUT 600)
     endif()
+    if(NOT test_COST)
+        set(test_COST 20)
+    endif()
     add_executable(test_${room} ${test_SOURCES})
     tactnet_use(test_${room})
+    if(test_FULLY_OPTIMISED)
+        set(kind optimised)
+    else()
+        set(kind quick)
+        target_link_libraries(test_${room} PRIVATE tactnet_quick_to_compile)
+    endif()
     target_include_directories(test_${room} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
     target_link_libraries(test_${room} PRIVATE tactnet_test_main ${test_LIBRARIES})
+    if(TARGET tactnet_precompiled_${kind})
+        target_precompile_headers(test_${room} REUSE_FROM tactnet_precompiled_${kind})
+    endif()
     add_test(NAME ${room} COMMAND test_${room})
     set_tests_properties(
-        ${room} PROPERTIES TIMEOUT ${test_TIMEOUT} FAIL_REGULAR_EXPRESSION "test cases: +0 "
+        ${room} PROPERTIES TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
     )
 endfunction()

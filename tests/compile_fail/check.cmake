@@ -4,8 +4,32 @@
 #   // expect: another; all must be found
 #   // at-most: 1          errors, so that the sentence is not buried under others (optional)
 #
-# cmake -DCOMPILER=... -DSOURCE=... -DINCLUDES=a|b -DDEFINITIONS=a|b -DOPTIONS=a|b -P check.cmake
+# cmake -DCOMPILER=... -DSOURCE=... -DINCLUDES=a|b -DDEFINITIONS=a|b -DOPTIONS=a|b -DPRECOMPILED=<header> -P check.cmake
 cmake_minimum_required(VERSION 3.22)
+
+set(arguments -std=c++20)
+foreach(kind IN ITEMS INCLUDES DEFINITIONS OPTIONS)
+    string(REPLACE "|" ";" ${kind} "${${kind}}")
+endforeach()
+list(APPEND arguments ${OPTIONS})
+foreach(folder IN LISTS INCLUDES)
+    if(folder)
+        list(APPEND arguments "-I${folder}")
+    endif()
+endforeach()
+foreach(definition IN LISTS DEFINITIONS)
+    if(definition)
+        list(APPEND arguments "-D${definition}")
+    endif()
+endforeach()
+
+# Without a source: only precompiles what all cases read.
+if(SOURCE STREQUAL "")
+    execute_process(
+        COMMAND "${COMPILER}" ${arguments} -x c++-header "${PRECOMPILED}" -o "${PRECOMPILED}.gch" COMMAND_ERROR_IS_FATAL ANY
+    )
+    return()
+endif()
 
 # The leading spaces keep CMake from breaking the lines.
 function(fail text)
@@ -31,25 +55,9 @@ if(patterns EQUAL 0)
     fail("says nothing of what is expected: its first line must be '// expect: ...'.")
 endif()
 
-set(arguments -std=c++20 -fsyntax-only)
-foreach(kind IN ITEMS INCLUDES DEFINITIONS OPTIONS)
-    string(REPLACE "|" ";" ${kind} "${${kind}}")
-endforeach()
-list(APPEND arguments ${OPTIONS})
-foreach(folder IN LISTS INCLUDES)
-    if(folder)
-        list(APPEND arguments "-I${folder}")
-    endif()
-endforeach()
-foreach(definition IN LISTS DEFINITIONS)
-    if(definition)
-        list(APPEND arguments "-D${definition}")
-    endif()
-endforeach()
-
 set(ENV{LC_ALL} C) # quotation marks and words as they are written in the cases
 execute_process(
-    COMMAND "${COMPILER}" ${arguments} "${SOURCE}"
+    COMMAND "${COMPILER}" ${arguments} -include "${PRECOMPILED}" -fsyntax-only "${SOURCE}"
     RESULT_VARIABLE status
     OUTPUT_VARIABLE output
     ERROR_VARIABLE output

@@ -13,10 +13,16 @@ function(tactnet_reduced_unit name)
     set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
 endfunction()
 
+# The reference knows no instruction set: one object for all programs.
+add_library(tactnet_deployment_bound OBJECT EXCLUDE_FROM_ALL ../support/deployment_bound.cpp)
+target_link_libraries(tactnet_deployment_bound PRIVATE tactnet::tactnet tactnet_warnings)
+target_include_directories(tactnet_deployment_bound PRIVATE "${PROJECT_SOURCE_DIR}/tests")
+set_target_properties(tactnet_deployment_bound PROPERTIES CXX_EXTENSIONS OFF)
+
 # tactnet_reduced_program(name UNITS unit... FUNCTIONS function...)
 function(tactnet_reduced_program name)
     cmake_parse_arguments(PARSE_ARGV 1 program "" "" "UNITS;FUNCTIONS")
-    add_executable(${name} reduced_main.cpp ../support/deployment_bound.cpp)
+    add_executable(${name} reduced_main.cpp $<TARGET_OBJECTS:tactnet_deployment_bound>)
     foreach(unit IN LISTS program_UNITS)
         target_sources(${name} PRIVATE $<TARGET_OBJECTS:${unit}>)
     endforeach()
