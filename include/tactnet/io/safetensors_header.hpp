@@ -56,8 +56,11 @@ inline constexpr std::size_t safetensors_header_limit = 100'000'000;
 /// Extents for a message: "8x1x5x5", or "a single number" for none.
 inline std::string shape_text(std::span<const std::size_t> extents) {
     std::string text;
-    for (const std::size_t extent : extents)
-        text += (text.empty() ? "" : "x") + std::to_string(extent);
+    for (const std::size_t extent : extents) {
+        if (!text.empty())
+            text += 'x';
+        text += std::to_string(extent);
+    }
     return text.empty() ? "a single number" : text;
 }
 
