@@ -54,7 +54,7 @@ struct header_description {
             !std::all_of(name.begin(), name.end(),
                          [&](char c) { return letter(c) || (c >= '0' && c <= '9'); }) ||
             name.find("__") != std::string_view::npos ||
-            keywords.find(" " + std::string(name) + " ") != std::string_view::npos)
+            keywords.find(std::string(1, ' ').append(name).append(1, ' ')) != std::string_view::npos)
             return false;
         if (name.size() == text.size())
             return true;

@@ -77,7 +77,9 @@ private:
            ", .channels = " + std::to_string(s.channels) + "}";
 }
 [[nodiscard]] inline std::string text_of(const extent& e) {
-    return "{" + std::to_string(e.rows) + ", " + std::to_string(e.columns) + "}";
+    std::string text = "{"; // appended: GCC 12 warns of a sum that begins with so short a literal
+    text += std::to_string(e.rows) + ", " + std::to_string(e.columns) + "}";
+    return text;
 }
 [[nodiscard]] inline std::string text_of(bool value) {
     return value ? "true" : "false";
