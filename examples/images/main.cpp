@@ -1,8 +1,6 @@
 // Shows one tactile image at the paper's resolutions and after each augmentation, in one PNG file. Takes an
 // image, or a folder with one subfolder of images a class, of which it shows the one with the most to see.
 
-#include "sheet.hpp"
-
 #include <tactnet/image.hpp>
 #include <tactnet/io/image_folder.hpp>
 
@@ -14,6 +12,7 @@
 #include <decode_image.hpp>
 #include <exception>
 #include <filesystem>
+#include <sheet.hpp>
 #include <vector>
 
 namespace {

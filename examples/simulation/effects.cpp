@@ -2,8 +2,6 @@
 // same with it; and says what it costs a frame. Strengths are chosen so that one sees something, unless the
 // default shows by itself.
 
-#include "../images/sheet.hpp"
-
 #include <tactnet/simulation.hpp>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include <decode_image.hpp>
 #include <exception>
 #include <filesystem>
+#include <sheet.hpp>
 #include <string>
 #include <vector>
 

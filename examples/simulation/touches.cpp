@@ -1,8 +1,6 @@
 // Draws simulated touches of each of the paper's classes as one strip a class, beside real ones if a folder
 // with one subfolder of images a class is given; and says how alike they are.
 
-#include "../images/sheet.hpp"
-
 #include <tactnet/image/running_resize.hpp>
 #include <tactnet/io/image_folder.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
@@ -15,6 +13,7 @@
 #include <decode_image.hpp>
 #include <exception>
 #include <filesystem>
+#include <sheet.hpp>
 #include <vector>
 
 namespace {

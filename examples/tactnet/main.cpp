@@ -1,13 +1,12 @@
-// tactnet: trains the networks of the library on a folder of tactile images, evaluates them, recognises
-// images, writes networks as C++ headers, and simulates images.
+// tactnet: trains networks and support vector machines on a folder of tactile images, evaluates them,
+// recognises images, writes networks as C++ headers, and simulates images.
 //
 // Exit status: 0, 1 (a training diverged), 2 (bad input or arguments), 130 (interrupted).
 
-#include "commands.hpp"
+#include "commands/commands.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/training/trainer.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -11,6 +11,10 @@
 #include <tactnet/training/optimiser.hpp>
 #include <tactnet/training/progress.hpp>
 #include <tactnet/training/recipe.hpp>
+#include <tactnet/training/sample_batch.hpp>
 #include <tactnet/training/schedule.hpp>
 #include <tactnet/training/split.hpp>
+#include <tactnet/training/trainable.hpp>
+#include <tactnet/training/trainable_network.hpp>
 #include <tactnet/training/trainer.hpp>
+#include <tactnet/training/training_loop.hpp>

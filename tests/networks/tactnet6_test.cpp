@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <networks/every_size.hpp>
+#include <type_traits>
 
 using namespace tactnet;
 using support::halved;
@@ -28,6 +29,9 @@ static_assert(tactnet6<shape{28, 50, 1}, 22, tactnet6_form{.kernel2 = 5}>::param
 template <std::size_t Rows, std::size_t Columns>
 constexpr std::size_t economical = tactnet6_economical<shape{Rows, Columns, 1}, 22>::multiply_adds;
 static_assert(economical<28, 50> == 2214080);
+static_assert(std::is_same_v<tactnet6_economical<shape{28, 50, 1}, 22>, tactnet6<shape{28, 50, 1}, 22>>);
+static_assert(std::is_same_v<tactnet6_economical<shape{21, 35, 1}, 22>, tactnet6<shape{21, 35, 1}, 22>>);
+static_assert(!std::is_same_v<tactnet6_economical<shape{20, 35, 1}, 22>, tactnet6<shape{20, 35, 1}, 22>>);
 static_assert(economical<28, 50> > economical<20, 35> && economical<20, 35> > economical<14, 25> &&
               economical<14, 25> > economical<10, 18> && economical<10, 18> > economical<7, 13>);
 

@@ -1,3 +1,5 @@
+#include <tactnet/networks/tactnet6.hpp>
+#include <tactnet/networks/tactresnet.hpp>
 #include <tactnet/training/recipe.hpp>
 
 #include <doctest/doctest.h>
@@ -7,7 +9,7 @@
 using namespace tactnet;
 
 TEST_CASE("recipe::published: as in the paper") {
-    const recipe r = recipe::published(28, 50, 0.01, 150, 4);
+    const recipe r = recipe::published(28, 50, tactnet6_training);
     CHECK(std::get<sgd>(r.optimiser).momentum == 0.8);
     CHECK(std::get<sgd>(r.optimiser).l2 == 1e-4);
     CHECK(std::get<step_drop>(r.schedule).period == 150);
@@ -18,5 +20,5 @@ TEST_CASE("recipe::published: as in the paper") {
     CHECK(r.validate_every == 10);
     CHECK(r.patience == 4);
     CHECK(r.label_smoothing == 0);
-    CHECK(std::holds_alternative<constant_rate>(recipe::published(28, 50, 0.002, 0, 5).schedule));
+    CHECK(std::holds_alternative<constant_rate>(recipe::published(28, 50, tactresnet_training).schedule));
 }

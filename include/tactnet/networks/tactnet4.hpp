@@ -2,6 +2,7 @@
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/networks/published_training.hpp>
 #include <tactnet/networks/resolution.hpp>
 
 namespace tactnet {
@@ -27,6 +28,9 @@ using tactnet4 = network<Input,                                                 
                          conv2d<16, Form.kernel2>, batch_norm, relu, max_pool<2>, //
                          conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>, //
                          dense<Classes>>;
+
+/// How the authors trained it.
+inline constexpr published_training tactnet4_training{.rate = 0.05, .drop_period = 200, .patience = 3};
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

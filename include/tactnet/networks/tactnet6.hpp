@@ -2,6 +2,7 @@
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/networks/published_training.hpp>
 #include <tactnet/networks/resolution.hpp>
 
 namespace tactnet {
@@ -44,9 +45,13 @@ using tactnet6 = network<Input,                                                 
                          conv2d<128, Form.kernel5>, batch_norm, relu, max_pool<2, Form.other_pools_stride>, //
                          dense<Classes>>;
 
-/// TactNet-6 whose cost falls with the resolution; at 28 × 50 it is TactNet-6.
+/// TactNet-6 whose cost falls with the resolution. Beyond 20 × 35 it is the same type as TactNet-6.
 template <shape Input, std::size_t Classes>
 using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()>;
+
+/// How the authors trained it, in either form.
+inline constexpr published_training tactnet6_training{.rate = 0.01, .drop_period = 150, .patience = 4},
+    tactnet6_economical_training = tactnet6_training;
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -2,6 +2,7 @@
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/networks/published_training.hpp>
 
 #include <algorithm>
 
@@ -40,6 +41,9 @@ using tactresnet = network<Input,                                               
                            residual<two_convolutions<128>>, relu,                                       //
                            max_pool<Form.last_pool, 1, valid>,                                          //
                            dense<Classes>>;
+
+/// How the authors trained it.
+inline constexpr published_training tactresnet_training{.rate = 0.002, .drop_period = 0, .patience = 5};
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

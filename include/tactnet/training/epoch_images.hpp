@@ -1,8 +1,8 @@
 #pragma once
 
-#include <tactnet/image/transform.hpp>
-#include <tactnet/training/labelled_images.hpp>
+#include <tactnet/image/augmentation.hpp>
 #include <tactnet/training/recipe.hpp>
+#include <tactnet/training/trainable.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -17,13 +17,14 @@ inline namespace TACTNET_ARCH {
 
 /// What each epoch of a training shows: which images, in what order and batches, and how they are varied. All
 /// of it is a function of (seed, epoch, image), so that any of it can be made again.
-template <shape Input>
 class epoch_images {
 public:
-    /// `chosen` must name an image. The pixels must outlive this.
-    epoch_images(const recipe& how, const labelled_images& images, std::vector<std::size_t> chosen,
-                 std::uint64_t seed, thread_pool& threads)
-        : rule_(how.augmentation),
+    /// `chosen` must name an image of those that the network takes. The pixels must outlive this.
+    epoch_images(const recipe& how, const trainable& network, const labelled_images& images,
+                 std::vector<std::size_t> chosen, std::uint64_t seed, thread_pool& threads)
+        : transform_(network.image_transformer()),
+          pixels_(network.input_shape().size()),
+          rule_(how.augmentation),
           ranges_(how.ranges),
           images_(images),
           chosen_(std::move(chosen)),
@@ -31,11 +32,11 @@ public:
           batch_(how.batch == 0 ? chosen_.size() : std::min(how.batch, size())) {
         if (rule_ != augmentation_rule::sixfold)
             return;
-        sixfold_.resize(size());
+        sixfold_.resize(size() * pixels_);
         threads.for_each(size(), [&](std::size_t place) {
             const std::size_t copy = place % 6;
             const image_transform t = copy == 0 ? image_transform{} : drawn(place, copy);
-            transform_image<Input>(t, images_.template image<Input>(image_at(place)), sixfold_[place]);
+            transform_(t, image(place), sixfold_.data() + place * pixels_);
         });
     }
 
@@ -61,32 +62,37 @@ public:
 
     [[nodiscard]] std::size_t label(std::size_t place) const { return images_.labels[image_at(place)]; }
     /// The image at a place, varied as it is in that epoch, in counts.
-    void make(std::size_t place, std::size_t epoch, tensor<float, Input>& to) const {
+    void make(std::size_t place, std::size_t epoch, std::span<float> to) const {
         if (rule_ == augmentation_rule::sixfold) {
-            to = sixfold_[place];
+            std::copy_n(sixfold_.data() + place * pixels_, pixels_, to.data());
             return;
         }
         const image_transform t =
             rule_ == augmentation_rule::each_epoch ? drawn(place, epoch) : image_transform{};
-        transform_image<Input>(t, images_.template image<Input>(image_at(place)), to);
+        transform_(t, image(place), to.data());
     }
 
 private:
     [[nodiscard]] std::size_t copies() const { return rule_ == augmentation_rule::sixfold ? 6 : 1; }
     [[nodiscard]] std::size_t image_at(std::size_t place) const { return chosen_[place / copies()]; }
+    [[nodiscard]] const std::uint8_t* image(std::size_t place) const {
+        return images_.pixels.data() + image_at(place) * pixels_;
+    }
     [[nodiscard]] image_transform drawn(std::size_t place, std::size_t time) const {
         random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(time),
                              static_cast<std::uint32_t>(image_at(place)));
         return image_transform::draw(ranges_, random);
     }
 
+    trainable::transformer transform_;
+    std::size_t pixels_;
     augmentation_rule rule_;
     augmentation_ranges ranges_;
     labelled_images images_;
     std::vector<std::size_t> chosen_;
     std::uint64_t seed_;
     std::size_t batch_;
-    std::vector<tensor<float, Input>> sixfold_;
+    std::vector<float> sixfold_;
 };
 
 } // namespace TACTNET_ARCH

@@ -6,9 +6,11 @@
 #include <tactnet/training/labelled_images.hpp>
 #include <tactnet/training/loss.hpp>
 #include <tactnet/training/metrics.hpp>
+#include <tactnet/training/sample_batch.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -22,41 +24,57 @@ struct evaluation {
     std::vector<std::size_t> recognised; ///< class of each chosen image
 };
 
+namespace detail {
+
+/// `logits` puts a batch of inputs through a network.
+inline evaluation evaluate(std::span<const float> mean, float scale, std::size_t outputs,
+                           const labelled_images& images, std::span<const std::size_t> chosen,
+                           const std::function<void(const sample_batch&, sample_batch&)>& logits) {
+    constexpr std::size_t at_once = 64;
+    evaluation result{0, confusion_matrix(images.classes), {}};
+    std::vector<float> image(mean.size()), of_classes(images.classes);
+    for (std::size_t first = 0; first < chosen.size(); first += at_once) {
+        const std::size_t count = std::min(at_once, chosen.size() - first);
+        sample_batch in(mean.size(), count), out(outputs, count), gradient(outputs, count);
+        std::vector<std::size_t> labels(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t index = chosen[first + i];
+            for (std::size_t e = 0; e < mean.size(); ++e)
+                image[e] = (static_cast<float>(images.pixels[index * mean.size() + e]) - mean[e]) * scale;
+            in.set(i, image);
+            labels[i] = images.labels[index];
+        }
+        logits(in, out);
+        const double loss = softmax_cross_entropy<float>({count, outputs, sample_batch::lanes}, out.data(),
+                                                         labels, images.classes, 0.0, gradient.data());
+        result.loss += loss * static_cast<double>(count) / static_cast<double>(chosen.size());
+        for (std::size_t i = 0; i < count; ++i) {
+            for (std::size_t c = 0; c < images.classes; ++c)
+                of_classes[c] = out(i, c);
+            const std::size_t best = first_largest(of_classes);
+            result.recognised.push_back(best);
+            result.confusion.add(labels[i], best);
+        }
+    }
+    return result;
+}
+
+} // namespace detail
+
 /// Puts chosen images through a network. Only the first `images.classes` outputs count. Where logits are not
 /// finite, neither is the loss, and the recognised classes mean nothing. Throws as `check_images`.
 template <class Network>
 [[nodiscard]] evaluation
 evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,
          const labelled_images& images, std::span<const std::size_t> chosen, thread_pool& threads) {
-    constexpr std::size_t at_once = 64;
     check_images<Network>(images);
     typename Network::workspace space;
     network.prepare(threads, space);
-    evaluation result{0, confusion_matrix(images.classes), {}};
-    std::vector<float> logits(images.classes);
-    for (std::size_t first = 0; first < chosen.size(); first += at_once) {
-        const std::size_t count = std::min(at_once, chosen.size() - first);
-        typename Network::input_batch in(count);
-        typename Network::output_batch out(count), gradient(count);
-        std::vector<std::size_t> labels(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t index = chosen[first + i];
-            in.set(i, normalise(images.template image<Network::input_shape>(index)));
-            labels[i] = images.labels[index];
-        }
-        network.logits(threads, space, in, out);
-        const auto mean = softmax_cross_entropy(out.as_const(), std::span<const std::size_t>(labels),
-                                                images.classes, 0.0, gradient.view());
-        result.loss += mean * static_cast<double>(count) / static_cast<double>(chosen.size());
-        for (std::size_t i = 0; i < count; ++i) {
-            for (std::size_t c = 0; c < images.classes; ++c)
-                logits[c] = out(i, c);
-            const std::size_t best = first_largest(logits);
-            result.recognised.push_back(best);
-            result.confusion.add(labels[i], best);
-        }
-    }
-    return result;
+    return detail::evaluate(
+        normalise.mean.view().elements(), normalise.scale, Network::outputs, images, chosen,
+        [&](const sample_batch& in, sample_batch& out) {
+            network.logits(threads, space, {in.data(), in.samples()}, {out.data(), out.samples()});
+        });
 }
 
 } // namespace TACTNET_ARCH

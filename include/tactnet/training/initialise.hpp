@@ -25,23 +25,32 @@ struct he_normal {};
 
 using initialisation = std::variant<fixed_normal, he_normal>;
 
+namespace detail {
+
+/// One array of a network. `index` counts its arrays of weights.
+template <class T>
+void initialise(const parameter& p, std::span<T> values, const initialisation& rule, std::uint64_t seed,
+                std::uint32_t& index) {
+    if (p.what != role::weight) {
+        const bool one = p.what == role::scale || p.what == role::running_variance;
+        std::fill(values.begin(), values.end(), T(one ? 1 : 0));
+        return;
+    }
+    const auto* fixed = std::get_if<fixed_normal>(&rule);
+    const double deviation = fixed ? fixed->deviation : std::sqrt(2.0 / static_cast<double>(p.fan_in));
+    random_stream random(seed, draw::initial_weights, index++);
+    for (T& value : values)
+        value = static_cast<T>(deviation * random.normal());
+}
+
+} // namespace detail
+
 /// Draws all weights; biases, shifts and running means become zero, scales and running variances one.
 template <class Network>
 void initialise(Network& network, const initialisation& rule, std::uint64_t seed) {
     std::uint32_t index = 0;
-    network.for_each_parameter([&](const parameter& p, auto values) {
-        using number = typename decltype(values)::value_type;
-        if (p.what != role::weight) {
-            const bool one = p.what == role::scale || p.what == role::running_variance;
-            std::fill(values.begin(), values.end(), number(one ? 1 : 0));
-            return;
-        }
-        const auto* fixed = std::get_if<fixed_normal>(&rule);
-        const double deviation = fixed ? fixed->deviation : std::sqrt(2.0 / static_cast<double>(p.fan_in));
-        random_stream random(seed, draw::initial_weights, index++);
-        for (number& value : values)
-            value = static_cast<number>(deviation * random.normal());
-    });
+    network.for_each_parameter(
+        [&](const parameter& p, auto values) { detail::initialise(p, values, rule, seed, index); });
 }
 
 } // namespace TACTNET_ARCH

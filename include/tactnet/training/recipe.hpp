@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/image/augmentation.hpp>
+#include <tactnet/networks/published_training.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/optimiser.hpp>
 #include <tactnet/training/schedule.hpp>
@@ -64,23 +65,24 @@ struct recipe {
         return r;
     }
 
-    /// The paper's recipe (section IV-B). What differs between the networks is an argument.
-    [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns, double rate,
-                                          double drop_period, std::size_t patience) {
+    /// The paper's recipe (section IV-B), with what each network has of its own: for example
+    /// tactnet4_training.
+    [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns,
+                                          const published_training& own) {
         recipe r;
         r.name = "published";
         r.epochs = 1000;
         r.batch = 0;
-        r.rate = rate;
+        r.rate = own.rate;
         r.optimiser = sgd{.momentum = 0.8, .l2 = 1e-4};
-        r.schedule = drop_period > 0 ? schedule_type(step_drop{.period = drop_period, .factor = 0.1})
-                                     : constant_rate{};
+        r.schedule = own.drop_period > 0 ? schedule_type(step_drop{.period = own.drop_period, .factor = 0.1})
+                                         : constant_rate{};
         r.initialisation = fixed_normal{0.01};
         r.ranges = augmentation_ranges::published(rows, columns);
         r.label_smoothing = 0;
         r.remeasure_statistics = true;
         r.validate_every = 10;
-        r.patience = patience;
+        r.patience = own.patience;
         return r;
     }
 

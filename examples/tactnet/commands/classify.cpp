@@ -1,0 +1,53 @@
+// tactnet classify: images in, a line each out.
+
+#include "commands/commands.hpp"
+#include "data/image_data.hpp"
+#include "methods/weights.hpp"
+#include "reports/report.hpp"
+#include "usage_error.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+struct classify_options {
+    weight_options weights;
+    std::vector<std::string> images;
+};
+
+int classify(const classify_options& o) {
+    const loaded_weights weights = load_weights(o.weights);
+    const std::size_t rows = weights.what->rows, columns = weights.what->columns;
+    // All images are looked at before anything is said, so that a bad one does not leave half a list.
+    std::vector<std::uint8_t> pixels;
+    for (const std::string& path : o.images) {
+        const tactnet::grey_image image = load_image(path, rows, columns, o.weights.resize);
+        pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
+    }
+    tactnet::thread_pool threads;
+    const std::vector<recognition> recognised = weights.trained->recognise(pixels, threads);
+    for (std::size_t i = 0; i < o.images.size(); ++i) {
+        const auto& [label, score] = recognised[i];
+        fmt::print("{},{},{},{:.6f}\n", csv_field(o.images[i]), label, csv_field(weights.classes[label]),
+                   score);
+    }
+    return success;
+}
+
+} // namespace
+
+command add_classify(CLI::App& program) {
+    auto* app = program.add_subcommand(
+        "classify",
+        "Recognise images: prints path,class_index,class_name,probability for each (support vector "
+        "machines know none: in its place their decision value, for which see the README)");
+    auto o = std::make_shared<classify_options>();
+    add_weight_options(*app, o->weights);
+    app->add_option("IMAGE", o->images, "8-bit grey JPEG or PNG images")->required();
+    return [o] { return classify(*o); };
+}

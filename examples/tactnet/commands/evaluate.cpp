@@ -1,0 +1,251 @@
+// tactnet evaluate: methods trained and tested on many splits, and what each costs. Or a weight file, see
+// evaluate_weights.cpp.
+
+#include "commands/evaluate.hpp"
+
+#include "commands/commands.hpp"
+#include "commands/trainings.hpp"
+#include "methods/description.hpp"
+#include "methods/registry.hpp"
+#include "reports/evaluation_table.hpp"
+#include "reports/report.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/file.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <interrupt.hpp>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace {
+
+std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options& o) {
+    std::vector<std::pair<std::size_t, std::size_t>> sizes;
+    for (const std::string& text : o.sizes) {
+        std::size_t rows = 0, columns = 0;
+        int used = 0;
+        if (std::sscanf(text.c_str(), "%zux%zu%n", &rows, &columns, &used) != 2 ||
+            static_cast<std::size_t>(used) != text.size())
+            throw usage_error(fmt::format("--sizes: expected sizes such as 28x50, found '{}'", text));
+        sizes.emplace_back(rows, columns);
+    }
+    if (sizes.empty())
+        sizes.emplace_back(o.training.rows, o.training.columns);
+    return sizes;
+}
+
+std::vector<tactnet::split_rule> rules_of(const evaluate_options& o) {
+    if (o.split == "both")
+        return {tactnet::split_rule::random, tactnet::split_rule::blocked};
+    return {split_rule_of(o.split)};
+}
+
+/// All that was asked for, with its images. Throws usage_error and tactnet::file_error for all that can be
+/// wrong.
+class candidate_list {
+public:
+    explicit candidate_list(const evaluate_options& o) {
+        for (const auto& [rows, columns] : sizes_of(o))
+            for (const std::string& name : o.methods) {
+                training_settings training = o.training;
+                training.rows = rows, training.columns = columns;
+                const method& what = find_method(name, rows, columns);
+                static_cast<void>(recipe_for(what, training));
+                list_.push_back({&what, training, nullptr});
+            }
+        if (o.training.shares.test <= 0)
+            throw usage_error(
+                "--test: expected a share above 0, since accuracy is measured on these images, found 0");
+        check_writable(std::filesystem::path(o.results) / "evaluation.jsonl");
+        for (candidate& c : list_) {
+            const std::pair size{c.what->rows, c.what->columns};
+            if (!data_.contains(size))
+                data_.emplace(size, load_data(o.data, size.first, size.second, o.training.resize));
+            c.data = &data_.at(size);
+            check_capacity(*c.what, o.data, c.data->images.classes.size());
+            c.start = load_start(*c.what, c.training, c.data->images.classes);
+        }
+    }
+    candidate_list(const candidate_list&) = delete;
+    candidate_list& operator=(const candidate_list&) = delete;
+
+    auto begin() const { return list_.begin(); }
+    auto end() const { return list_.end(); }
+
+private:
+    std::map<std::pair<std::size_t, std::size_t>, image_data> data_;
+    std::vector<candidate> list_;
+};
+
+std::vector<task> tasks_of(const evaluate_options& o, const candidate_list& candidates) {
+    std::vector<task> all;
+    for (std::uint64_t seed = o.first_seed; seed < o.first_seed + o.splits; ++seed)
+        for (const candidate& c : candidates)
+            for (const tactnet::split_rule rule : rules_of(o))
+                all.push_back({&c, rule, seed,
+                               describe_training(*c.what, c.training, rule, seed, c.data->fingerprint)});
+    return all;
+}
+
+evaluation_row row_of(const candidate& c, const evaluate_options& o, const std::vector<task>& all,
+                      const result_list& results) {
+    const std::size_t classes = c.data->images.classes.size();
+    evaluation_row row{c.what,
+                       c.training.recipe,
+                       c.what->costs(classes),
+                       c.what->time_frames(),
+                       {},
+                       {},
+                       tactnet::confusion_matrix(classes),
+                       o.splits};
+    std::vector<double> seconds;
+    for (const tactnet::split_rule rule : rules_of(o)) {
+        std::vector<double> accuracies;
+        for (const task& t : all) {
+            if (t.of != &c || t.rule != rule)
+                continue;
+            const training_result& r = *results.find(t.settings);
+            accuracies.push_back(r.confusion.accuracy());
+            seconds.push_back(r.seconds);
+            row.confusion.add(r.confusion);
+        }
+        row.accuracies.push_back({rule, tactnet::mean_and_deviation::of(accuracies)});
+    }
+    row.seconds = tactnet::mean_and_deviation::of(seconds);
+    return row;
+}
+
+void report(const evaluate_options& o, const candidate_list& candidates, const std::vector<task>& all,
+            const result_list& results) {
+    const std::filesystem::path folder = o.results;
+    std::string splits;
+    for (const tactnet::split_rule rule : rules_of(o))
+        splits += fmt::format("{}{} {}", splits.empty() ? "" : " and ", o.splits, name_of(rule));
+    std::vector<evaluation_row> rows;
+    std::vector<cost_point> points;
+    for (const candidate& c : candidates) {
+        const evaluation_row& row = rows.emplace_back(row_of(c, o, all, results));
+        const auto size = fmt::format("{}x{}", c.what->rows, c.what->columns);
+        const auto name = fmt::format("{} {}", c.what->name, size);
+        points.push_back(
+            {name, static_cast<double>(row.costs.multiply_adds), row.times.alone, row.accuracies});
+        plot_confusion(folder / fmt::format("confusion_{}_{}", c.what->name, size),
+                       fmt::format("{}, {} splits", name, splits), row.confusion, c.data->images.classes);
+    }
+    tactnet::write_file(folder / "table.jsonl", json_lines_of(rows));
+    tactnet::write_file(folder / "table.csv", csv_of(rows));
+    plot_costs(folder / "accuracy_and_cost", points);
+    fmt::print("{}", table_of(rows));
+    fmt::print(
+        "accuracy: test images, mean ± standard deviation of {} splits each; µs: this machine, one thread\n",
+        o.splits);
+}
+
+int evaluate(const evaluate_options& o) {
+    const candidate_list candidates(o);
+    const std::filesystem::path list = std::filesystem::path(o.results) / "evaluation.jsonl";
+    if (o.afresh) {
+        std::error_code ignored;
+        std::filesystem::remove(list, ignored);
+    }
+    result_list results(list);
+    const std::vector<task> all = tasks_of(o, candidates);
+    std::vector<task> to_do;
+    std::ranges::copy_if(all, std::back_inserter(to_do),
+                         [&](const task& t) { return results.find(t.settings) == nullptr; });
+    fmt::print(stderr, "{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
+               list.string());
+    catch_interrupts();
+    if (!to_do.empty() && !run_all(to_do, o.jobs, results)) {
+        fmt::print(stderr, "stopped; the same command goes on with what is left\n");
+        return interrupted_by_user;
+    }
+    report(o, candidates, all, results);
+    return success;
+}
+
+/// Which trainings, and where their results go.
+void add_run_options(CLI::App& app, evaluate_options& o) {
+    app.add_option("--split", o.split,
+                   "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'")
+        ->check(CLI::IsMember({"both", "random", "blocked"}))
+        ->capture_default_str();
+    app.add_option("--splits", o.splits, "Splits of each kind, 1 to 10000")
+        ->type_name("N")
+        ->check(CLI::Range(1, 10'000))
+        ->capture_default_str();
+    app.add_option("--seed", o.first_seed, "Seed of the first split; the others follow")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    app.add_option("--results", o.results,
+                   "Folder for results; finished trainings found there are not done again")
+        ->type_name("FOLDER")
+        ->capture_default_str();
+    app.add_flag("--afresh", o.afresh,
+                 "Forget finished trainings found there, as one should when the library itself has changed");
+    app.add_option(
+           "--jobs,--threads", o.jobs,
+           "Trainings at the same time, 1 to 1024; the results do not depend on it (default: one a core)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+}
+
+/// What options for trainings say about a weight file.
+void take_weight_options(const CLI::App& app, evaluate_options& o) {
+    o.weights.resize = o.training.resize;
+    if (o.methods.size() > 1)
+        throw usage_error(
+            fmt::format("--method: expected one method for one weight file, found {}", o.methods.size()));
+    if (!o.methods.empty())
+        o.weights.method = o.methods.front();
+    if (app.count("--rows") > 0)
+        o.weights.rows = o.training.rows;
+    if (app.count("--columns") > 0)
+        o.weights.columns = o.training.columns;
+}
+
+} // namespace
+
+command add_evaluate(CLI::App& program) {
+    auto* app =
+        program.add_subcommand("evaluate", "Train and test methods on many splits, or test a weight file");
+    auto o = std::make_shared<evaluate_options>();
+    app->add_option("--data", o->data,
+                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
+        ->type_name("FOLDER")
+        ->required();
+    app->add_option("--method,--network", o->methods,
+                    "Methods, separated by commas; of " + method_names() + " (default: tactnet4,tactnet6)")
+        ->type_name("NAME,...")
+        ->delimiter(',');
+    add_training_options(*app, o->training);
+    app->add_option("--sizes", o->sizes,
+                    "Several sizes, such as 28x50,14x25, instead of --rows and --columns; images of another "
+                    "size need --resize")
+        ->type_name("SIZE,...")
+        ->delimiter(',');
+    add_run_options(*app, *o);
+    add_weight_options(*app, o->weights, false);
+    app->add_option("--images", o->images,
+                    "With --weights: the 'test' images of the split it was trained on, or 'all'")
+        ->check(CLI::IsMember({"test", "all"}))
+        ->capture_default_str();
+    return [o, app] {
+        if (o->weights.weights.empty()) {
+            if (o->methods.empty())
+                o->methods = {"tactnet4", "tactnet6"};
+            return evaluate(*o);
+        }
+        take_weight_options(*app, *o);
+        return evaluate_weights(*o);
+    };
+}

@@ -1,0 +1,113 @@
+// tactnet evaluate --weights: a trained method on the test images of its split, or on all images of a
+// folder.
+
+#include "commands/evaluate.hpp"
+#include "data/image_data.hpp"
+#include "reports/plot.hpp"
+#include "reports/report.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <system_error>
+
+namespace {
+
+/// A number in the metadata of a file that `tactnet train` wrote.
+template <class Number>
+Number number_in(const std::string& file, const tactnet::file_metadata& metadata, const char* key) {
+    const auto found = metadata.find(key);
+    Number value{};
+    if (found == metadata.end())
+        throw tactnet::file_error(file, fmt::format("metadata '{}'", key),
+                                  "that of a training, or --images all", "none");
+    const std::string& text = found->second;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size())
+        throw tactnet::file_error(file, fmt::format("metadata '{}'", key), "a number",
+                                  fmt::format("'{}'", text));
+    return value;
+}
+
+/// The images that the training did not see.
+std::vector<std::size_t> test_images(const std::string& file, const tactnet::file_metadata& metadata,
+                                     const std::string& folder, const image_data& data) {
+    const auto seed = number_in<std::uint64_t>(file, metadata, "seed");
+    const tactnet::split_shares shares{number_in<double>(file, metadata, "validation_share"),
+                                       number_in<double>(file, metadata, "test_share")};
+    const auto split = metadata.find("split"), trained_on = metadata.find("data");
+    if (split == metadata.end() || trained_on == metadata.end())
+        throw tactnet::file_error(file, "metadata", "'split' and 'data' of a training, or --images all",
+                                  "none");
+    if (trained_on->second != data.fingerprint)
+        throw tactnet::file_error(
+            folder, "",
+            fmt::format("the images that {} was trained on (fingerprint {}), or --images all", file,
+                        trained_on->second),
+            fmt::format("others ({})", data.fingerprint));
+    return tactnet::split_data(data.images.labels, data.images.classes.size(), split_rule_of(split->second),
+                               seed, shares)
+        .test;
+}
+
+/// Throws tactnet::file_error unless the folder's classes are those of the weights.
+void check_classes(const evaluate_options& o, const loaded_weights& weights,
+                   const std::vector<std::string>& classes) {
+    if (classes.size() != weights.classes.size())
+        throw tactnet::file_error(
+            o.data, "",
+            fmt::format("{} classes, as {} tells apart", weights.classes.size(), o.weights.weights),
+            fmt::to_string(classes.size()));
+    const auto [expected, found] =
+        std::mismatch(weights.classes.begin(), weights.classes.end(), classes.begin());
+    if (weights.named && found != classes.end())
+        throw tactnet::file_error(o.data, "",
+                                  fmt::format("the classes of {}, of which number {} is {}",
+                                              o.weights.weights, found - classes.begin(),
+                                              tactnet::in_quotes(*expected)),
+                                  tactnet::in_quotes(*found));
+}
+
+} // namespace
+
+int evaluate_weights(const evaluate_options& o) {
+    const loaded_weights weights = load_weights(o.weights);
+    const method& what = *weights.what;
+    const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize);
+    const std::vector<std::string>& classes = data.images.classes;
+    check_classes(o, weights, classes);
+    std::vector<std::size_t> chosen(data.images.size());
+    if (o.images == "all")
+        std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+    else
+        chosen = test_images(o.weights.weights, weights.metadata, o.data, data);
+    if (chosen.empty())
+        throw tactnet::file_error(o.weights.weights, "", "a split with test images, or --images all", "none");
+    const std::filesystem::path stem =
+        std::filesystem::path(o.results) /
+        ("confusion_" + std::filesystem::path(o.weights.weights).stem().string());
+    check_writable(stem);
+
+    tactnet::thread_pool threads(o.jobs);
+    const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
+    const method_costs costs = what.costs(classes.size());
+    const frame_times times = what.time_frames();
+    plot_confusion(stem, o.weights.weights, result.confusion, classes);
+    fmt::print("{}",
+               table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters",
+                       "multiply-adds", "on pixels", "bytes", "µs/frame", "µs in 64"},
+                      {what.name, fmt::format("{}x{}", what.rows, what.columns),
+                       fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
+                       fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
+                       std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss),
+                       grouped(costs.parameters), grouped(costs.multiply_adds),
+                       grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
+                       fmt::format("{:.1f}", times.alone), fmt::format("{:.1f}", times.in_batch)}}));
+    return success;
+}

@@ -1,0 +1,178 @@
+// tactnet simulate: makes labelled images where there is no sensor, as a folder with one subfolder a class.
+
+#include "commands/commands.hpp"
+#include "commands/scenes.hpp"
+#include "reports/progress.hpp"
+#include "reports/report.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/text.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
+#include <tactnet/version.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <decode_image.hpp>
+#include <exception>
+#include <filesystem>
+#include <interrupt.hpp>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using tactnet::simulation::paper_objects;
+
+struct simulate_options {
+    std::string out, scene = "paper";
+    std::size_t per_class = 50, threads = std::max(1u, std::thread::hardware_concurrency());
+    std::uint64_t seed = 1;
+};
+
+const simulated_scene& scene_of(std::string_view name) {
+    for (const simulated_scene& scene : simulated_scenes())
+        if (scene.name == name)
+            return scene;
+    throw usage_error(fmt::format("--scene: there is no scene {}", tactnet::in_quotes(name)));
+}
+
+/// Throws file_error where the folder's note says anything else.
+void check_note(const std::filesystem::path& note, const nlohmann::json& says) {
+    const auto bytes = tactnet::read_file(note, std::size_t{1} << 20);
+    const auto* const text = reinterpret_cast<const char*>(bytes.data());
+    const auto found = nlohmann::json::parse(text, text + bytes.size(), nullptr, false);
+    // What is no JSON compares as neither equal nor different.
+    if (found.is_discarded() || found != says)
+        throw tactnet::file_error(note.string(), "",
+                                  "images of the same simulation, " + says.dump() + ", or another folder",
+                                  found.is_discarded() ? "no JSON" : found.dump());
+}
+
+/// A folder belongs to what it says of itself: one that was begun with the same settings is gone on with, any
+/// other is left alone. The note comes first, so that whatever ends the program later leaves a folder to go
+/// on with.
+void claim_folder(const simulate_options& o) {
+    const std::filesystem::path folder = o.out, note = folder / "simulation.json";
+    const nlohmann::json says{{"scene", o.scene},
+                              {"seed", o.seed},
+                              {"images per class", o.per_class},
+                              {"library", fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR,
+                                                      TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)}};
+    std::error_code code;
+    if (std::filesystem::exists(note, code)) {
+        check_note(note, says);
+    } else {
+        if (folder.empty() ||
+            (std::filesystem::exists(folder, code) &&
+             (!std::filesystem::is_directory(folder, code) || !std::filesystem::is_empty(folder, code))))
+            throw tactnet::file_error(o.out, "",
+                                      "a new folder, an empty one, or one that a simulation has begun",
+                                      folder.empty() ? "no name" : "something else");
+        make_folder_of(note);
+        tactnet::write_file(note, says.dump(4) + "\n");
+    }
+    for (const auto& family : paper_objects)
+        make_folder_of(folder / family.name / "image");
+}
+
+int simulate(const simulate_options& o) {
+    const simulated_scene& scene = scene_of(o.scene);
+    claim_folder(o);
+    catch_interrupts();
+    tactnet::thread_pool threads(o.threads);
+    stopwatch watch;
+    progress shown;
+    std::mutex mutex; // of what follows
+    std::exception_ptr problem;
+    std::size_t done = 0, unsettled = 0;
+    std::atomic<bool> stop = false;
+    const std::size_t all = o.per_class * paper_objects.size();
+    const auto make = [&](simulator& simulates, std::size_t index) {
+        const std::size_t family = index % paper_objects.size(), number = index / paper_objects.size();
+        const auto file =
+            std::filesystem::path(o.out) / paper_objects[family].name / fmt::format("{:05}.png", number + 1);
+        bool settled = true;
+        if (!std::filesystem::exists(file)) {
+            const simulated_image image = simulates.image(family, o.seed, static_cast<std::uint32_t>(number));
+            write_png(file, scene.rows, scene.columns, image.counts);
+            settled = image.settled;
+        }
+        const std::lock_guard lock(mutex);
+        unsettled += !settled;
+        ++done;
+        shown.show(fmt::format("{} of {} images, {} left", done, all,
+                               duration_text(watch.seconds() / static_cast<double>(done) *
+                                             static_cast<double>(all - done))),
+                   done == all);
+    };
+    threads.on_each_thread([&](auto share) {
+        try {
+            const auto simulates = scene.make();
+            for (std::size_t index = share.begin(all); index < share.end(all) && !stop && !interrupted();
+                 ++index)
+                make(*simulates, index);
+        } catch (...) {
+            const std::lock_guard lock(mutex);
+            problem = std::current_exception();
+            stop = true;
+        }
+    });
+    shown.end_line();
+    if (problem)
+        std::rethrow_exception(problem);
+    if (done < all) {
+        fmt::print(stderr, "stopped after {} of {} images; the same command goes on\n", done, all);
+        return interrupted_by_user;
+    }
+    if (unsettled > 0)
+        fmt::print(stderr, "{} images: the contact did not settle, and is the best that was found\n",
+                   unsettled);
+    fmt::print("{}: {} images of {} classes in {}\n", o.out, all, paper_objects.size(),
+               duration_text(watch.seconds()));
+    return success;
+}
+
+} // namespace
+
+command add_simulate(CLI::App& program) {
+    auto* app = program.add_subcommand("simulate",
+                                       "Make labelled images of the paper's 22 classes, without a sensor");
+    auto o = std::make_shared<simulate_options>();
+    app->add_option("--out", o->out,
+                    "Folder to write: one subfolder a class, each with 28 x 50 8-bit PNG images")
+        ->type_name("FOLDER")
+        ->required();
+    app->add_option("--per-class", o->per_class, "Images of each class, 1 to 100000")
+        ->type_name("N")
+        ->check(CLI::Range(1, 100'000))
+        ->capture_default_str();
+    app->add_option("--seed", o->seed, "Of everything that is drawn; the same seed gives the same bits")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    std::vector<std::string> names;
+    std::string says = "What is simulated:";
+    for (const simulated_scene& scene : simulated_scenes()) {
+        says += fmt::format("{} '{}' {}", names.empty() ? "" : ";", scene.name, scene.says);
+        names.emplace_back(scene.name);
+    }
+    app->add_option("--scene", o->scene, says)
+        ->type_name("NAME")
+        ->check(CLI::IsMember(names))
+        ->capture_default_str();
+    app->add_option("--threads", o->threads,
+                    "Threads, 1 to 1024; the images do not depend on it (default: one a core)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+    return [o] { return simulate(*o); };
+}

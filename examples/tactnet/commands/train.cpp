@@ -1,0 +1,233 @@
+// tactnet train: one method on one split of a folder of images.
+
+#include "commands/commands.hpp"
+#include "commands/epochs.hpp"
+#include "data/image_data.hpp"
+#include "methods/description.hpp"
+#include "methods/registry.hpp"
+#include "methods/weights.hpp"
+#include "reports/plot.hpp"
+#include "reports/report.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/runtime/random.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <stopwatch.hpp>
+#include <system_error>
+
+namespace {
+
+struct train_options {
+    training_settings training;
+    std::string data, method = "tactnet6", split = "random", output, checkpoint, plots;
+    std::uint64_t seed = 0;
+    std::size_t threads = 1; // more pay on an idle machine only: their barriers wait for every core
+    std::size_t selftest = 4;
+    double checkpoint_minutes = 5;
+    bool resume = false, afresh = false;
+};
+
+/// Blots of random pressure, so that weight files can test themselves without holding anyone's recordings.
+std::vector<std::uint8_t> selftest_images(std::size_t count, std::size_t rows, std::size_t columns) {
+    std::vector<std::uint8_t> pixels;
+    for (std::size_t i = 0; i < count; ++i) {
+        tactnet::random_stream random(i, tactnet::draw::order);
+        const double row = random.uniform() * static_cast<double>(rows),
+                     column = random.uniform() * static_cast<double>(columns);
+        const double size = 2 + random.uniform() * static_cast<double>(std::min(rows, columns)) / 2;
+        for (std::size_t y = 0; y < rows; ++y)
+            for (std::size_t x = 0; x < columns; ++x) {
+                const double dy = static_cast<double>(y) - row, dx = static_cast<double>(x) - column;
+                const double pressure = std::max(0.0, 1 - (dy * dy + dx * dx) / (size * size));
+                pixels.push_back(static_cast<std::uint8_t>(pressure * (64 + 128 * random.uniform())));
+            }
+    }
+    return pixels;
+}
+
+/// A support vector machine, all at once: Ctrl-C ends the program, and leaves nothing.
+void run_once(training_run& training, const std::string& data) {
+    try {
+        training.advance();
+    } catch (const std::invalid_argument& error) { // nothing to tell apart, nothing to describe
+        throw usage_error(fmt::format("{}: {}", data, error.what()));
+    }
+}
+
+/// What a training leaves.
+struct output_files {
+    std::filesystem::path weights, checkpoint;
+    std::filesystem::path reports; ///< how their names begin
+};
+
+/// Throws usage_error where they cannot be written, or should not.
+output_files files_for(const method& what, const train_options& o) {
+    const std::filesystem::path weights = o.output;
+    const std::filesystem::path folder =
+        o.plots.empty() ? weights.parent_path() : std::filesystem::path(o.plots);
+    output_files files{weights, o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint,
+                       folder / weights.stem()};
+    check_writable(files.weights);
+    if (what.is_network()) {
+        check_writable(files.checkpoint);
+        if (!o.resume && !o.afresh)
+            check_no_checkpoint(files.checkpoint);
+    } else if (o.resume) {
+        throw usage_error(
+            fmt::format("--resume: expected a network, found {}, which is trained in one go", o.method));
+    }
+    check_writable(files.reports.string() + ".confusion.csv");
+    return files;
+}
+
+/// `training`: nothing for a support vector machine, which has no learning curve.
+void write_reports(const train_options& o, const std::filesystem::path& reports,
+                   const network_training* training, const tactnet::confusion_matrix& test,
+                   const std::vector<std::string>& classes) {
+    const std::string title = fmt::format("{} {}x{}", o.method, o.training.rows, o.training.columns);
+    make_folder_of(reports);
+    if (training != nullptr) {
+        tactnet::write_file(reports.string() + ".learning.jsonl",
+                            learning_curve_json_lines(training->history()));
+        plot_learning_curve(reports.string() + ".learning",
+                            fmt::format("{}, {} recipe", title, o.training.recipe), training->history());
+    }
+    if (test.total() > 0)
+        plot_confusion(reports.string() + ".confusion",
+                       fmt::format("{}, {} split {}", title, o.split, o.seed), test, classes);
+}
+
+/// Tests what a training has left, and writes it.
+void finish(const train_options& o, const output_files& files, const image_data& data,
+            const training_run& training, tactnet::file_metadata metadata, double seconds,
+            tactnet::thread_pool& threads) {
+    const std::vector<std::string>& classes = data.images.classes;
+    const auto* const epochs = dynamic_cast<const network_training*>(&training);
+    const auto best = training.best(classes);
+    const tactnet::evaluation test = best->evaluate(data.view(), training.split().test, threads);
+    const tactnet::evaluation validation = best->evaluate(data.view(), training.split().validation, threads);
+    if (epochs != nullptr)
+        metadata["trained_epochs"] = fmt::to_string(epochs->history().size());
+    if (test.confusion.total() > 0)
+        metadata["test_accuracy"] = fmt::to_string(test.confusion.accuracy());
+    if (validation.confusion.total() > 0)
+        metadata["validation_accuracy"] = fmt::to_string(validation.confusion.accuracy());
+
+    make_folder_of(files.weights);
+    best->save(files.weights, metadata, selftest_images(o.selftest, o.training.rows, o.training.columns));
+    write_reports(o, files.reports, epochs, test.confusion, classes);
+    if (epochs != nullptr) { // a finished training has nothing to go on with
+        std::error_code ignored;
+        std::filesystem::remove(files.checkpoint, ignored);
+    }
+
+    fmt::print("{}: trained in {:.1f} s", files.weights.string(), seconds);
+    if (test.confusion.total() > 0)
+        fmt::print(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
+                   test.confusion.correct(), test.confusion.total());
+    fmt::print("\n");
+}
+
+int train(const train_options& o) {
+    const method& what = find_method(o.method, o.training.rows, o.training.columns);
+    const tactnet::recipe recipe = recipe_for(what, o.training);
+    const output_files files = files_for(what, o);
+    const image_data data = load_data(o.data, o.training.rows, o.training.columns, o.training.resize);
+    const std::vector<std::string>& classes = data.images.classes;
+    check_capacity(what, o.data, classes.size());
+    const tactnet::split_rule rule = split_rule_of(o.split);
+    tactnet::data_split split =
+        tactnet::split_data(data.images.labels, classes.size(), rule, o.seed, o.training.shares);
+    const tactnet::file_metadata settings =
+        describe_training(what, o.training, rule, o.seed, data.fingerprint);
+
+    const auto from = load_start(what, o.training, classes);
+
+    tactnet::thread_pool threads(o.threads);
+    const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads);
+    start(*training, from.get());
+    auto* const epochs = dynamic_cast<network_training*>(training.get());
+    const std::string size =
+        epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.costs(classes.size()).parameters))
+                          : "";
+    fmt::print(stderr, "{} {}x{}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method,
+               what.rows, what.columns, classes.size(), size, training->split().training.size(),
+               training->split().validation.size(), training->split().test.size());
+
+    const stopwatch watch;
+    if (epochs == nullptr)
+        run_once(*training, o.data);
+    else if (!run_epochs(*epochs, recipe.epochs, {files.checkpoint, o.checkpoint_minutes, o.resume},
+                         settings))
+        return interrupted_by_user;
+    const double seconds = watch.seconds();
+
+    finish(o, files, data, *training, settings, seconds, threads);
+    return success;
+}
+
+/// How a training is run, and what it leaves besides weights.
+void add_run_options(CLI::App& app, train_options& o) {
+    app.add_option("--split", o.split,
+                   "'random', or 'blocked': neighbours in the order of recording stay together")
+        ->check(CLI::IsMember({"random", "blocked"}))
+        ->capture_default_str();
+    app.add_option("--seed", o.seed, "Of the split, the first weights and the order; any whole number from 0")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    app.add_option("--threads", o.threads, "Threads, 1 to 1024; the result does not depend on it")
+        ->capture_default_str()
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+    app.add_option("--checkpoint", o.checkpoint,
+                   "Where a stopped training is kept (default: OUTPUT.checkpoint)")
+        ->type_name("FILE");
+    app.add_option("--checkpoint-every", o.checkpoint_minutes,
+                   "Minutes between checkpoints of a running training, above 0")
+        ->type_name("MINUTES")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    auto* resume =
+        app.add_flag("--resume", o.resume, "Go on from the checkpoint, to the same bits as in one go");
+    app.add_flag("--afresh", o.afresh, "Start anew though there is a checkpoint, and give that up")
+        ->excludes(resume);
+    app.add_option("--plots", o.plots,
+                   "Folder for curves and confusion matrix (default: that of the weight file)")
+        ->type_name("FOLDER");
+    app.add_option(
+           "--self-test", o.selftest,
+           "Made-up images kept in the weight file with what came of them, 0 to 100; loading checks them")
+        ->type_name("N")
+        ->check(CLI::Range(0, 100))
+        ->capture_default_str();
+}
+
+} // namespace
+
+command add_train(CLI::App& program) {
+    auto* app = program.add_subcommand(
+        "train", "Train a network or a support vector machine on a folder of images and save it");
+    auto o = std::make_shared<train_options>();
+    app->add_option("--data", o->data,
+                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
+        ->type_name("FOLDER")
+        ->required();
+    app->add_option("--method,--network", o->method, "One of " + method_names())
+        ->type_name("NAME")
+        ->capture_default_str();
+    app->add_option("--output", o->output, "Weight file to write; curves and confusion matrix go beside it")
+        ->type_name("FILE")
+        ->required();
+    add_training_options(*app, o->training);
+    add_run_options(*app, *o);
+    return [o] { return train(*o); };
+}

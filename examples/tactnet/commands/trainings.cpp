@@ -1,0 +1,127 @@
+#include "commands/trainings.hpp"
+
+#include "methods/weights.hpp"
+#include "reports/progress.hpp"
+
+#include <tactnet/training/training_loop.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <interrupt.hpp>
+#include <mutex>
+#include <optional>
+#include <stopwatch.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace {
+
+/// On one thread. Nothing if it was interrupted.
+std::optional<training_result> run(const task& t) {
+    const image_data& data = *t.of->data;
+    const std::vector<std::string>& classes = data.images.classes;
+    tactnet::thread_pool alone;
+    const auto training = t.of->what->train(
+        recipe_for(*t.of->what, t.of->training), data.view(),
+        tactnet::split_data(data.images.labels, classes.size(), t.rule, t.seed, t.of->training.shares),
+        t.seed, alone);
+    start(*training, t.of->start.get());
+    const stopwatch watch;
+    while (!training->finished()) {
+        if (interrupted())
+            return std::nullopt;
+        training->advance();
+    }
+    training_result result;
+    result.seconds = watch.seconds();
+    const auto best = training->best(classes);
+    result.settings = t.settings;
+    result.confusion = best->evaluate(data.view(), training->split().test, alone).confusion;
+    result.validation_accuracy =
+        best->evaluate(data.view(), training->split().validation, alone).confusion.accuracy();
+    const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
+    result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
+    const std::size_t images =
+        by_epochs != nullptr ? by_epochs->images_per_epoch() : training->split().training.size();
+    result.images_per_second = static_cast<double>(images * result.epochs) / result.seconds;
+    return result;
+}
+
+std::string title_of(const task& t) {
+    return fmt::format("{} {}x{}, {} split {}", t.of->what->name, t.of->what->rows, t.of->what->columns,
+                       name_of(t.rule), t.seed);
+}
+
+/// What the workers share.
+class side_by_side {
+public:
+    side_by_side(const std::vector<task>& tasks, result_list& results) : tasks_(tasks), results_(results) {}
+
+    /// One worker, until nothing is left, a training has failed, or someone interrupts.
+    void work() {
+        for (std::size_t i = 0; !failed_ && !interrupted() && (i = next_++) < tasks_.size();) {
+            try {
+                auto result = run(tasks_[i]);
+                if (!result)
+                    return;
+                keep(tasks_[i], std::move(*result));
+            } catch (const tactnet::training_diverged& error) {
+                fail(std::make_exception_ptr(
+                    tactnet::training_diverged(title_of(tasks_[i]) + ": " + error.what())));
+            } catch (...) {
+                fail(std::current_exception());
+            }
+        }
+    }
+    void end() {
+        line_.end_line();
+        if (failure_)
+            std::rethrow_exception(failure_);
+    }
+
+private:
+    void keep(const task& t, training_result result) {
+        const std::lock_guard lock(mutex_);
+        const double accuracy = result.confusion.accuracy();
+        results_.add(std::move(result));
+        ++done_;
+        const double left =
+            watch_.seconds() / static_cast<double>(done_) * static_cast<double>(tasks_.size() - done_);
+        line_.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {} left", done_, tasks_.size(), title_of(t),
+                               100 * accuracy, duration_text(left)),
+                   done_ == tasks_.size());
+    }
+    void fail(std::exception_ptr failure) {
+        const std::lock_guard lock(mutex_);
+        if (!failed_.exchange(true))
+            failure_ = std::move(failure);
+    }
+
+    const std::vector<task>& tasks_;
+    std::atomic<std::size_t> next_{0};
+    std::atomic<bool> failed_{false};
+    stopwatch watch_;
+    std::mutex mutex_; ///< of what follows
+    result_list& results_;
+    std::exception_ptr failure_;
+    std::size_t done_ = 0;
+    progress line_;
+};
+
+} // namespace
+
+bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results) {
+    side_by_side shared(tasks, results);
+    std::vector<std::thread> workers;
+    for (std::size_t j = 1; j < std::min(jobs, tasks.size()); ++j)
+        workers.emplace_back([&] { shared.work(); });
+    shared.work();
+    for (std::thread& worker : workers)
+        worker.join();
+    shared.end();
+    return !interrupted();
+}

@@ -1,0 +1,81 @@
+#include "data/image_data.hpp"
+
+#include "data/fingerprint.hpp"
+
+#include <tactnet/image/running_resize.hpp>
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/text.hpp>
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <decode_image.hpp>
+#include <sstream>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace {
+
+tactnet::grey_image resized(const tactnet::grey_image& image, std::size_t rows, std::size_t columns) {
+    return {rows, columns, tactnet::resize_bicubic(image.pixels, image.rows, image.columns, rows, columns)};
+}
+
+} // namespace
+
+image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns,
+                     bool resize) {
+    const tactnet::image_folder list = tactnet::list_image_folder(folder);
+    image_data data;
+    if (resize)
+        data.images =
+            tactnet::load_images(list, rows, columns, decode_image, [&](const tactnet::grey_image& image) {
+                return resized(image, rows, columns);
+            });
+    else
+        data.images = tactnet::load_images(list, rows, columns, decode_image);
+    fingerprint print;
+    print.add(rows);
+    print.add(columns);
+    for (const std::string& name : data.images.classes)
+        print.add(name);
+    for (const std::size_t label : data.images.labels)
+        print.add(label);
+    for (const std::uint8_t pixel : data.images.pixels)
+        print.mix(pixel);
+    data.fingerprint = print.text();
+    return data;
+}
+
+tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
+                               bool resize) {
+    tactnet::grey_image image = decode_image(path);
+    if (image.rows == rows && image.columns == columns)
+        return image;
+    if (!resize)
+        throw tactnet::file_error(path.string(), "",
+                                  fmt::format("{} x {} pixels (rows x columns), or --resize", rows, columns),
+                                  fmt::format("{} x {}", image.rows, image.columns));
+    return resized(image, rows, columns);
+}
+
+std::vector<std::string> load_class_names(const std::filesystem::path& path) {
+    std::error_code code;
+    if (std::filesystem::is_directory(path, code))
+        return tactnet::list_image_folder(path).classes;
+    const auto bytes = tactnet::read_file(path, std::size_t{1} << 20);
+    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (!tactnet::is_utf8(text))
+        throw tactnet::file_error(path.string(), "", "class names in UTF-8, a line each", "other bytes");
+    std::vector<std::string> names;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.ends_with('\r'))
+            line.pop_back();
+        if (!line.empty())
+            names.push_back(line);
+    }
+    if (names.empty())
+        throw tactnet::file_error(path.string(), "", "class names, a line each", "none");
+    return names;
+}

@@ -1,0 +1,31 @@
+#pragma once
+
+// A folder of labelled images, as a training takes it.
+
+#include <tactnet/io/image_folder.hpp>
+#include <tactnet/training/labelled_images.hpp>
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+struct image_data {
+    tactnet::image_set images;
+    /// Differs when any pixel, label or class name differs.
+    std::string fingerprint;
+
+    tactnet::labelled_images view() const { return {images.pixels, images.labels, images.classes.size()}; }
+};
+
+/// Loads all images of a folder with one subfolder a class. Those of another size are resized if asked, else
+/// refused. Throws tactnet::file_error.
+image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns, bool resize);
+
+/// One image to recognise, of the size asked for.
+tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
+                               bool resize);
+
+/// The names of the classes: the subfolders of a folder, or the lines of a text file. Throws
+/// tactnet::file_error.
+std::vector<std::string> load_class_names(const std::filesystem::path& path);

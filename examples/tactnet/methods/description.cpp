@@ -1,0 +1,138 @@
+#include "methods/description.hpp"
+
+#include "data/fingerprint.hpp"
+
+#include <tactnet/version.hpp>
+
+#include <fmt/format.h>
+
+#include <string>
+#include <variant>
+
+// Structured bindings take all fields of a struct or do not compile: a new one stops the compiler here, and a
+// variant that gets another alternative does so too.
+
+namespace {
+
+std::string text(std::string_view value) {
+    return std::string(value);
+}
+template <class Number>
+    requires std::is_arithmetic_v<Number> std::string text(Number value) {
+        return fmt::to_string(value);
+    }
+
+std::string text(const tactnet::sgd& rule) {
+    const auto& [momentum, l2] = rule;
+    return fmt::format("sgd momentum {} l2 {}", momentum, l2);
+}
+std::string text(const tactnet::adamw& rule) {
+    const auto& [beta1, beta2, decay, epsilon] = rule;
+    return fmt::format("adamw beta1 {} beta2 {} decay {} epsilon {}", beta1, beta2, decay, epsilon);
+}
+
+std::string text(const tactnet::constant_rate&) {
+    static_assert(std::is_empty_v<tactnet::constant_rate>);
+    return "constant";
+}
+std::string text(const tactnet::step_drop& rule) {
+    const auto& [period, factor] = rule;
+    return fmt::format("drop period {} factor {}", period, factor);
+}
+std::string text(const tactnet::one_cycle& rule) {
+    const auto& [warm_up] = rule;
+    return fmt::format("one cycle warm-up {}", warm_up);
+}
+
+std::string text(const tactnet::fixed_normal& rule) {
+    const auto& [deviation] = rule;
+    return fmt::format("normal deviation {}", deviation);
+}
+std::string text(const tactnet::he_normal&) {
+    static_assert(std::is_empty_v<tactnet::he_normal>);
+    return "he normal";
+}
+
+template <class... Rules>
+std::string text(const std::variant<Rules...>& rule) {
+    return std::visit([](const auto& chosen) { return text(chosen); }, rule);
+}
+
+std::string text(tactnet::input_rule rule) {
+    return rule == tactnet::input_rule::scale ? "scale" : "mean";
+}
+std::string text(tactnet::augmentation_rule rule) {
+    switch (rule) {
+    case tactnet::augmentation_rule::none:
+        return "none";
+    case tactnet::augmentation_rule::each_epoch:
+        return "each-epoch";
+    case tactnet::augmentation_rule::sixfold:
+        break;
+    }
+    return "sixfold";
+}
+
+std::string text(const tactnet::augmentation_ranges& ranges) {
+    const auto& [reflect_rows, reflect_columns, translation, rotation, scale, pressure, shear] = ranges;
+    std::string all =
+        fmt::format("reflect rows {} columns {} translation {} rotation {} scale {} pressure {}",
+                    reflect_rows, reflect_columns, translation, rotation, scale, pressure);
+    if (shear != 0) // of which descriptions made before say nothing, and mean none
+        all += fmt::format(" shear {}", shear);
+    return all;
+}
+
+// The names of inline namespaces tell instruction sets apart: on another one the same training rounds
+// differently.
+#define TACTNET_PROGRAM_TEXT_OF(x) #x
+#define TACTNET_PROGRAM_TEXT(x) TACTNET_PROGRAM_TEXT_OF(x)
+constexpr std::string_view instruction_set = TACTNET_PROGRAM_TEXT(TACTNET_ARCH);
+
+} // namespace
+
+tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
+    const auto& [name, epochs, batch, rate, optimiser, schedule, initialisation, input, augmentation, ranges,
+                 label_smoothing, averaging, epsilon, remeasure_statistics, validate_every, patience] =
+        recipe;
+    return {
+        {"recipe", text(name)},
+        {"epochs", text(epochs)},
+        {"batch", text(batch)},
+        {"rate", text(rate)},
+        {"optimiser", text(optimiser)},
+        {"schedule", text(schedule)},
+        {"initialisation", text(initialisation)},
+        {"input", text(input)},
+        {"augmentation", text(augmentation)},
+        {"augmentation_ranges", text(ranges)},
+        {"label_smoothing", text(label_smoothing)},
+        {"averaging", text(averaging)},
+        {"epsilon", text(epsilon)},
+        {"remeasure_statistics", text(remeasure_statistics)},
+        {"validate_every", text(validate_every)},
+        {"patience", text(patience)},
+    };
+}
+
+tactnet::file_metadata describe_training(const method& what, const training_settings& s,
+                                         tactnet::split_rule rule, std::uint64_t seed,
+                                         std::string_view data) {
+    tactnet::file_metadata all{
+        {"network", what.name}, // of every method: as files made before say it
+        {"rows", fmt::to_string(what.rows)},
+        {"columns", fmt::to_string(what.columns)},
+        {"data", std::string(data)},
+        {"split", std::string(name_of(rule))},
+        {"seed", fmt::to_string(seed)},
+        {"validation_share", fmt::to_string(s.shares.validation)},
+        {"test_share", fmt::to_string(s.shares.test)},
+        {"library",
+         fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR, TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)},
+        {"instruction_set", std::string(instruction_set)},
+    };
+    if (!s.start.empty())
+        all["start"] = file_fingerprint(s.start);
+    all.merge(what.describe(recipe_for(what, s)));
+    return all;
+}

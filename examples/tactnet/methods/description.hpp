@@ -1,0 +1,18 @@
+#pragma once
+
+// What decides the result of a training, as text. It goes into weight files, checkpoints and lists of
+// results, and a stopped training goes on only where it is the same: so none of it may be left out.
+
+#include "methods/training_settings.hpp"
+
+#include <tactnet/io/model_file.hpp>
+
+#include <cstdint>
+#include <string_view>
+
+/// All of a recipe. A field that a recipe gets anew does not compile until it is here.
+tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe);
+
+/// Everything that decides the result of a training: two with the same description give the same bits.
+tactnet::file_metadata describe_training(const method& what, const training_settings& settings,
+                                         tactnet::split_rule rule, std::uint64_t seed, std::string_view data);

@@ -1,0 +1,127 @@
+#pragma once
+
+// A method is what --method names: a network or a support vector machine, at one size. The program knows it
+// by names and virtual functions; what only networks can do is in interfaces of their own.
+
+#include <tactnet/deployment/export/header_description.hpp>
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/networks/published_training.hpp>
+#include <tactnet/training/evaluate.hpp>
+#include <tactnet/training/recipe.hpp>
+#include <tactnet/training/split.hpp>
+#include <tactnet/training/trainer.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What one frame costs, in a method for a number of classes.
+struct method_costs {
+    std::size_t parameters = 0;              ///< learnable
+    std::size_t multiply_adds = 0;           ///< all taps
+    std::size_t multiply_adds_on_pixels = 0; ///< without those on padding
+    std::size_t parameter_bytes = 0;         ///< with running statistics, in single precision
+    std::size_t activation_bytes = 0;
+};
+
+/// Microseconds a frame on one thread: the median of repeated runs.
+struct frame_times {
+    double alone = 0;    ///< one frame at a time
+    double in_batch = 0; ///< 64 frames at once
+};
+
+/// What an image was taken for.
+struct recognition {
+    std::size_t label = 0;
+    /// Of a network: the probability. Of a support vector machine: the smallest decision value in favour of
+    /// the class, which has no upper bound and is above 0 where no decision went against it.
+    double score = 0;
+};
+
+/// What a training leaves: a network with its weights, or a support vector machine with its features.
+class trained_method {
+public:
+    virtual ~trained_method() = default;
+    virtual const std::vector<std::string>& classes() const = 0;
+    /// The loss of a support vector machine is NaN.
+    virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
+                                         std::span<const std::size_t> chosen,
+                                         tactnet::thread_pool& threads) const = 0;
+    /// Of images that are stored one after the other.
+    virtual std::vector<recognition> recognise(std::span<const std::uint8_t> images,
+                                               tactnet::thread_pool& threads) const = 0;
+    virtual void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
+                      std::span<const std::uint8_t> selftest) const = 0;
+};
+
+/// One that becomes a C++ header.
+class trained_network : public trained_method {
+public:
+    /// The text of a C++ header that holds the deployed network, with a frame to test it. Throws
+    /// std::invalid_argument for weights that cannot be deployed.
+    virtual std::string header(const tactnet::header_description& says,
+                               std::span<const std::uint8_t> frame) const = 0;
+};
+
+/// A training in progress.
+class training_run {
+public:
+    virtual ~training_run() = default;
+    virtual bool finished() const = 0;
+    /// One epoch of a network, all of a support vector machine.
+    virtual void advance() = 0;
+    virtual const tactnet::data_split& split() const = 0;
+    /// The best so far.
+    virtual std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const = 0;
+};
+
+/// One by epochs, which can be stopped and gone on with.
+class network_training : public training_run {
+public:
+    virtual const std::vector<tactnet::epoch_report>& history() const = 0;
+    virtual std::size_t images_per_epoch() const = 0;
+    /// Before the first epoch: begins with a network that the same method has loaded, in place of random
+    /// weights.
+    virtual void start_from(const trained_method& other) = 0;
+    virtual void save_checkpoint(const std::filesystem::path& path,
+                                 const tactnet::file_metadata& settings) = 0;
+    virtual void load_checkpoint(const std::filesystem::path& path,
+                                 const tactnet::file_metadata& settings) = 0;
+};
+
+/// A method at one size.
+class method {
+public:
+    method(std::string_view name_, std::size_t rows_, std::size_t columns_, std::size_t capacity_,
+           std::optional<tactnet::published_training> published_ = {})
+        : name(name_), rows(rows_), columns(columns_), capacity(capacity_), published(published_) {}
+    virtual ~method() = default;
+
+    const std::string name;
+    const std::size_t rows, columns;
+    const std::size_t capacity; ///< the most classes it can tell apart
+    const std::optional<tactnet::published_training> published;
+
+    /// Not a support vector machine.
+    virtual bool is_network() const = 0;
+
+    /// All that decides what comes of a training, apart from images, split and seed.
+    virtual tactnet::file_metadata describe(const tactnet::recipe& recipe) const = 0;
+    virtual method_costs costs(std::size_t classes) const = 0;
+    virtual frame_times time_frames() const = 0;
+    /// The images must outlive the training. Support vector machines have settings of
+    /// their own, and no use for the recipe.
+    virtual std::unique_ptr<training_run> train(const tactnet::recipe& recipe,
+                                                const tactnet::labelled_images& images,
+                                                tactnet::data_split split, std::uint64_t seed,
+                                                tactnet::thread_pool& threads) const = 0;
+    /// `epsilon` of batch norms, where there are any, goes before the file's. Throws tactnet::file_error.
+    virtual std::unique_ptr<trained_method> load(const tactnet::safetensors& file,
+                                                 std::optional<double> epsilon) const = 0;
+};

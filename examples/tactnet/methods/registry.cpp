@@ -1,0 +1,59 @@
+#include "methods/registry.hpp"
+
+#include "usage_error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+const std::vector<std::unique_ptr<method>>& all_methods() {
+    static const auto list = make_methods();
+    return list;
+}
+
+const method& find_method(std::string_view name, std::size_t rows, std::size_t columns) {
+    std::string sizes;
+    for (const auto& m : all_methods()) {
+        if (m->name != name)
+            continue;
+        if (m->rows == rows && m->columns == columns)
+            return *m;
+        sizes += fmt::format("{}{}x{}", sizes.empty() ? "" : ", ", m->rows, m->columns);
+    }
+    if (sizes.empty())
+        throw usage_error(fmt::format("--method: expected one of {}, found '{}'", method_names(), name));
+    throw usage_error(
+        fmt::format("--rows, --columns: expected a size that {} was compiled for ({}), found {}x{}; "
+                    "sizes are chosen when building, by TACTNET_PROGRAM_SIZES",
+                    name, sizes, rows, columns));
+}
+
+namespace {
+
+template <class Wanted>
+std::string names_of(const Wanted& wanted) {
+    std::vector<std::string> names;
+    for (const auto& m : all_methods())
+        if (wanted(*m) && std::find(names.begin(), names.end(), m->name) == names.end())
+            names.push_back(m->name);
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+} // namespace
+
+std::string network_names() {
+    return names_of([](const method& m) { return m.is_network(); });
+}
+std::string method_names() {
+    return names_of([](const method&) { return true; });
+}
+
+void check_capacity(const method& what, const std::string& data, std::size_t classes) {
+    if (classes > what.capacity)
+        throw tactnet::file_error(
+            data, "",
+            fmt::format("at most {} classes (chosen when building, by TACTNET_PROGRAM_CLASSES)",
+                        what.capacity),
+            fmt::to_string(classes));
+}

@@ -1,0 +1,107 @@
+#include "methods/training_settings.hpp"
+
+#include "usage_error.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+namespace {
+
+tactnet::recipe published_recipe(const method& what) {
+    if (!what.published)
+        throw usage_error(fmt::format(
+            "--recipe: expected default, since nothing was published for {}, found published", what.name));
+    return tactnet::recipe::published(what.rows, what.columns, *what.published);
+}
+
+} // namespace
+
+void add_training_options(CLI::App& command, training_settings& s) {
+    command.add_option("--rows", s.rows, "Rows of an image, tactels")
+        ->type_name("N")
+        ->check(CLI::Range(1, 4096))
+        ->capture_default_str();
+    command.add_option("--columns", s.columns, "Columns of an image, tactels")
+        ->type_name("N")
+        ->check(CLI::Range(1, 4096))
+        ->capture_default_str();
+    command.add_flag("--resize", s.resize,
+                     "Resize images of another size (bicubic); without it they are an error");
+    command.add_option("--recipe", s.recipe, "How to train: 'default', or as 'published' with the network")
+        ->check(CLI::IsMember({"default", "published"}))
+        ->capture_default_str();
+    command.add_option("--epochs", s.epochs, "Most epochs (default: the recipe's)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1'000'000));
+    command.add_option("--batch", s.batch, "Images a step, 0 is all (default: the recipe's)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1'000'000));
+    command.add_option("--rate", s.rate, "Highest learning rate, above 0 (default: the recipe's)")
+        ->type_name("X")
+        ->check(CLI::PositiveNumber);
+    command
+        .add_option("--input", s.input,
+                    "Counts minus their 'mean' image, or 'scale'd by 1/255 (default: the recipe's)")
+        ->check(CLI::IsMember({"mean", "scale"}));
+    command
+        .add_option("--augmentation", s.augmentation,
+                    "New images: 'none', drawn anew 'each-epoch', or five for each image once: 'sixfold' "
+                    "(default: the recipe's)")
+        ->check(CLI::IsMember({"none", "each-epoch", "sixfold"}));
+    command
+        .add_option(
+            "--start", s.start,
+            "Begin with the network of this weight file, such as one trained on simulated images, in place "
+            "of random weights; the default recipe then takes 0.3 of its rate")
+        ->type_name("FILE");
+    command
+        .add_option("--validation", s.shares.validation,
+                    "Share of each class to choose the best epoch by, 0 to below 1")
+        ->type_name("SHARE")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    command.add_option("--test", s.shares.test, "Share of each class kept for the test, 0 to below 1")
+        ->type_name("SHARE")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+}
+
+tactnet::split_rule split_rule_of(std::string_view name) {
+    return name == "blocked" ? tactnet::split_rule::blocked : tactnet::split_rule::random;
+}
+
+std::string_view name_of(tactnet::split_rule rule) {
+    return rule == tactnet::split_rule::blocked ? "blocked" : "random";
+}
+
+tactnet::recipe recipe_for(const method& what, const training_settings& s) {
+    if (s.shares.validation + s.shares.test >= 1)
+        throw usage_error(
+            fmt::format("--validation, --test: expected shares that leave some images for training, "
+                        "found {} and {}",
+                        s.shares.validation, s.shares.test));
+    if (!what.is_network() &&
+        (s.epochs || s.batch || s.rate || s.input || s.augmentation || !s.start.empty()))
+        throw usage_error(
+            fmt::format("--epochs, --batch, --rate, --input, --augmentation, --start: expected a network, "
+                        "found {}, which is not trained by epochs",
+                        what.name));
+    tactnet::recipe r =
+        s.recipe == "published" ? published_recipe(what) : tactnet::recipe::standard(what.rows, what.columns);
+    if (s.epochs)
+        r.epochs = *s.epochs;
+    if (s.batch)
+        r.batch = *s.batch;
+    if (s.rate)
+        r.rate = *s.rate;
+    else if (!s.start.empty() && s.recipe == "default")
+        r.rate *= 0.3; // of 0.3 and 1 what did best from simulated images, with 4 and with 32 real ones
+                       // a class
+    if (s.input)
+        r.input = *s.input == "mean" ? tactnet::input_rule::subtract_mean : tactnet::input_rule::scale;
+    if (s.augmentation)
+        r.augmentation = *s.augmentation == "none"         ? tactnet::augmentation_rule::none
+                         : *s.augmentation == "each-epoch" ? tactnet::augmentation_rule::each_epoch
+                                                           : tactnet::augmentation_rule::sixfold;
+    return r;
+}

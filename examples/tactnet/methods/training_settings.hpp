@@ -1,0 +1,38 @@
+#pragma once
+
+// What a user may choose about a training, and what becomes of it.
+
+#include "methods/method.hpp"
+
+#include <tactnet/training/recipe.hpp>
+#include <tactnet/training/split.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace CLI {
+class App;
+}
+
+struct training_settings {
+    std::size_t rows = 28, columns = 50;
+    bool resize = false;
+    std::string recipe = "default";
+    std::optional<std::size_t> epochs, batch;
+    std::optional<double> rate;
+    std::optional<std::string> input, augmentation;
+    std::string start; ///< weight file to begin with; empty for random weights
+    tactnet::split_shares shares;
+};
+
+/// --rows, --columns, --resize, --recipe and all that changes a recipe.
+void add_training_options(CLI::App& command, training_settings& settings);
+
+/// "random" or "blocked".
+tactnet::split_rule split_rule_of(std::string_view name);
+std::string_view name_of(tactnet::split_rule rule);
+
+/// The recipe for a method, with the user's changes. Throws usage_error.
+tactnet::recipe recipe_for(const method& what, const training_settings& settings);

@@ -1,0 +1,96 @@
+#include "methods/weights.hpp"
+
+#include "data/image_data.hpp"
+#include "methods/registry.hpp"
+#include "usage_error.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+void add_weight_options(CLI::App& command, weight_options& o, bool required) {
+    command.add_option("--weights", o.weights, "Weight file (safetensors)")
+        ->type_name("FILE")
+        ->required(required);
+    if (required) { // elsewhere these exist already, for other purposes too
+        command
+            .add_option("--method,--network", o.method,
+                        "For weight files that do not say it: one of " + method_names())
+            ->type_name("NAME");
+        command.add_option("--rows", o.rows, "Likewise: rows of an image, tactels")
+            ->type_name("N")
+            ->check(CLI::Range(1, 4096));
+        command.add_option("--columns", o.columns, "Likewise: columns of an image, tactels")
+            ->type_name("N")
+            ->check(CLI::Range(1, 4096));
+        command.add_flag("--resize", o.resize,
+                         "Resize images of another size (bicubic); without it they are an error");
+    }
+    command
+        .add_option("--epsilon", o.epsilon,
+                    "What batch norms add to a variance, above 0 (default: the file's, else 1e-5)")
+        ->type_name("X")
+        ->check(CLI::PositiveNumber);
+    command
+        .add_option("--classes", o.classes,
+                    "Names of the classes: a text file with a line each, or a folder with a subfolder each "
+                    "(default: the file's, else class_00, class_01, ...)")
+        ->type_name("PATH");
+}
+
+loaded_weights load_weights(const weight_options& o) {
+    const tactnet::safetensors file = tactnet::safetensors::read(o.weights);
+    const tactnet::model_description says = tactnet::describe_model(file);
+    const std::string name = o.method.empty() ? says.network : o.method;
+    const auto rows = o.rows ? o.rows : says.rows, columns = o.columns ? o.columns : says.columns;
+    if (name.empty() || !rows || !columns)
+        throw usage_error(
+            fmt::format("{}: expected metadata that say which method it is for, or --method, --rows and "
+                        "--columns, found neither",
+                        o.weights));
+    if (!says.network.empty() && says.network != name)
+        throw usage_error(fmt::format("{}: expected weights of {} as --method says, found those of {}",
+                                      o.weights, name, says.network));
+    const method& what = find_method(name, *rows, *columns);
+    if (!what.is_network() && o.epsilon)
+        throw usage_error(
+            fmt::format("--epsilon: expected a network, found {}, which has no batch norms", name));
+    loaded_weights result{&what, nullptr, {}, !says.classes.empty() || !o.classes.empty(), file.metadata()};
+    result.trained = result.what->load(file, o.epsilon);
+    result.classes = result.trained->classes();
+    if (!o.classes.empty()) {
+        std::vector<std::string> names = load_class_names(o.classes);
+        if (names.size() != result.classes.size())
+            throw tactnet::file_error(
+                o.classes, "", fmt::format("{} class names, as {} has", result.classes.size(), o.weights),
+                fmt::to_string(names.size()));
+        result.classes = std::move(names);
+    }
+    return result;
+}
+
+std::shared_ptr<const trained_method> load_start(const method& what, const training_settings& settings,
+                                                 const std::vector<std::string>& classes) {
+    if (settings.start.empty())
+        return nullptr;
+    weight_options options;
+    options.weights = settings.start, options.method = what.name;
+    options.rows = what.rows, options.columns = what.columns;
+    loaded_weights loaded = load_weights(options);
+    if (loaded.classes != classes)
+        throw tactnet::file_error(
+            settings.start, "",
+            fmt::format("the {} classes of the images, by the same names", classes.size()),
+            fmt::format("{} classes, or other names", loaded.classes.size()));
+    const auto says = loaded.metadata.find("input");
+    const std::string wanted = what.describe(recipe_for(what, settings)).at("input");
+    if (says != loaded.metadata.end() && says->second != wanted)
+        throw usage_error(
+            fmt::format("--start: expected a network of inputs by '{}', found one by '{}'; see --input",
+                        wanted, says->second));
+    return std::move(loaded.trained);
+}
+
+void start(training_run& training, const trained_method* from) {
+    if (from != nullptr)
+        dynamic_cast<network_training&>(training).start_from(*from);
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+// A weight file, and what the user says about it where it does not do so itself.
+
+#include "methods/method.hpp"
+#include "methods/training_settings.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+struct weight_options {
+    std::string weights, method, classes;
+    std::optional<std::size_t> rows, columns;
+    std::optional<double> epsilon;
+    bool resize = false;
+};
+
+struct loaded_weights {
+    const method* what;
+    std::unique_ptr<trained_method> trained;
+    std::vector<std::string> classes;
+    bool named; ///< whether anyone said what the classes are called
+    tactnet::file_metadata metadata;
+};
+
+void add_weight_options(CLI::App& command, weight_options& options, bool required = true);
+
+/// Throws tactnet::file_error and usage_error.
+loaded_weights load_weights(const weight_options& options);
+
+/// What a training of these classes begins with: nothing if `settings` name no file. Throws
+/// tactnet::file_error and usage_error, also for weights of other classes or of inputs that are meant
+/// otherwise.
+std::shared_ptr<const trained_method> load_start(const method& what, const training_settings& settings,
+                                                 const std::vector<std::string>& classes);
+void start(training_run& training, const trained_method* from);

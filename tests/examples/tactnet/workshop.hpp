@@ -1,0 +1,156 @@
+#pragma once
+
+// The program `tactnet` from outside: files in, files and exit status out.
+
+#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/runtime/random.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <decode_image.hpp>
+#include <fcntl.h>
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <spawn.h>
+#include <sstream>
+#include <string>
+#include <support/run_program.hpp>
+#include <support/temporary_folder.hpp>
+#include <sys/wait.h>
+#include <type_traits>
+#include <unistd.h>
+#include <vector>
+
+namespace support {
+
+namespace fs = std::filesystem;
+
+inline constexpr std::size_t rows = 7, columns = 13, images_per_class = 12;
+
+struct outcome {
+    int status;
+    std::string out, error;
+};
+
+/// The program with its own folder to work in: <folder>/work.
+class workshop {
+public:
+    workshop() {
+        fs::create_directory(work());
+        const char* names[] = {"left", "middle, of all", "right"}; // the comma is for CSV
+        tactnet::random_stream random(1, tactnet::draw::order);
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t i = 0; i < images_per_class; ++i) {
+                std::vector<std::uint8_t> pixels(rows * columns);
+                for (std::size_t e = 0; e < pixels.size(); ++e)
+                    pixels[e] =
+                        static_cast<std::uint8_t>(random.below(40) + (e % columns / 5 == c ? 150 : 0));
+                fs::create_directories(data() / names[c]);
+                write_png(data() / names[c] / ("image" + std::to_string(i) + ".png"), rows, columns, pixels);
+            }
+    }
+
+    fs::path data() const { return folder_ / "data"; }
+    fs::path work() const { return folder_ / "work"; }
+    fs::path operator/(const char* name) const { return work() / name; }
+
+    pid_t start(const std::vector<std::string>& arguments) const {
+        std::vector<std::string> texts{TACTNET_PROGRAM};
+        texts.insert(texts.end(), arguments.begin(), arguments.end());
+        std::vector<char*> pointers;
+        for (std::string& text : texts)
+            pointers.push_back(text.data());
+        pointers.push_back(nullptr);
+        posix_spawn_file_actions_t actions;
+        posix_spawn_file_actions_init(&actions);
+        posix_spawn_file_actions_addchdir_np(&actions, work().c_str());
+        const std::string out = (folder_ / "out").string(), error = (folder_ / "error").string();
+        posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                         0600);
+        posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                         0600);
+        pid_t child = -1;
+        REQUIRE(posix_spawn(&child, TACTNET_PROGRAM, &actions, nullptr, pointers.data(), environ) == 0);
+        posix_spawn_file_actions_destroy(&actions);
+        return child;
+    }
+    std::string error_so_far() const { return text_of(folder_ / "error"); }
+    outcome wait(pid_t child) const {
+        int status = 0;
+        REQUIRE(waitpid(child, &status, 0) == child);
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), text_of(folder_ / "out"),
+                text_of(folder_ / "error")};
+    }
+    outcome run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
+
+    /// A training of a second or less, with more arguments.
+    outcome train(const std::vector<std::string>& more) const { return run(train_arguments(more)); }
+    std::vector<std::string> train_arguments(const std::vector<std::string>& more) const {
+        const std::vector<std::pair<std::string, std::string>> usual{
+            {"--data", data().string()}, {"--network", "tactnet4"}, {"--rows", "7"},
+            {"--columns", "13"},         {"--threads", "1"},        {"--seed", "5"}};
+        std::vector<std::string> all{"train"};
+        for (const auto& [option, value] : usual)
+            if (std::find(more.begin(), more.end(), option) == more.end())
+                all.insert(all.end(), {option, value});
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+
+    /// Exit status 2, the sentence, and nothing written.
+    void refuses(const std::vector<std::string>& arguments, const std::string& sentence) const {
+        CAPTURE(sentence);
+        const auto before = everything();
+        const outcome result = run(arguments);
+        CHECK(result.status == 2);
+        CHECK(result.out.empty());
+        CHECK_MESSAGE(result.error.find(sentence) != std::string::npos, result.error);
+        CHECK(everything() == before);
+    }
+
+    std::set<std::string> everything() const {
+        std::set<std::string> names;
+        for (const auto& entry : fs::recursive_directory_iterator(work()))
+            names.insert(entry.path().string());
+        return names;
+    }
+
+private:
+    support::temporary_folder folder_;
+};
+
+/// The weight file with one tensor changed.
+template <class Number = float>
+void rewrite(const fs::path& from, const fs::path& to, const std::string& tensor,
+             const std::type_identity_t<std::function<void(std::vector<Number>&)>>& change) {
+    const auto file = tactnet::safetensors::read(from);
+    tactnet::safetensors_writer writer;
+    writer.metadata = file.metadata();
+    for (const auto& [name, entry] : file.tensors()) {
+        if (name != tensor) {
+            writer.add(name, entry.type, entry.extents, file.bytes(name));
+            continue;
+        }
+        auto values = file.values<Number>(name);
+        change(values);
+        auto extents = entry.extents;
+        if (extents.size() == 1)
+            extents[0] = values.size();
+        writer.add(name, std::move(extents), std::span<const Number>(values));
+    }
+    writer.write(to);
+}
+
+inline std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);)
+        lines.push_back(line);
+    return lines;
+}
+
+} // namespace support
