@@ -20,7 +20,7 @@ template <class Network>
 struct model;
 template <class Network>
 class trainer;
-template <class Network>
+template <class Network, class Format>
 class deployed;
 template <class Network>
 class deployed_model;

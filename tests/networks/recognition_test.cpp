@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <support/allocations.hpp>
@@ -31,6 +32,15 @@ static_assert(first_largest(std::array{not_a_number, not_a_number}) == 0);
 static_assert(first_largest({}) == 0);
 
 } // namespace
+
+// Names of a temporary would be gone with it.
+template <class Names>
+concept may_name = requires(std::span<const float> logits, Names names) {
+    tactnet::likeliest(logits, std::forward<Names>(names));
+    tactnet::most_probable(logits, std::forward<Names>(names));
+};
+static_assert(may_name<const std::vector<std::string>&> && may_name<std::span<const std::string>>);
+static_assert(!may_name<std::vector<std::string>>);
 
 TEST_CASE("recognition: the largest logit and its softmax") {
     const auto found = likeliest(std::array{1.0f, -2.0f, 2.5f, 0.0f});
@@ -85,7 +95,8 @@ TEST_CASE("recognition: names, and outputs behind them that stand for nothing") 
     constexpr std::array<std::string_view, 2> constants{"cable", "mug"};
     CHECK(likeliest(std::array{2.0f, 1.0f}, constants)->name == "cable");
     CHECK_FALSE(likeliest(std::array{1.0f}, names));
-    CHECK_FALSE(likeliest(std::array{1.0f}, std::vector<std::string>()));
+    const std::vector<std::string> none;
+    CHECK_FALSE(likeliest(std::array{1.0f}, none));
 }
 
 TEST_CASE("recognition: of probabilities, as shares of the named classes") {

@@ -22,9 +22,9 @@ inline namespace TACTNET_ARCH {
 
 /// A deployed network that keeps its weights, on the heap since they were packed: calls use none. May be
 /// copied and moved. `deployed_view` tells of the calls.
-template <class Network>
+template <class Network, class Format = single_precision>
 class deployed {
-    using plan = deployment_plan<Network>;
+    using plan = deployment_plan<Network, Format>;
 
 public:
     using view_type = deployed_view<Network::input_shape, typename plan::step>;
@@ -131,11 +131,12 @@ private:
             largest >= needed ? static_cast<float>(largest) : std::numeric_limits<float>::max();
     }
 
-    aligned_vector<float> folded_, packed_;
+    aligned_vector<float> folded_;
+    aligned_vector<typename Format::packed> packed_;
 };
 
-/// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Any list of this
-/// library's layers; the main branch of a residual block must end in a convolution, with or without batch
+/// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Any list of layers that
+/// have a deployed form; the main branch of a residual block must end in a convolution, with or without batch
 /// norm. Throws as the constructor of `deployed`. A `model` becomes a deployed_model, which names classes.
 template <class Network>
 [[nodiscard]] deployed<Network>

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <type_traits>
 
 // What a network's outputs say of a frame. Nothing here uses the heap or throws, and it needs no more than a
 // target without files has.
@@ -72,11 +73,16 @@ template <class Recognise, class Names>
     return detail::recognise_by(logits,
                                 [](double logit, double largest) { return std::exp(logit - largest); });
 }
+/// Names that outlive a call: a container that is not a temporary, or a view.
+template <class Names>
+concept lasting_names =
+    std::is_lvalue_reference_v<Names> || std::ranges::enable_borrowed_range<std::remove_cvref_t<Names>>;
+
 /// With the name of the class: as many logits take part as there are names, which must outlive the result.
 /// Nothing if there are fewer logits than names.
 template <class Names>
-[[nodiscard]] std::optional<recognition> likeliest(std::span<const float> logits,
-                                                   const Names& names) noexcept {
+    requires lasting_names<Names>
+[[nodiscard]] std::optional<recognition> likeliest(std::span<const float> logits, Names&& names) noexcept {
     return detail::recognise_named(logits, names,
                                    [](std::span<const float> known) { return likeliest(known); });
 }
@@ -87,8 +93,9 @@ template <class Names>
     return detail::recognise_by(probabilities, [](double probability, double) { return probability; });
 }
 template <class Names>
+    requires lasting_names<Names>
 [[nodiscard]] std::optional<recognition> most_probable(std::span<const float> probabilities,
-                                                       const Names& names) noexcept {
+                                                       Names&& names) noexcept {
     return detail::recognise_named(probabilities, names,
                                    [](std::span<const float> known) { return most_probable(known); });
 }

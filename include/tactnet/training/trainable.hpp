@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace tactnet {
@@ -53,8 +55,14 @@ public:
     virtual void logits(thread_pool& threads, workspace& space, const sample_batch& in,
                         sample_batch& out) const = 0;
 
-    /// Takes the arrays of a network of the same type.
+    /// Takes the arrays of a network of the same type. Throws std::invalid_argument for arrays of other
+    /// sizes.
     void take(std::span<const float> values, std::span<const float> statistics) {
+        if (values.size() != learnable_values().size() || statistics.size() != running_statistics().size())
+            throw std::invalid_argument("trainable: expected " + std::to_string(learnable_values().size()) +
+                                        " parameters and " + std::to_string(running_statistics().size()) +
+                                        " running statistics, found " + std::to_string(values.size()) +
+                                        " and " + std::to_string(statistics.size()));
         std::copy(values.begin(), values.end(), learnable_values().begin());
         std::copy(statistics.begin(), statistics.end(), running_statistics().begin());
     }

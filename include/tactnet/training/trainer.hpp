@@ -39,7 +39,7 @@ public:
     /// Begins with the parameters and statistics of another network, for example one that was trained on
     /// simulated images, in place of random ones. Throws std::logic_error after the first epoch.
     void start_from(const Network& other) {
-        loop_.start_from(other.learnable_values(), other.running_statistics());
+        loop_.start_from(other.learnable_values(), other.running_statistics(), other.momentum);
     }
 
     /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step

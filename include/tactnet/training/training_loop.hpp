@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -98,11 +99,15 @@ public:
 
     /// Begins with the parameters and statistics of another network, for example one that was trained on
     /// simulated images, in place of random ones. Throws std::logic_error after the first epoch.
-    void start_from(std::span<const float> values, std::span<const float> statistics) {
+    void start_from(std::span<const float> values, std::span<const float> statistics,
+                    std::optional<double> momentum = std::nullopt) {
         if (!history().empty())
             throw std::logic_error("trainer: a training that has begun cannot start from another network");
         for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
             each->take(values, statistics);
+        if (momentum)
+            for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
+                each->momentum() = *momentum;
     }
 
     /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step

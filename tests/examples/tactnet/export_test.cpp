@@ -18,7 +18,7 @@ TEST_SUITE("program") {
         CHECK(written.out.empty());
         const std::string text = text_of(shop / "out/net.hpp");
         CHECK(text.starts_with("// tactnet4 for frames of 7 × 13 × 1 "));
-        CHECK(text.find("\nnamespace tactile::inline TACTNET_ARCH {\n") != std::string::npos);
+        CHECK(text.find("\nnamespace tactile {\ninline namespace TACTNET_ARCH {\n") != std::string::npos);
         CHECK(text.find("\"middle, of all\"") != std::string::npos);
         CHECK(text.find("inline constexpr recogniser_type::packed_weights packed") != std::string::npos);
         REQUIRE(shop.run({"export", "--weights", "net", "--output", "again.hpp"}).status == 0);
@@ -26,7 +26,7 @@ TEST_SUITE("program") {
         REQUIRE(shop.run({"export", "--weights", "net", "--output", "other.hpp", "--namespace",
                           "gripper::left", "--packing", "at-start"})
                     .status == 0);
-        CHECK(text_of(shop / "other.hpp").find("\nnamespace gripper::left::inline TACTNET_ARCH {\n") !=
+        CHECK(text_of(shop / "other.hpp").find("\nnamespace gripper::left {\ninline namespace TACTNET_ARCH {\n") !=
               std::string::npos);
         CHECK(text_of(shop / "other.hpp").find("inline const recogniser_type::packed_weights packed") !=
               std::string::npos);

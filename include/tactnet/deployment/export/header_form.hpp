@@ -26,7 +26,8 @@ inline constexpr std::string_view header_form =
 #include <cstdint>
 #include <string_view>
 
-namespace @namespace@::inline TACTNET_ARCH {
+namespace @namespace@ {
+inline namespace TACTNET_ARCH {
 
 @steps@
 using recogniser_type = tactnet::deployed_view<tactnet::shape{.rows = @rows@, .columns = @columns@, .channels = @channels@}, @chain@>;
@@ -65,6 +66,7 @@ inline bool passes_selftest() noexcept {
     return difference <= largest * 1e-4f;
 }
 
+} // namespace TACTNET_ARCH
 } // namespace @namespace@
 )";
 

@@ -47,6 +47,9 @@ struct step_spelling<convolution_step<Format, Kernel>> {
             what += " in " + std::to_string(c.groups) + " groups";
             rest += ", .groups = " + std::to_string(c.groups);
         }
+        if (c.map_stride > 0)
+            rest += ", .map_stride = " + std::to_string(c.map_stride) +
+                    ", .map_offset = " + std::to_string(c.map_offset);
         if (c.pool != extent(1))
             what += ", max pool " + detail::by(c.pool);
         if (c.rectified)

@@ -24,6 +24,11 @@ struct step_chain {
     using format = typename at<0>::format;
     static_assert((std::is_same_v<typename Steps::format, format> && ...),
                   "step_chain: all steps must have the same number format");
+    static_assert((deployed_step<Steps> && ...),
+                  "step_chain: what is listed must be steps; deployed_step says "
+                  "what that is");
+    static_assert((detail::fills_map<Steps> && ...),
+                  "step_chain: a step that writes among the channels of a wider map cannot stand by itself");
     using activation = typename format::activation;
     using packed_number = typename format::packed;
 

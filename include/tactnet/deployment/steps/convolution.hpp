@@ -17,8 +17,20 @@ struct convolution_step;
 
 template <kernels::frame_convolution Kernel>
 struct convolution_step<single_precision, Kernel> {
+    static_assert(Kernel.groups > 0 && Kernel.window.input.channels % Kernel.groups == 0 &&
+                      Kernel.filters % Kernel.groups == 0,
+                  "convolution_step: groups must divide both channels and filters");
+    static_assert(
+        Kernel.groups_apart() || Kernel.joined().fits_map(),
+        "convolution_step: the output does not fit its place in the wider map: fits_map() says what "
+        "it takes");
+    static_assert(Kernel.map_stride == 0 || Kernel.map_offset + Kernel.filters <= Kernel.map_stride,
+                  "convolution_step: the output reaches beyond the pixels of the wider map");
+
     using format = single_precision;
     static constexpr kernels::frame_convolution kernel = Kernel;
+    /// Whether nobody else writes to the map.
+    static constexpr bool fills_map = Kernel.map_stride == 0;
     static constexpr shape output{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters};
     static constexpr std::size_t output_stride = Kernel.output_stride();
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();

@@ -62,6 +62,15 @@ struct step_without_parameters {
 
 namespace detail {
 
+/// Whether a step writes all of its map.
+template <class Step>
+inline constexpr bool fills_map = [] {
+    if constexpr (requires { Step::fills_map; })
+        return Step::fills_map;
+    else
+        return true;
+}();
+
 /// For [output][weights of one], then biases: the largest |bias| + input · Σ |weight|.
 [[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
                                         double input) {

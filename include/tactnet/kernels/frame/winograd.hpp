@@ -72,7 +72,7 @@ struct winograd_tiles {
     static constexpr bool possible =
         (C.window.kernel == extent(3) || C.window.kernel == extent(2)) && C.window.stride == extent(1) &&
         (C.pool == extent(1) || C.pool == extent(2)) && C.input_stride % input_width == 0 &&
-        C.input_stride >= input_stride && C.input_offset % input_width == 0;
+        C.input_stride >= input_stride && C.input_multiple % input_width == 0;
     /// Whether fewer vector operations are needed than with taps on real pixels. Transforms count with their
     /// loads and stores; register blocks of few tiles wait for the weights.
     static constexpr bool pays = [] {
