@@ -36,6 +36,7 @@ class warning_text {
 public:
     static constexpr std::size_t capacity = 103;
 
+    warning_text() noexcept = default;
     template <class... Parts>
         requires((std::is_arithmetic_v<Parts> || std::convertible_to<Parts, std::string_view>)&&...)
     explicit warning_text(Parts... parts) noexcept { (append(parts), ...); }
