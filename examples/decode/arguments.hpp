@@ -23,7 +23,10 @@ inline constexpr const char* usage =
     "Prints what is in a Tekscan recording (.csv, .asf, .fsx) or map (.mp); its content tells which.\n"
     "  --csv               every frame: a line frame,NUMBER,SECONDS and its rows, with B where no tactel is\n"
     "  --picture N OUT.png draws the frame with the number N\n"
-    "  --map FILE.mp       the map of the sensor, which says which cells have a tactel: .fsx does not tell\n";
+    "  --map FILE.mp       the map of the sensor, which says which cells have a tactel: .fsx does not tell\n"
+    "Standard error has warnings of what no real writer makes, and of a damaged recording how many of the "
+    "first\n"
+    "frames are certain.\n";
 
 /// Something in the command line that cannot be.
 struct usage_error : std::runtime_error {

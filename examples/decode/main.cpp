@@ -1,7 +1,8 @@
 // tactnet_decode: what is in a sensor's recording, as a summary, as text or as a picture.
 //
 // Exit status: 0, or 2 (bad input or arguments, or output that cannot be written). Of a damaged recording the
-// whole frames are printed before the error.
+// whole frames are printed before the error, and standard error tells how many of them are certain. What is
+// unlike a real writer is a warning there, and no reason for another exit status.
 
 #include "arguments.hpp"
 #include "output.hpp"
@@ -15,10 +16,12 @@
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/warning.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -97,6 +100,25 @@ std::vector<std::uint8_t> read_mask(const std::filesystem::path& map) {
     return std::move(description.mask);
 }
 
+/// On standard error, which may be closed: what is printed elsewhere goes on.
+void print_warnings(const arguments& asked, const tactnet::decoding_warnings& warnings) {
+    const std::string file = asked.file.string();
+    for (const tactnet::decoding_warning& warning : warnings.kept())
+        std::fprintf(stderr, "tactnet_decode: %s: %s: warning: expected %s, found %s\n", file.c_str(),
+                     warning.place().c_str(), std::string(warning.expected.view()).c_str(),
+                     std::string(warning.found.view()).c_str());
+    if (warnings.count() > warnings.kept().size())
+        std::fprintf(stderr, "tactnet_decode: %s: %s more warnings\n", file.c_str(),
+                     std::to_string(warnings.count() - warnings.kept().size()).c_str());
+}
+
+/// Which of the frames that came out can be relied on.
+void print_certain(const arguments& asked, std::uint64_t certain, std::uint64_t frames) {
+    std::fprintf(stderr, "tactnet_decode: %s: the first %s of %s frames are certain\n",
+                 asked.file.string().c_str(), std::to_string(certain).c_str(),
+                 std::to_string(frames).c_str());
+}
+
 void decode(const arguments& asked) {
     const std::vector<std::uint8_t> mask = read_mask(asked.map);
     const std::vector<std::byte> bytes = tactnet::read_file(asked.file);
@@ -116,6 +138,9 @@ void decode(const arguments& asked) {
     if (status != tactnet::decode_status::damaged)
         status = decoder.finish(take);
     const bool damaged = status == tactnet::decode_status::damaged;
+    print_warnings(asked, decoder.warnings());
+    if (damaged && decoder.frames() > 0)
+        print_certain(asked, decoder.certain_frames(), decoder.frames());
     if (!asked.csv && !asked.picture && (!damaged || time.frames > 0))
         print_summary(decoder.description(), time);
     flush_output();

@@ -9,6 +9,7 @@
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
+#include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
@@ -18,6 +19,7 @@
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/warning.hpp>
 #include <tactnet/sensors/weiss/dsacon32m.hpp>
 #include <tactnet/sensors/weiss/packet.hpp>
 #include <tactnet/sensors/weiss/wts.hpp>

@@ -70,6 +70,32 @@ TEST_SUITE("decode") {
         }
     }
 
+    TEST_CASE("warnings, and how many frames are certain, on standard error") {
+        using namespace std::string_literals;
+        const std::string header =
+                              "ROWS 1\nCOLS 3\nNOISE_THRESHOLD 3\nSECONDS_PER_FRAME 1\nFRAMES 3\n\xBB\xBA",
+                          frame = "\x01\x00\x02\x07\x08\xFF\xFF\xFF\xFF"s,
+                          quiet = "\x01\x00\x02\x07\x02\xFF\xFF\xFF\xFF"s;
+        const recording_file odd(header + frame + frame + quiet + "\xFF\xFE"),
+            cut(header + frame + frame + "\x01");
+        const auto warned = run_program(program + odd.quoted());
+        CHECK(warned.status == 0);
+        CHECK(warned.out.find("frames: 3\n") != std::string::npos);
+        CHECK(warned.error == "tactnet_decode: " + odd.path().string() + ": byte " +
+                                  std::to_string(header.size() + 2 * frame.size() + 4) +
+                                  ", frame 3: warning: expected counts of at least 3 (NOISE_THRESHOLD), "
+                                  "found 2 in cell 2\n");
+        refuses(program + cut.quoted(), ": the first 1 of 2 frames are certain\n");
+        // More than are kept are counted.
+        const std::string wide =
+            "ROWS 1\nCOLS 30\nNOISE_THRESHOLD 3\nSECONDS_PER_FRAME 1\nFRAMES 1\n\xBB\xBA";
+        const recording_file noisy(wide + "\x00\x00\x14"s + std::string(20, '\x01') +
+                                   "\xFF\xFF\xFF\xFF\xFF\xFE");
+        const auto counted = run_program(program + noisy.quoted());
+        CHECK(counted.status == 0);
+        CHECK(counted.error.find(": 4 more warnings\n") != std::string::npos);
+    }
+
     TEST_CASE("pictures") {
         const recording_file file(recording);
         const auto picture = (file / "out.png").string();

@@ -32,6 +32,8 @@ struct outcome {
     std::uint64_t frames = 0, numbers = 0, hash = 14695981039346656037U;
     double seconds = 0;
     std::string error;
+    std::uint64_t certain = 0, warnings = 0;
+    std::vector<tactnet::decoding_warning> kept;
 
     friend bool operator==(const outcome&, const outcome&) = default;
 };
@@ -71,6 +73,12 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
     }
     note(decoder.finish(sink));
     require(result.status != tactnet::decode_status::reading);
+    result.certain = decoder.certain_frames();
+    result.warnings = decoder.warnings().count();
+    result.kept.assign(decoder.warnings().kept().begin(), decoder.warnings().kept().end());
+    require(result.certain <= result.frames && result.kept.size() <= result.warnings);
+    require(result.status == tactnet::decode_status::damaged || result.warnings > 0 ||
+            result.certain == result.frames);
     return result;
 }
 

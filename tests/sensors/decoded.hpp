@@ -29,6 +29,9 @@ struct decoded {
     tactnet::decode_status status = tactnet::decode_status::reading;
     std::string error; ///< "place: expected …, found …"; empty without damage
     tactnet::recording_description description;
+    std::uint64_t certain_frames = 0;
+    std::vector<std::string> warnings; ///< "place: expected …, found …", the first ones
+    std::uint64_t warning_count = 0;
 };
 
 inline std::span<const std::byte> bytes_of(std::string_view text) {
@@ -56,6 +59,11 @@ decoded decode(Decoder decoder, std::span<const std::byte> bytes, const std::vec
     note(decoder.push(bytes.subspan(from), keep));
     note(decoder.finish(keep));
     result.description = decoder.description();
+    result.certain_frames = decoder.certain_frames();
+    for (const tactnet::decoding_warning& warning : decoder.warnings().kept())
+        result.warnings.push_back(warning.place() + ": expected " + std::string(warning.expected.view()) +
+                                  ", found " + std::string(warning.found.view()));
+    result.warning_count = decoder.warnings().count();
     return result;
 }
 
@@ -65,7 +73,9 @@ bool same_however_split(const Decoder& decoder, std::span<const std::byte> bytes
     const decoded whole = decode(decoder, bytes);
     const auto same = [&](const std::vector<std::size_t>& cuts) {
         const decoded split = decode(decoder, bytes, cuts);
-        return split.frames == whole.frames && split.status == whole.status && split.error == whole.error;
+        return split.frames == whole.frames && split.status == whole.status && split.error == whole.error &&
+               split.certain_frames == whole.certain_frames && split.warnings == whole.warnings &&
+               split.warning_count == whole.warning_count;
     };
     std::vector<std::size_t> every;
     for (std::size_t cut = 1; cut < bytes.size(); ++cut) {

@@ -54,6 +54,7 @@ TEST_CASE("recording: files: refused when damaged, or read as far as they are wh
     REQUIRE(kept.damage);
     CHECK(kept.damage->missing_frames == 1);
     CHECK(kept[0](0, 0) == 1);
+    CHECK(kept.certain_frames == 1);
     tactnet::write_file(path, "");
     CHECK_THROWS_AS(static_cast<void>(read_recording(path, tactnet::damaged_file::keep_whole_frames)),
                     file_error);
@@ -79,4 +80,24 @@ TEST_CASE("recording: the real recordings") {
         CHECK(read_recording(*path).as<shape{44, 52, 1}>(0)(15, 34) == 10);
     if (const auto path = support::find_data("tekscan/null.mp"))
         CHECK(read_recording(*path).description.missing_cells() == 0);
+}
+
+TEST_CASE("recording: warnings, and which frames are certain, of formats that know doubts") {
+    const std::string header = "ROWS 1\nCOLS 2\nNOISE_THRESHOLD 3\nSECONDS_PER_FRAME 1\nFRAMES 3\n\xBB\xBA",
+                      frame = "\x00\x00\x01\x07\xFF\xFF\xFF\xFF"s,
+                      quiet = "\x00\x00\x01\x02\xFF\xFF\xFF\xFF"s;
+    const auto odd =
+        decode_all(tactnet::any_recording(), bytes_of(header + frame + frame + quiet + "\xFF\xFE"));
+    CHECK(!odd.damage);
+    CHECK(odd.warnings.count() == 1);
+    CHECK(odd.warnings.kept()[0].frame == 3);
+    CHECK(odd.certain_frames == 1);
+    const auto cut = decode_all(tactnet::any_recording(), bytes_of(header + frame + frame));
+    CHECK(cut.size() == 2);
+    CHECK(cut.certain_frames == 1);
+    // What is not kept is not certain either.
+    const auto full =
+        decode_all(tactnet::any_recording(), bytes_of(header + frame + frame + frame + "\xFF\xFE"), 2);
+    CHECK(full.size() == 1);
+    CHECK(full.certain_frames == 1);
 }

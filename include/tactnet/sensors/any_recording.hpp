@@ -91,6 +91,13 @@ public:
     [[nodiscard]] std::uint64_t frames() const {
         return std::visit([](const auto& decoder) { return decoder.frames(); }, decoder_);
     }
+    [[nodiscard]] std::uint64_t certain_frames() const {
+        return std::visit([](const auto& decoder) { return decoder.certain_frames(); }, decoder_);
+    }
+    [[nodiscard]] const decoding_warnings& warnings() const {
+        return std::visit([](const auto& decoder) -> const decoding_warnings& { return decoder.warnings(); },
+                          decoder_);
+    }
 
 private:
     [[nodiscard]] std::string_view begun_text() const noexcept {

@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/frame.hpp>
+#include <tactnet/sensors/warning.hpp>
 
 #include <concepts>
 #include <cstddef>
@@ -16,7 +17,7 @@
 // most one frame and one piece of its input; what both may need at most is a constant of the format, stated
 // with each decoder. Where the memory of a piece grows as its bytes come, it may be three times what is
 // stated while it does. A decoder throws nothing but std::bad_alloc: a push returns a status, and what was
-// wrong can be asked for.
+// wrong can be asked for, and what was unlike a real writer as well.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -31,8 +32,8 @@ inline constexpr std::size_t largest_header_lines = std::size_t{1} << 13;
 enum class decode_status : std::uint8_t {
     reading,  ///< all bytes are taken, more are welcome
     finished, ///< the source is complete
-    damaged ///< `error()` tells; frames that came out before are whole. Recordings end here, live streams go
-            ///< on
+    damaged ///< `error()` tells; frames that came out before are whole, and `certain_frames()` of them beyond
+            ///< doubt. Recordings end here, live streams go on
 };
 
 /// What is wrong with a source, and where.
@@ -44,10 +45,7 @@ struct decoding_error {
     std::optional<std::uint64_t> missing_frames; ///< of those announced
 
     /// For example "byte 812, line 31, frame 1".
-    [[nodiscard]] std::string place() const {
-        return "byte " + std::to_string(byte) + (line > 0 ? ", line " + std::to_string(line) : "") +
-               (frame > 0 ? ", frame " + std::to_string(frame) : "");
-    }
+    [[nodiscard]] std::string place() const { return detail::place_text(byte, line, frame); }
     /// What was found, with the number of frames that are missing where it is known.
     [[nodiscard]] std::string outcome() const {
         return found + (missing_frames.value_or(0) > 0
@@ -81,6 +79,11 @@ public:
     [[nodiscard]] const decoding_error& error() const noexcept { return error_; }
     /// Frames that came out so far.
     [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
+    /// How many of the first frames are beyond doubt. All that came out, where each is checked by itself; a
+    /// format in which damage may go unnoticed until later says fewer, as tekscan_binary does.
+    [[nodiscard]] std::uint64_t certain_frames() const noexcept { return certain_.value_or(frames_); }
+    /// What was unlike a real writer so far, though the format allows it.
+    [[nodiscard]] const decoding_warnings& warnings() const noexcept { return warnings_; }
 
 protected:
     decoder_base() = default;
@@ -92,6 +95,9 @@ protected:
     [[nodiscard]] std::span<float> cells() noexcept { return cells_; }
     [[nodiscard]] decode_status status() const noexcept { return status_; }
     void set_status(decode_status status) noexcept { status_ = status; }
+    [[nodiscard]] decoding_warnings& noticed() noexcept { return warnings_; }
+    /// For formats where a frame needs those behind it to be certain.
+    void set_certain_frames(std::uint64_t frames) noexcept { certain_ = frames; }
 
     /// Once rows and columns are known.
     void make_room() { make_room(description_.cells()); }
@@ -122,6 +128,8 @@ private:
     decoding_error error_;
     std::vector<float> cells_;
     std::uint64_t frames_ = 0;
+    std::optional<std::uint64_t> certain_;
+    decoding_warnings warnings_;
     decode_status status_ = decode_status::reading;
 };
 

@@ -6,6 +6,7 @@
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/frame.hpp>
+#include <tactnet/sensors/warning.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -29,6 +30,10 @@ public:
     recording_description description;
     /// What ended the recording before its end; the frames before it are whole.
     std::optional<decoding_error> damage;
+    /// How many of the first frames are beyond doubt: see tekscan_binary. All of them in other formats.
+    std::uint64_t certain_frames = 0;
+    /// What is unlike a real writer, though the format allows it.
+    decoding_warnings warnings;
 
     [[nodiscard]] std::size_t size() const noexcept { return stamps_.size(); }
     /// Frame `index`, from 0. Throws std::out_of_range.
@@ -91,6 +96,12 @@ template <frame_decoder Decoder>
     if (status != decode_status::damaged && !full)
         status = decoder.finish(keep);
     result.description = decoder.description();
+    result.certain_frames = result.size();
+    // A decoder of one's own need not know doubts.
+    if constexpr (requires { decoder.certain_frames(), decoder.warnings(); }) {
+        result.certain_frames = std::min<std::uint64_t>(result.size(), decoder.certain_frames());
+        result.warnings = decoder.warnings();
+    }
     if (full)
         result.damage = decoding_error{
             0, 0, result.size() + 1, "at most " + std::to_string(limit) + " cells", "more", {}};

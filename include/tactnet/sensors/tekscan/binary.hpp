@@ -3,6 +3,7 @@
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>
 
 #include <algorithm>
@@ -26,6 +27,18 @@ inline namespace TACTNET_ARCH {
 /// Decodes a binary recording. Each frame comes out with its last byte. Frames without a time of their own
 /// are SECONDS_PER_FRAME apart.
 ///
+/// The format has no sum. What the format allows and no real writer does is a warning (see
+/// tekscan_binary_checks), and the recording goes on. Damage that cannot be noticed: a count that became
+/// another one of at least NOISE_THRESHOLD, a run that moved within the gap between its neighbours, bytes
+/// taken out of a run or put into it that happen to leave runs behind; ROWS, COLS, the spacing and the
+/// threshold where they still fit (a map tells the size, by its mask).
+///
+/// A frame is certain once the next whole one goes on behind it without any warning up to there, or the
+/// recording ends there as announced: its bytes then are where a writer puts them. Of counts that is all
+/// that can be said. From the first warning in a frame on, none is certain.
+///
+/// Nothing is allocated once the header is read.
+///
 /// Memory: one frame (five bytes a cell, at most 65 279 cells), one header of at most largest_header_bytes
 /// and largest_header_lines, as it stands and cut into keys and values, and one run or record of a few bytes.
 class tekscan_binary : public decoder_base {
@@ -35,6 +48,7 @@ public:
     explicit tekscan_binary(std::vector<std::uint8_t> mask = {}) {
         described().format = "Tekscan binary";
         described().mask = std::move(mask);
+        set_certain_frames(0);
     }
 
     template <class Sink>
@@ -65,16 +79,19 @@ public:
     }
 
 private:
+    using records = tekscan_binary_records;
     enum class part : std::uint8_t { header, run_cell, run_count, run_cells, tag, length, data };
     static constexpr std::uint16_t end_of_list = 0xFFFF, end_of_recording = 0xFEFF;
     static_assert(tekscan_binary_header::largest_cells <= end_of_recording);
 
     std::size_t take_header(std::span<const std::byte> bytes) {
-        const std::size_t taken = header_.take(bytes, described());
+        const std::size_t taken = header_.take(bytes, described(), noticed());
         if (header_.problem()) {
             fail(*header_.problem());
         } else if (header_.complete()) {
             make_room();
+            checks_.begin(description(), noticed());
+            header_warnings_ = warnings().count();
             part_ = part::run_cell;
         }
         return taken;
@@ -130,6 +147,7 @@ private:
                         std::to_string(description().cells()) + " on, FFFF or, behind a frame, FF FE",
                     "cell " + std::to_string(value));
         } else {
+            tekscan_binary_checks::run(value, cell_, number_byte_, frames() + 1, noticed());
             cell_ = value;
             part_ = part::run_count;
             in_frame_ = true;
@@ -144,6 +162,7 @@ private:
             to[i] = static_cast<float>(from[i]);
         if (!description().mask.empty() && !on_tactels(taken))
             return 0;
+        checks_.counts({from, taken}, cell_, byte_, frames() + 1, noticed());
         cell_ += taken;
         count_ -= taken;
         if (count_ == 0)
@@ -170,30 +189,39 @@ private:
     }
 
     void record_length(std::uint16_t value) {
-        const std::size_t wanted = tag_ == frame_number ? 4 : tag_ == microseconds ? 8 : value;
+        const std::size_t wanted = tag_ == records::frame_number   ? 4
+                                   : tag_ == records::microseconds ? 8
+                                                                   : value;
         if (value != wanted)
             return fail_at(number_byte_,
                            "a record " + std::to_string(tag_) + " of " + std::to_string(wanted) + " bytes",
                            std::to_string(value));
-        count_ = value;
+        records_.announce(tag_, value);
+        count_ = length_ = value;
         gathered_ = 0;
         part_ = count_ > 0 ? part::data : part::tag;
     }
 
-    /// Records with unknown tags are passed over.
+    /// Whether the record is one that is understood. A time of day of another length is passed over, as are
+    /// records with unknown tags.
+    [[nodiscard]] bool known() const noexcept {
+        return tag_ == records::frame_number || tag_ == records::microseconds ||
+               (tag_ == records::time_of_day && length_ == 8);
+    }
+
     std::size_t take_record(std::span<const std::byte> bytes) {
         const std::size_t taken = std::min(bytes.size(), count_);
-        const bool known = tag_ == frame_number || tag_ == microseconds;
-        if (known)
+        if (known())
             std::copy_n(bytes.begin(), taken, small_.begin() + static_cast<std::ptrdiff_t>(gathered_));
         gathered_ += taken;
         count_ -= taken;
         if (count_ > 0)
             return taken;
-        if (tag_ == frame_number)
-            number_ = little_endian<std::uint32_t>(small_);
-        else if (tag_ == microseconds)
-            microseconds_ = little_endian<std::uint64_t>(small_);
+        if (tag_ == records::frame_number)
+            records_.number = little_endian<std::uint32_t>(small_);
+        else if (known())
+            (tag_ == records::microseconds ? records_.time : records_.day_time) =
+                little_endian<std::uint64_t>(small_);
         gathered_ = 0;
         part_ = part::tag;
         return taken;
@@ -201,7 +229,7 @@ private:
 
     template <class Sink>
     void end_frame(Sink& sink) {
-        const std::uint64_t number = number_.value_or(last_number_ + 1);
+        const std::uint64_t number = records_.number.value_or(last_number_ + 1);
         if (frames() > 0 && number <= last_number_)
             return fail_at(number_byte_, "a frame after number " + std::to_string(last_number_),
                            "number " + std::to_string(number));
@@ -211,16 +239,18 @@ private:
         if (frames() == 0)
             first_number_ = number;
         last_number_ = number;
+        checks_.frame(records_, number, number_byte_, frames() + 1, noticed());
         std::optional<double> seconds;
-        if (microseconds_)
-            seconds = static_cast<double>(*microseconds_) / 1e6;
+        if (records_.time)
+            seconds = static_cast<double>(*records_.time) / 1e6;
         else if (description().seconds_per_frame)
             seconds = static_cast<double>(number - first_number_) * *description().seconds_per_frame;
+        if (!doubted())
+            set_certain_frames(frames());
         give(sink, number, seconds);
         std::fill(cells().begin(), cells().end(), 0.0f);
         cell_ = 0;
-        number_.reset();
-        microseconds_.reset();
+        records_ = {};
         in_frame_ = false;
         part_ = part::run_cell;
     }
@@ -230,24 +260,29 @@ private:
             return fail_at(number_byte_,
                            std::to_string(*description().frames) + " frames as the header announces",
                            std::to_string(frames()) + " before FF FE");
+        if (!doubted())
+            set_certain_frames(frames());
         set_status(decode_status::finished);
     }
+
+    /// What is odd in a header puts no frame in doubt.
+    [[nodiscard]] bool doubted() const noexcept { return warnings().count() > header_warnings_; }
 
     void fail_at(std::size_t byte, std::string expected, std::string found) {
         fail({byte, 0, part_ == part::header ? 0 : frames() + 1, std::move(expected), std::move(found),
               missing_frames()});
     }
 
-    static constexpr std::uint16_t frame_number = 1, microseconds = 2; ///< tags
-
     tekscan_binary_header header_;
+    tekscan_binary_checks checks_;
+    records records_;
+    std::uint64_t header_warnings_ = 0;
     part part_ = part::header;
     std::size_t byte_ = 0, number_byte_ = 0; ///< of what comes next, and of the number that is read
     std::array<std::byte, 8> small_{};       ///< a number that arrives in pieces
-    std::size_t gathered_ = 0, cell_ = 0, count_ = 0;
+    std::size_t gathered_ = 0, cell_ = 0, count_ = 0, length_ = 0;
     std::uint16_t tag_ = 0;
     bool in_frame_ = false; ///< between the first run of a frame and its end
-    std::optional<std::uint64_t> number_, microseconds_;
     std::uint64_t first_number_ = 0, last_number_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/warning.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -25,8 +26,10 @@ public:
     /// The cell numbers that are not needed for marks.
     static constexpr std::size_t largest_cells = 0xFEFF;
 
-    /// Takes bytes up to the end of the header, and returns how many. Once `complete`, `to` is filled.
-    std::size_t take(std::span<const std::byte> bytes, recording_description& to) {
+    /// Takes bytes up to the end of the header, and returns how many. Once `complete`, `to` is filled, and
+    /// `warnings` has what is unlike text.
+    std::size_t take(std::span<const std::byte> bytes, recording_description& to,
+                     decoding_warnings& warnings) {
         const std::size_t before = text_.size();
         const std::size_t taken = std::min(bytes.size(), largest_header_bytes - before);
         text_.append(reinterpret_cast<const char*>(bytes.data()), taken);
@@ -34,7 +37,7 @@ public:
         const std::size_t end = text_.find(mark, from);
         if (end != std::string::npos) {
             text_.resize(end);
-            read(to);
+            read(to, warnings);
             text_ = {};
             complete_ = true;
             return end + mark.size() - before;
@@ -56,7 +59,7 @@ public:
 private:
     static constexpr std::string_view mark = "\n\xBB\xBA";
 
-    void read(recording_description& to) {
+    void read(recording_description& to, decoding_warnings& warnings) {
         tekscan_header header(tekscan_header::unit_of::display);
         std::string_view rest = text_;
         for (std::size_t line = 1; !rest.empty(); ++line) {
@@ -65,6 +68,7 @@ private:
             if (text.ends_with('\r'))
                 text.remove_suffix(1);
             const auto byte = static_cast<std::size_t>(text.data() - text_.data());
+            look_for_control(text, byte, line, warnings);
             if (auto problem = header.take(text, to))
                 return refuse(byte, line, std::move(*problem));
             rest.remove_prefix(std::min(length + 1, rest.size()));
@@ -79,6 +83,17 @@ private:
         for (const auto& [key, value] : to.header)
             if (key == "FRAMES")
                 to.frames = whole_number(value);
+    }
+
+    /// Letters beyond ASCII may be a name in any encoding; control characters are never text.
+    static void look_for_control(std::string_view text, std::size_t byte, std::size_t line,
+                                 decoding_warnings& warnings) noexcept {
+        for (std::size_t i = 0; i < text.size(); ++i) {
+            const auto letter = static_cast<unsigned char>(text[i]);
+            if ((letter < 0x20 && letter != '\t') || letter == 0x7F)
+                warnings.add({byte + i, line, 0, warning_text("text"),
+                              warning_text("a control character, ", unsigned{letter})});
+        }
     }
 
     void refuse(std::size_t byte, std::size_t line, text_problem problem) {

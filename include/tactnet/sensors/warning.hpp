@@ -1,0 +1,104 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+
+// What a decoder notices without ending the recording: bytes that the format allows, but that no real writer
+// has been seen to make. They may be damage in a format without a sum, or a writer that nobody has met. Many
+// may come while frames do, so nothing here uses the heap but what puts a place into words.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// For example "byte 812, line 31, frame 1"; what is 0 is left out.
+[[nodiscard]] inline std::string place_text(std::size_t byte, std::size_t line, std::uint64_t frame) {
+    return "byte " + std::to_string(byte) + (line > 0 ? ", line " + std::to_string(line) : "") +
+           (frame > 0 ? ", frame " + std::to_string(frame) : "");
+}
+
+} // namespace detail
+
+/// A short text without heap, put together from texts and numbers; what does not fit is cut off.
+class warning_text {
+public:
+    static constexpr std::size_t capacity = 103;
+
+    warning_text() noexcept = default;
+    template <class... Parts>
+        requires((std::is_arithmetic_v<Parts> || std::convertible_to<Parts, std::string_view>)&&...)
+    explicit warning_text(Parts... parts) noexcept { (append(parts), ...); }
+
+    [[nodiscard]] std::string_view view() const noexcept { return {letters_.data(), size_}; }
+    friend bool operator==(const warning_text& a, const warning_text& b) noexcept {
+        return a.view() == b.view();
+    }
+
+private:
+    void append(std::string_view text) noexcept {
+        const std::size_t fits = std::min(text.size(), capacity - size_);
+        std::copy_n(text.begin(), fits, letters_.begin() + size_);
+        size_ = static_cast<std::uint8_t>(size_ + fits);
+    }
+    template <class Number>
+        requires std::is_arithmetic_v<Number>
+    void append(Number number) noexcept {
+        std::array<char, 32> digits{};
+        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+        if (end.ec == std::errc())
+            append(std::string_view(digits.data(), static_cast<std::size_t>(end.ptr - digits.data())));
+    }
+
+    std::array<char, capacity> letters_{};
+    std::uint8_t size_ = 0;
+};
+
+/// What is unlike a real writer, and where.
+struct decoding_warning {
+    std::size_t byte = 0;    ///< offset from the first byte pushed
+    std::size_t line = 0;    ///< from 1, in a text header; 0 elsewhere
+    std::uint64_t frame = 0; ///< position of the frame, from 1; 0 in a header
+    warning_text expected{}, found{};
+
+    [[nodiscard]] std::string place() const { return detail::place_text(byte, line, frame); }
+    friend bool operator==(const decoding_warning&, const decoding_warning&) = default;
+};
+
+/// The first warnings of a source, and how many there were in all.
+class decoding_warnings {
+public:
+    /// As many are kept.
+    static constexpr std::size_t capacity = 16;
+
+    void add(const decoding_warning& warning) noexcept {
+        if (count_ < capacity)
+            kept_[static_cast<std::size_t>(count_)] = warning;
+        ++count_;
+    }
+
+    /// All that came, kept or not.
+    [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+    /// The first ones.
+    [[nodiscard]] std::span<const decoding_warning> kept() const noexcept {
+        return std::span(kept_).first(static_cast<std::size_t>(std::min<std::uint64_t>(count_, capacity)));
+    }
+
+private:
+    std::array<decoding_warning, capacity> kept_{};
+    std::uint64_t count_ = 0;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
