@@ -34,11 +34,11 @@ TEST_CASE("checksum: XXH64's published values") {
         {4, 0x9136A0DCA57457EE, 0xCAAB286BD8E9FDB5},   {14, 0x8282DCC4994E35C8, 0xC3BD6BF63DEB6DF0},
         {222, 0xB641AE8CB691C174, 0x20CB8AB7AE10C14A},
     };
-    for (const auto& [length, plain, seeded] : published) {
-        CAPTURE(length);
-        const std::vector<std::byte> bytes = sanity_bytes(length);
-        CHECK(xxh64().update(bytes).digest() == plain);
-        CHECK(xxh64(2654435761).update(bytes).digest() == seeded);
+    for (const auto& row : published) {
+        CAPTURE(row.length);
+        const std::vector<std::byte> bytes = sanity_bytes(row.length);
+        CHECK(xxh64().update(bytes).digest() == row.plain);
+        CHECK(xxh64(2654435761).update(bytes).digest() == row.seeded);
     }
     CHECK(xxh64().update("a").digest() == 0xD24EC4F1A98C6E5B);
     CHECK(xxh64().update("abc").digest() == 0x44BC2CF5AD770999);
