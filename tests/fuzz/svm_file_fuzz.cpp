@@ -81,7 +81,9 @@ void check_as(const tactnet::safetensors& file) {
 
 void check(std::vector<std::byte> bytes) {
     try {
-        const auto file = tactnet::safetensors::parse(std::move(bytes), "input");
+        // Or hardly any mutated file would come further.
+        const auto file =
+            tactnet::safetensors::parse(std::move(bytes), "input", tactnet::checksum_rule::ignore);
         check_as<linear>(file);
         check_as<kernel<tactnet::linear_kernel>>(file);
         check_as<kernel<tactnet::rbf_kernel>>(file);

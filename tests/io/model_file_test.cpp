@@ -141,6 +141,33 @@ TEST_CASE("model_file: a self-test notices what changed") {
           std::string::npos);
 }
 
+TEST_CASE("model_file: a self-test that tests nothing is refused") {
+    const support::temporary_folder folder;
+    save_model(folder / "m.safetensors", example(), {}, images(2));
+    const safetensors good = safetensors::read(folder / "m.safetensors");
+    const auto with_selftest = [&](std::size_t count, std::vector<float> logits) {
+        safetensors_writer writer;
+        writer.metadata = good.metadata();
+        for (const auto& [name, entry] : good.tensors())
+            if (!name.starts_with("selftest."))
+                writer.add(name, entry.type, entry.extents, good.bytes(name));
+        writer.add("selftest.input", {count, 4, 6}, images(count));
+        writer.add("selftest.logits", {count, 3}, logits);
+        return error_of(safetensors::parse(writer.to_bytes(), "m.safetensors"));
+    };
+    const auto logits = good.values<float>("selftest.logits");
+    CHECK(with_selftest(2, logits) == "no error");
+    CHECK(with_selftest(0, {}) ==
+          "m.safetensors: tensor 'selftest.input': expected one image or more, found none");
+    // Any difference is within a tolerance that is a share of infinity.
+    for (const float broken : {INFINITY, -INFINITY, std::nanf("")}) {
+        auto wrong = logits;
+        wrong[4] = broken;
+        CHECK(with_selftest(2, wrong).starts_with(
+            "m.safetensors: tensor 'selftest.logits', element 4: expected a finite number, found "));
+    }
+}
+
 TEST_CASE("model_file: metadata that mean nothing") {
     const support::temporary_folder folder;
     save_model(folder / "m.safetensors", example());

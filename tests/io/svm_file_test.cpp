@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
@@ -166,4 +167,24 @@ TEST_CASE("svm_file: files that are not what they should be are refused in words
         }),
         "support vectors, at least: expected 1, found 0");
     has(error_of([](auto&, auto& p) { p.coefficients.push_back(1); }), "tensor 'coefficients'");
+}
+
+TEST_CASE("svm_file: more classes than the file holds the machines of are refused before they take memory") {
+    const auto many = [](auto& p) {
+        constexpr std::int64_t classes = 200'000; // whose 20 billion machines would take 160 GB
+        p.labels.clear();
+        for (std::int64_t label = 0; label < classes; ++label)
+            p.labels.push_back(label);
+        p.counts.assign(p.labels.size(), 0);
+    };
+    const std::string narrow = error_of([&](auto&, auto& p) { many(p); });
+    CAPTURE(narrow);
+    CHECK(narrow == "file: tensor 'coefficients': expected 2x199999, found 2x1");
+    const std::string without = error_of([&](auto&, auto& p) {
+        many(p);
+        p.vectors.clear();
+        p.coefficients.clear();
+    });
+    CAPTURE(without);
+    CHECK(without.find("tensor 'coefficients': expected 0x199999, found 0x1") != std::string::npos);
 }

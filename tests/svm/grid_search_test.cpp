@@ -105,6 +105,16 @@ TEST_CASE("grid_search: of equal ones the first is the best; a limit of iteratio
     CHECK_FALSE(grid_search(grid, wide.rows(), wide.labels, hurried, alone).converged);
 }
 
+TEST_CASE("grid_search: more than the memory allowed is refused") {
+    const support::samples s = support::blobs(20, 3, 2, 1);
+    thread_pool alone;
+    kernel_training_options<rbf_kernel> narrow;
+    narrow.memory_bytes = 1000;
+    CHECK_THROWS_AS(
+        (void)grid_search(search_grid<rbf_kernel>{{{}}, {1}, 5}, s.rows(), s.labels, narrow, alone),
+        std::invalid_argument);
+}
+
 TEST_CASE("grid_search: a grid without anything to try is refused") {
     const support::samples s = support::blobs(20, 3, 2, 1);
     thread_pool alone;

@@ -264,6 +264,23 @@ TEST_CASE("kernel_machine: samples that cannot be learnt from are refused in wor
                          "labels: expected two classes or more, found no samples", std::invalid_argument);
 }
 
+TEST_CASE("kernel_machine: ten thousand classes are refused before they take the memory of their machines") {
+    support::samples s{1, {}, {}};
+    for (std::size_t i = 0; i < 10'000; ++i) {
+        s.labels.push_back(i);
+        s.values.push_back(static_cast<float>(i));
+    }
+    const std::string error = support::error_of([&] { (void)train<rbf_kernel>(s, {}); });
+    CAPTURE(error);
+    CHECK(error.starts_with(
+        "support vector machines of 10000 classes from 10000 samples, one versus one: expected "
+        "to need at most 4096 MiB of memory (memory_bytes), found "));
+    const support::samples few = support::blobs(20, 3, 2, 1);
+    CHECK(support::error_of([&] {
+              (void)train<rbf_kernel>(few, {.memory_bytes = 1000});
+          }).find("at most 1 MiB") != std::string::npos);
+}
+
 TEST_CASE("kernel_machine: parameters that do not fit each other are refused") {
     const auto good = train<rbf_kernel>(support::blobs(40, 3, 4, 1), {}).machine.parameters();
     const auto refused = [&](auto&& change) {

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstddef>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 using namespace tactnet;
@@ -22,6 +24,28 @@ TEST_CASE("multiclass: problems of pairs and of each class against the rest") {
     REQUIRE(rest.size() == 3);
     CHECK(rest[2].samples == std::vector<std::size_t>{1, 3, 0, 2});
     CHECK(rest[2].sides == std::vector<double>{-1, -1, 1, 1});
+}
+
+TEST_CASE("multiclass: classes whose machines would not fit into memory are refused in words") {
+    using tactnet::detail::require_training_memory;
+    constexpr std::size_t four_gibibytes = 0xffff'ffff;
+    CHECK_NOTHROW(require_training_memory(1000, 20'000, multiclass::one_versus_one, four_gibibytes));
+    CHECK_NOTHROW(require_training_memory(22, 1'000'000, multiclass::one_versus_one, four_gibibytes));
+    try {
+        require_training_memory(10'000, 20'000, multiclass::one_versus_one, four_gibibytes);
+        FAIL("nothing was thrown");
+    } catch (const std::invalid_argument& error) {
+        const std::string what = error.what();
+        CAPTURE(what);
+        CHECK(what.starts_with("support vector machines of 10000 classes from 20000 samples, one versus one: "
+                               "expected to need at most 4096 MiB of memory (memory_bytes), found "));
+    }
+    CHECK_THROWS_AS(require_training_memory(10'000, 20'000, multiclass::one_versus_rest, four_gibibytes),
+                    std::invalid_argument);
+    // A grid tries its costs at once and keeps the values of what was held out.
+    CHECK_THROWS_AS(
+        require_training_memory(1000, 20'000, multiclass::one_versus_one, four_gibibytes, 5, 4000),
+        std::invalid_argument);
 }
 
 TEST_CASE("multiclass: most votes win, the first of equals; zero is a vote for the second of a pair") {

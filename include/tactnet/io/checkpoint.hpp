@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/checksum.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_writer.hpp>
@@ -89,11 +90,11 @@ inline void check_checkpoint(const safetensors& file, const file_metadata& setti
 
 } // namespace detail
 
-/// Fills arrays from a checkpoint, after `restore` took the numbers beside them. Throws file_error as below;
-/// `restore` refuses numbers by std::invalid_argument.
-inline void load_checkpoint(const std::filesystem::path& path, std::span<const state_array> arrays,
-                            const std::function<void(std::span<const double>)>& restore,
-                            const file_metadata& settings) {
+/// Fills arrays from a checkpoint, after `restore` took the numbers beside them. Returns what is known of the
+/// file's checksum. Throws file_error as below; `restore` refuses numbers by std::invalid_argument.
+inline checksum_state load_checkpoint(const std::filesystem::path& path, std::span<const state_array> arrays,
+                                      const std::function<void(std::span<const double>)>& restore,
+                                      const file_metadata& settings) {
     const safetensors file = safetensors::read(path);
     detail::check_checkpoint(file, settings);
     // All is read and checked before any of it is used.
@@ -123,14 +124,16 @@ inline void load_checkpoint(const std::filesystem::path& path, std::span<const s
                                [](double v) { return static_cast<number>(v); });
             },
             arrays[index].values);
+    return file.checksum();
 }
 
 /// Puts a trainer that was made with the same settings where the checkpoint left off. Throws file_error when
 /// the file is no checkpoint, is damaged, has other settings, or is where such a training cannot be; the
-/// trainer is then as it was.
+/// trainer is then as it was. Returns what is known of the file's checksum.
 template <class Trainer>
-void load_checkpoint(const std::filesystem::path& path, Trainer& trainer, const file_metadata& settings) {
-    load_checkpoint(
+checksum_state load_checkpoint(const std::filesystem::path& path, Trainer& trainer,
+                               const file_metadata& settings) {
+    return load_checkpoint(
         path, state_arrays(trainer), [&](std::span<const double> numbers) { trainer.restore(numbers); },
         settings);
 }

@@ -15,8 +15,8 @@
 #include <utility>
 
 // Just enough JSON (RFC 8259) for the header of a safetensors file, read as what it is: text from a stranger.
-// No tree is built; the caller says what it expects next, and each deviation is a file_error with its byte.
-// Duplicate keys are refused, since readers that keep the first and readers that keep the last would see two
+// No tree is built; the caller says what comes next, and each deviation is a file_error with its byte.
+// Duplicate keys are refused: readers that keep the first and readers that keep the last would see two
 // different files.
 
 namespace tactnet {
@@ -24,9 +24,12 @@ inline namespace TACTNET_ARCH {
 
 class json_scanner {
 public:
-    /// `file` names the file in errors, `origin` is the byte of the file that `text` begins at.
-    json_scanner(std::string_view text, std::string file, std::size_t origin)
-        : text_(text), file_(std::move(file)), origin_(origin) {}
+    /// `file` and `part` name the text in errors, `origin` is the byte of the file that it begins at.
+    json_scanner(std::string_view text, std::string file, std::size_t origin, std::string part = "header")
+        : text_(text), file_(std::move(file)), part_(std::move(part)), origin_(origin) {}
+
+    /// Where the scanner stands, as a byte of the file.
+    std::size_t position() const noexcept { return origin_ + position_; }
 
     /// Reads an object and calls `member(key)` with the scanner at the value, once a member.
     template <class Member>
@@ -191,7 +194,7 @@ private:
             } else if (code >= 0xDC00 && code <= 0xDFFF) {
                 fail_at(position_ - 4, "a character", "the second half of a surrogate pair alone");
             }
-            append_utf8(value, code);
+            detail::append_utf8(value, code);
             return;
         }
         const auto letter =
@@ -217,35 +220,19 @@ private:
         return code;
     }
 
-    static void append_utf8(std::string& value, std::uint32_t code) {
-        const auto put = [&](std::uint32_t byte) { value += static_cast<char>(byte); };
-        const auto rest = [&](unsigned shift) { put(0x80 | ((code >> shift) & 0x3F)); };
-        if (code < 0x80) {
-            put(code);
-        } else if (code < 0x800) {
-            put(0xC0 | (code >> 6));
-            rest(0);
-        } else if (code < 0x10000) {
-            put(0xE0 | (code >> 12));
-            rest(6), rest(0);
-        } else {
-            put(0xF0 | (code >> 18));
-            rest(12), rest(6), rest(0);
-        }
-    }
-
     [[noreturn]] void fail(const std::string& expected) const {
         fail_at(position_, expected,
-                position_ == text_.size() ? "the end of the header" : in_quotes(text_.substr(position_, 1)));
+                position_ == text_.size() ? "the end of the " + part_
+                                          : in_quotes(text_.substr(position_, 1)));
     }
 
     [[noreturn]] void fail_at(std::size_t position, const std::string& expected,
                               const std::string& found) const {
-        throw file_error(file_, "header, byte " + std::to_string(origin_ + position), expected, found);
+        throw file_error(file_, part_ + ", byte " + std::to_string(origin_ + position), expected, found);
     }
 
     std::string_view text_;
-    std::string file_;
+    std::string file_, part_;
     std::size_t origin_;
     std::size_t position_ = 0;
 };

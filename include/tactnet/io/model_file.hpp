@@ -29,10 +29,6 @@
 // What does not depend on the network's type works on stored_model and model_parts: programs of many networks
 // may call that in one place.
 
-// A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
-// inputs are meant. A file may carry inputs and the logits that they gave; loading then checks that they
-// still do, so that no mistake of a compiler, a processor or a format goes unseen.
-
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
@@ -117,7 +113,8 @@ inline std::vector<std::string> class_names(const safetensors& file, std::vector
 }
 
 /// Throws file_error unless the images that a file carries for that still give their logits, a row of
-/// `classes` each. Files may carry none.
+/// `classes` each. Files may carry none; one that carries no images under that name, or logits that are not
+/// finite and so agree with anything or nothing, throws.
 inline void check_selftest(const safetensors& file, shape input, std::size_t classes,
                            const logits_function& logits) {
     if (!file.contains("selftest.input") && !file.contains("selftest.logits"))
@@ -126,8 +123,11 @@ inline void check_selftest(const safetensors& file, shape input, std::size_t cla
     const std::size_t count = extents.empty() ? 0 : extents.front();
     file.require_extents("selftest.input", detail::image_extents(input, count));
     file.require_extents("selftest.logits", std::vector{count, classes});
-    const std::vector<float> expected = file.values<float>("selftest.logits"),
-                             found = logits(file.values<std::uint8_t>("selftest.input"));
+    if (count == 0)
+        throw file_error(file.file(), detail::tensor_place("selftest.input"), "one image or more", "none");
+    const std::vector<float> expected = file.values<float>("selftest.logits");
+    detail::check_values(file, "selftest.logits", expected);
+    const std::vector<float> found = logits(file.values<std::uint8_t>("selftest.input"));
     float largest = 0;
     for (const float value : expected)
         largest = std::max(largest, std::abs(value));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/checksum.hpp>
 #include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
@@ -29,25 +30,45 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// Whether a checksum that does not fit is an error.
+enum class checksum_rule {
+    verify,
+    ignore ///< for tests that damage files, to reach what stands behind the checksum
+};
+
 /// The content of a safetensors file, checked as a whole when it is made. Owns the bytes.
 class safetensors {
 public:
     using entry = safetensors_entry;
 
-    /// Reads the file at `path`, of at most `limit` bytes. Throws file_error.
+    /// Reads the file at `path`, of at most `limit` bytes, and verifies its checksum if it has one. Throws
+    /// file_error.
     static safetensors read(const std::filesystem::path& path, std::size_t limit = default_file_limit) {
         return parse(read_file(path, limit), path.string());
     }
 
     /// Takes the content of a file; `name` stands for it in errors. Throws file_error.
-    static safetensors parse(std::vector<std::byte> bytes, std::string name) {
+    static safetensors parse(std::vector<std::byte> bytes, std::string name,
+                             checksum_rule rule = checksum_rule::verify) {
         safetensors_header header = parse_safetensors_header(bytes, name);
-        return safetensors(std::move(header), std::move(bytes), std::move(name));
+        if (header.checksum && rule == checksum_rule::verify) {
+            const std::uint64_t found = checksum_around(bytes, header.checksum_place);
+            if (found != *header.checksum)
+                throw file_error(name, "checksum of the whole file",
+                                 checksum_text(*header.checksum) + ", as when it was written",
+                                 checksum_text(found) +
+                                     ": it is damaged, or was changed by a program that kept the metadata " +
+                                     in_quotes(safetensors_checksum_key));
+        }
+        return safetensors(std::move(header), std::move(bytes), std::move(name), rule);
     }
 
     /// The name that errors use: the path it was read from.
     const std::string& file() const noexcept { return file_; }
+    /// Without the checksum.
     const file_metadata& metadata() const noexcept { return header_.metadata; }
+    /// Files made elsewhere, or before there were checksums, have none.
+    checksum_state checksum() const noexcept { return checksum_; }
     /// All tensors by name.
     const std::map<std::string, entry, std::less<>>& tensors() const noexcept { return header_.tensors; }
     bool contains(std::string_view name) const { return header_.tensors.contains(name); }
@@ -128,8 +149,13 @@ public:
     }
 
 private:
-    safetensors(safetensors_header header, std::vector<std::byte> bytes, std::string file)
-        : header_(std::move(header)), bytes_(std::move(bytes)), file_(std::move(file)) {}
+    safetensors(safetensors_header header, std::vector<std::byte> bytes, std::string file, checksum_rule rule)
+        : header_(std::move(header)),
+          bytes_(std::move(bytes)),
+          file_(std::move(file)),
+          checksum_(!header_.checksum               ? checksum_state::absent
+                    : rule == checksum_rule::verify ? checksum_state::verified
+                                                    : checksum_state::ignored) {}
 
     template <class T>
     T narrowed(std::string_view name, double value) const {
@@ -155,6 +181,7 @@ private:
     safetensors_header header_;
     std::vector<std::byte> bytes_;
     std::string file_;
+    checksum_state checksum_;
 };
 
 } // namespace TACTNET_ARCH

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/checksum.hpp>
 #include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/json_scanner.hpp>
@@ -14,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,11 +45,18 @@ struct safetensors_entry {
 /// Text that goes with the tensors of a file, by key.
 using file_metadata = std::map<std::string, std::string, std::less<>>;
 
+/// The key of the metadata that a checksum of the whole file stands under.
+inline constexpr std::string_view safetensors_checksum_key = "tactnet.checksum";
+
 struct safetensors_header {
+    /// Without the checksum, which says nothing of the content.
     file_metadata metadata;
     std::map<std::string, safetensors_entry, std::less<>> tensors;
     /// Where the data begins in the file.
     std::size_t data_begin = 0;
+    std::optional<std::uint64_t> checksum;
+    /// Where its digits begin in the file, if there is one.
+    std::size_t checksum_place = 0;
 };
 
 /// The longest header that the format allows, in bytes.
@@ -139,6 +148,30 @@ inline safetensors_entry scan_entry(json_scanner& scanner, const std::string& fi
     return entry;
 }
 
+/// Reads a value of the metadata: to keep, or as the checksum. What looks like one under another key is one
+/// whose key is damaged; taken as none it would hide just that.
+inline void scan_metadata(json_scanner& scanner, std::string_view text, std::size_t origin,
+                          const std::string& file, const std::string& key, safetensors_header& header) {
+    std::string value = scanner.string();
+    const std::string place = "metadata " + in_quotes(key);
+    if (key != safetensors_checksum_key) {
+        if (value.starts_with(checksum_mark))
+            throw file_error(file, place, "checksums under " + in_quotes(safetensors_checksum_key) + " alone",
+                             in_quotes(value) + ": the file is damaged");
+        header.metadata.emplace(key, std::move(value));
+        return;
+    }
+    header.checksum = parse_checksum(value);
+    header.checksum_place = scanner.position() - 1 - checksum_digits;
+    // Its digits have a place only if it is spelt without escapes.
+    const std::string spelt = '"' + value + '"';
+    if (!header.checksum || !text.substr(0, scanner.position() - origin).ends_with(spelt))
+        throw file_error(file, place,
+                         in_quotes(checksum_mark) + " and " + std::to_string(checksum_digits) +
+                             " hexadecimal digits",
+                         in_quotes(value) + ": the file is damaged");
+}
+
 /// The tensors must tile the data: one that overlaps another, or bytes that belong to none, could hide
 /// something. Returns the number of bytes that they cover.
 inline std::size_t check_tiling(const safetensors_header& header, const std::string& file) {
@@ -193,7 +226,9 @@ inline safetensors_header parse_safetensors_header(std::span<const std::byte> by
     json_scanner scanner(text, file, prefix);
     scanner.object([&](const std::string& name) {
         if (name == "__metadata__")
-            scanner.object([&](const std::string& key) { header.metadata.emplace(key, scanner.string()); });
+            scanner.object([&](const std::string& key) {
+                detail::scan_metadata(scanner, text, prefix, file, key, header);
+            });
         else
             header.tensors.emplace(name, detail::scan_entry(scanner, file, name));
     });

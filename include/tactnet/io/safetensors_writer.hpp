@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/checksum.hpp>
 #include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/safetensors_header.hpp>
@@ -21,7 +22,8 @@
 #include <vector>
 
 // Writes safetensors files. The same content gives the same bytes, whatever the order it was added in:
-// tensors stand by falling element size and then by name, so that each is aligned to its elements.
+// tensors stand by falling element size and then by name, so that each is aligned to its elements. Every file
+// carries a checksum over all of it in its metadata, where other programs pass over it.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -29,7 +31,8 @@ inline namespace TACTNET_ARCH {
 /// Collects tensors and text, then writes them as one file, all or nothing.
 class safetensors_writer {
 public:
-    /// Text that goes with the tensors. Keys and values must be UTF-8.
+    /// Text that goes with the tensors. Keys and values must be UTF-8. The checksum is not for the caller to
+    /// give: what stands under its key is passed over.
     file_metadata metadata;
 
     /// Adds a copy of `values`, row-major. Throws std::invalid_argument when the name is taken, reserved
@@ -64,7 +67,7 @@ public:
     }
 
     /// Writes the file; what was there before stays until the new one is complete.
-    /// Throws file_error, and std::invalid_argument for metadata that are not UTF-8.
+    /// Throws file_error, and std::invalid_argument for metadata that are not UTF-8 or look like a checksum.
     void write(const std::filesystem::path& path) const {
         const std::vector<std::byte> head = header_bytes();
         std::vector<std::span<const std::byte>> pieces{head};
@@ -108,14 +111,19 @@ private:
     std::vector<std::byte> header_bytes() const {
         std::string json = "{";
         const auto separate = [&] { json += json.back() == '{' ? "" : ","; };
-        if (!metadata.empty()) {
-            json += "\"__metadata__\":{";
-            for (const auto& [key, value] : metadata) {
-                separate();
-                json += json_string(key) + ":" + json_string(value);
-            }
-            json += '}';
+        json += "\"__metadata__\":{" + json_string(safetensors_checksum_key) + ":" +
+                json_string(checksum_text(0));
+        const std::size_t digits = sizeof(std::uint64_t) + json.size() - 1 - checksum_digits;
+        for (const auto& [key, value] : metadata) {
+            if (key == safetensors_checksum_key)
+                continue;
+            if (value.starts_with(checksum_mark))
+                throw std::invalid_argument("tactnet: the metadata " + in_quotes(key) +
+                                            " cannot begin as a checksum does, " + in_quotes(value));
+            separate();
+            json += json_string(key) + ":" + json_string(value);
         }
+        json += '}';
         std::size_t begin = 0;
         for (const item* tensor : ordered()) {
             const auto& [name, value] = *tensor;
@@ -138,6 +146,12 @@ private:
         std::vector<std::byte> bytes(sizeof(length) + json.size());
         std::memcpy(bytes.data(), &length, sizeof(length));
         std::memcpy(bytes.data() + sizeof(length), json.data(), json.size());
+        xxh64 sum;
+        sum.update(bytes);
+        for (const item* tensor : ordered())
+            sum.update(tensor->second.bytes);
+        const std::string text = checksum_text(sum.digest());
+        std::memcpy(bytes.data() + digits, text.data() + checksum_mark.size(), checksum_digits);
         return bytes;
     }
 

@@ -3,6 +3,7 @@
 #include <tactnet/detail/config.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -50,6 +51,28 @@ constexpr bool is_utf8(std::string_view text) noexcept {
     }
     return true;
 }
+
+namespace detail {
+
+/// Appends the character of a code, which must be one up to U+10FFFF.
+inline void append_utf8(std::string& text, std::uint32_t code) {
+    const auto put = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
+    const auto rest = [&](unsigned shift) { put(0x80 | ((code >> shift) & 0x3F)); };
+    if (code < 0x80) {
+        put(code);
+    } else if (code < 0x800) {
+        put(0xC0 | (code >> 6));
+        rest(0);
+    } else if (code < 0x10000) {
+        put(0xE0 | (code >> 12));
+        rest(6), rest(0);
+    } else {
+        put(0xF0 | (code >> 18));
+        rest(12), rest(6), rest(0);
+    }
+}
+
+} // namespace detail
 
 /// `text` in single quotes, fit for one line of a terminal: control characters and bytes that are not UTF-8
 /// appear as \xNN, and what is longer than `limit` bytes is cut.

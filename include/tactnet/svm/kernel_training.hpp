@@ -30,6 +30,9 @@ struct kernel_training_options {
     std::uint64_t seed = 1; ///< of the division into these parts
     /// `solver.cache_bytes` bounds the matrix of all pairs, or else the rows kept by each thread.
     solver_options solver{};
+    /// Bounds what the machines of all classes take together; more is refused. Estimated, without the
+    /// features and what `solver.cache_bytes` bounds.
+    std::size_t memory_bytes = 0xffff'ffff;
 };
 
 template <svm_kernel Kernel, std::size_t Features>
@@ -125,7 +128,8 @@ void gather_support(kernel_machine_parameters<Kernel>& parts, feature_rows<> row
 
 /// Trains machines for all classes among the labels, on all threads; bit-exact on any number of them.
 /// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
-/// its row and column), fewer than two classes, another number of labels than rows.
+/// its row and column), fewer than two classes, so many that they would take more than `memory_bytes`,
+/// another number of labels than rows.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] kernel_training_result<Kernel, Features>
 train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
@@ -136,6 +140,7 @@ train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     if (options.probability_folds == 1)
         throw std::invalid_argument(
             "probabilities: expected 2 parts or more to cross-validate with, found 1");
+    detail::require_training_memory(classes.size(), rows.size(), options.scheme, options.memory_bytes);
 
     kernel_machine_parameters<Kernel> parts;
     const training_rows training(rows, options.standardise);

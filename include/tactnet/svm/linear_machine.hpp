@@ -142,6 +142,8 @@ train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> l
             sides[sample] = 1;
         solutions[c] =
             coordinate_descent(biased, sides, costs, options.solver, static_cast<std::uint32_t>(c)).solve();
+        // Of all classes together they would grow with the square of the classes.
+        solutions[c].coefficients = std::vector<double>();
     });
 
     parts.features = rows.features();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <stdexcept>
@@ -86,6 +87,35 @@ struct class_members {
                                         std::to_string(c));
     return costs;
 }
+
+namespace detail {
+
+/// Throws std::invalid_argument when training so many classes would take more memory than allowed. What the
+/// machines learn, and what comes of it, is there for all of them at a time; for one versus one it grows with
+/// the square of the classes. `costs` are tried at once, with `values` kept for each machine.
+inline void require_training_memory(std::size_t classes, std::size_t samples, multiclass scheme,
+                                    std::size_t bytes, std::size_t costs = 1, std::size_t values = 0) {
+    const auto k = static_cast<double>(classes), n = static_cast<double>(samples);
+    const bool pairs = scheme == multiclass::one_versus_one;
+    const double machines = pairs ? k * (k - 1) / 2 : k, each = pairs ? k - 1 : k;
+    // Four lists and their blocks on the heap for each machine, four numbers for each of its samples; then
+    // the table of coefficients, that of the support vectors and the packed one.
+    const double of_machine = sizeof(binary_problem) + sizeof(binary_solution) + 4 * 32.0 +
+                              static_cast<double>(values) * sizeof(double);
+    const double needed =
+        static_cast<double>(costs) * (machines * of_machine + n * each * (4 + 3) * sizeof(double));
+    if (needed <= static_cast<double>(bytes))
+        return;
+    const auto mebibytes = [](double count) {
+        return std::to_string(static_cast<std::uint64_t>(std::min(count / (1 << 20), 1e18)) + 1) + " MiB";
+    };
+    throw std::invalid_argument(
+        "support vector machines of " + std::to_string(classes) + " classes from " + std::to_string(samples) +
+        " samples, " + (pairs ? "one versus one" : "one versus rest") + ": expected to need at most " +
+        mebibytes(static_cast<double>(bytes)) + " of memory (memory_bytes), found " + mebibytes(needed));
+}
+
+} // namespace detail
 
 /// What each machine has to learn, in their order.
 [[nodiscard]] inline std::vector<binary_problem>
