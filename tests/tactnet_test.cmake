@@ -1,12 +1,5 @@
 find_package(doctest REQUIRED)
 
-# In a Release build most of the compiler's time would go into optimising what runs once, so tests are compiled at -O1.
-# Other configurations say themselves how they are built.
-add_library(tactnet_quick_to_compile INTERFACE)
-if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-    target_compile_options(tactnet_quick_to_compile INTERFACE $<$<CONFIG:Release>:-O1>)
-endif()
-
 # tactnet_test(room SOURCES file... [LIBRARIES target...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED])
 #
 # One program test_<room> and one entry in CTest. A program in which no test case is left fails, rather than passing
