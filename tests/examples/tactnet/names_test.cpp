@@ -167,7 +167,6 @@ TEST_SUITE("program") {
         for (const std::vector<std::string>& arguments :
              {std::vector<std::string>{"list", hostile},
               {"list", "--classes", hostile},
-              {hostile},
               {"classify", "--weights", hostile, hostile},
               {"train", "--data", shop.data().string(), "--output", "net", "--network", hostile}}) {
             const outcome result = shop.run(arguments);
