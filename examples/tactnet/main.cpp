@@ -4,6 +4,7 @@
 // Exit status: 0, 1 (a training diverged), 2 (bad input or arguments), 130 (interrupted).
 
 #include "commands/commands.hpp"
+#include "reports/printable.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
@@ -13,6 +14,9 @@
 
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <stdexcept>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -24,6 +28,9 @@ int main(int count, char** arguments) {
         command run = add(program);
         commands.emplace_back(program.get_subcommands({}).back(), std::move(run));
     }
+    program.failure_message([](const CLI::App*, const CLI::Error& error) {
+        return printable(error.what()) + "\nRun with --help for more information.\n";
+    });
     try {
         program.parse(count, arguments);
     } catch (const CLI::ParseError& error) {
@@ -31,7 +38,7 @@ int main(int count, char** arguments) {
     }
 
     const auto complain = [](const std::exception& error, int status) {
-        fmt::print(stderr, "tactnet: {}\n", error.what());
+        fmt::print(stderr, "tactnet: {}\n", printable(error.what()));
         return status;
     };
     try {
@@ -42,7 +49,13 @@ int main(int count, char** arguments) {
         return complain(error, bad_input);
     } catch (const usage_error& error) {
         return complain(error, bad_input);
-    } catch (const std::exception& error) { // a training that diverged, no memory left
+    } catch (const std::bad_alloc&) {
+        return complain(std::runtime_error("expected enough memory, found none left"), failed);
+    } catch (const std::system_error& error) { // a thread too many
+        return complain(
+            std::runtime_error(fmt::format("the system refuses what it was asked for: '{}'", error.what())),
+            failed);
+    } catch (const std::exception& error) { // a training that diverged
         return complain(error, failed);
     }
     return success;

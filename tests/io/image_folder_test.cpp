@@ -14,6 +14,10 @@
 #include <support/temporary_folder.hpp>
 #include <vector>
 
+#if defined(__unix__) || defined(__APPLE__)
+#include <sys/stat.h>
+#endif
+
 using tactnet::file_error;
 using tactnet::list_image_folder;
 using tactnet::natural_less;
@@ -138,6 +142,51 @@ TEST_CASE("image_folder: a folder that is no set of images: each has its sentenc
     CHECK(error_of(root) == name + ": subfolder 'caf\\xe9': expected a name in UTF-8, found other bytes");
 #endif
 }
+
+#if defined(__unix__) || defined(__APPLE__)
+TEST_CASE("image_folder: links are followed, those to nothing are told") {
+    const support::temporary_folder folder;
+    const auto root = folder / "root";
+    touch(folder / "elsewhere" / "pens" / "1.png");
+    touch(folder / "elsewhere" / "2.png");
+    touch(root / "key" / "1.png");
+    std::filesystem::create_directory_symlink(folder / "elsewhere" / "pens", root / "pen");
+    std::filesystem::create_symlink("../../elsewhere/2.png", root / "key" / "2.png");
+    const auto listed = list_image_folder(root);
+    CHECK(listed.classes == std::vector<std::string>{"key", "pen"});
+    CHECK(listed.files.size() == 3);
+
+    std::filesystem::create_symlink("gone", root / "key" / "notes.txt"); // would be passed over in any case
+    std::filesystem::create_symlink("gone", root / ".hidden");
+    CHECK(error_of(root) == "no error");
+    std::filesystem::create_symlink("gone/tube", root / "tube");
+    CHECK(error_of(root) == (root / "tube").string() +
+                                ": expected a link to something that is there, found one to 'gone/tube'");
+    std::filesystem::remove(root / "tube");
+    std::filesystem::create_symlink("gone", root / "key" / "3.png");
+    CHECK(error_of(root) == (root / "key" / "3.png").string() +
+                                ": expected a link to something that is there, found one to 'gone'");
+    std::filesystem::remove(root / "key" / "3.png");
+    std::filesystem::create_symlink("circle", root / "circle");
+    CHECK(error_of(root).starts_with((root / "circle").string() + ": expected a folder or a file, found '"));
+}
+
+TEST_CASE("image_folder: pipes, sockets and devices are no images") {
+    const support::temporary_folder folder;
+    touch(folder / "key" / "1.png");
+    touch(folder / "pen" / "1.png");
+    REQUIRE(mkfifo((folder / "pen" / "pipe").c_str(), 0600) == 0);
+    REQUIRE(mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
+    CHECK(error_of(folder.path()) == "no error"); // nobody would open them
+    REQUIRE(mkfifo((folder / "pen" / "2.png").c_str(), 0600) == 0);
+    CHECK(error_of(folder.path()) ==
+          (folder / "pen" / "2.png").string() + ": expected a regular file, found a named pipe");
+    std::filesystem::remove(folder / "pen" / "2.png");
+    std::filesystem::create_symlink("/dev/zero", folder / "pen" / "2.png");
+    CHECK(error_of(folder.path()) ==
+          (folder / "pen" / "2.png").string() + ": expected a regular file, found a device");
+}
+#endif
 
 TEST_CASE("image_folder: loading") {
     const support::temporary_folder folder;

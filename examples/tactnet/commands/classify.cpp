@@ -3,6 +3,7 @@
 #include "commands/commands.hpp"
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
+#include "reports/printable.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
@@ -11,6 +12,7 @@
 
 #include <memory>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -29,12 +31,14 @@ int classify(const classify_options& o) {
         const tactnet::grey_image image = load_image(path, rows, columns, o.weights.resize);
         pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
     }
+    // To the letter for programs, without what a terminal would obey for people.
+    const bool terminal = ::isatty(STDOUT_FILENO) == 1;
+    const auto field = [&](const std::string& name) { return csv_field(terminal ? printable(name) : name); };
     tactnet::thread_pool threads;
     const std::vector<recognition> recognised = weights.trained->recognise(pixels, threads);
     for (std::size_t i = 0; i < o.images.size(); ++i) {
         const auto& [label, score] = recognised[i];
-        fmt::print("{},{},{},{:.6f}\n", csv_field(o.images[i]), label, csv_field(weights.classes[label]),
-                   score);
+        fmt::print("{},{},{},{:.6f}\n", field(o.images[i]), label, field(weights.classes[label]), score);
     }
     return success;
 }

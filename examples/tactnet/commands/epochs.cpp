@@ -1,5 +1,7 @@
 #include "commands/epochs.hpp"
 
+#include "data/regular_file.hpp"
+#include "reports/printable.hpp"
 #include "reports/progress.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
@@ -70,13 +72,13 @@ void check_no_checkpoint(const std::filesystem::path& path) {
 bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,
                 const tactnet::file_metadata& settings) {
     if (checkpoint.resume)
-        training.load_checkpoint(checkpoint.path, settings);
+        check_no_device(checkpoint.path), training.load_checkpoint(checkpoint.path, settings);
     catch_interrupts();
     if (run(training, epochs, checkpoint, settings))
         return true;
     make_folder_of(checkpoint.path);
     training.save_checkpoint(checkpoint.path, settings);
     fmt::print(stderr, "stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
-               training.history().size(), epochs, checkpoint.path.string());
+               training.history().size(), epochs, printable(checkpoint.path.string()));
     return false;
 }

@@ -7,7 +7,9 @@
 #include "commands/trainings.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
+#include "number_options.hpp"
 #include "reports/evaluation_table.hpp"
+#include "reports/printable.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
@@ -17,11 +19,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <interrupt.hpp>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -30,12 +35,13 @@ namespace {
 std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options& o) {
     std::vector<std::pair<std::size_t, std::size_t>> sizes;
     for (const std::string& text : o.sizes) {
-        std::size_t rows = 0, columns = 0;
-        int used = 0;
-        if (std::sscanf(text.c_str(), "%zux%zu%n", &rows, &columns, &used) != 2 ||
-            static_cast<std::size_t>(used) != text.size())
+        const std::size_t middle = std::min(text.find('x'), text.size());
+        const auto rows = whole_number_of(std::string_view(text).substr(0, middle)),
+                   columns =
+                       whole_number_of(std::string_view(text).substr(std::min(middle + 1, text.size())));
+        if (!rows || !columns)
             throw usage_error(fmt::format("--sizes: expected sizes such as 28x50, found '{}'", text));
-        sizes.emplace_back(rows, columns);
+        sizes.emplace_back(*rows, *columns);
     }
     if (sizes.empty())
         sizes.emplace_back(o.training.rows, o.training.columns);
@@ -61,6 +67,11 @@ public:
                 static_cast<void>(recipe_for(what, training));
                 list_.push_back({&what, training, nullptr});
             }
+        if (o.splits - 1 > std::numeric_limits<std::uint64_t>::max() - o.first_seed)
+            throw usage_error(
+                fmt::format("--seed, --splits: expected seeds below 2^64 for all splits, found {} "
+                            "of them from {} on",
+                            o.splits, o.first_seed));
         if (o.training.shares.test <= 0)
             throw usage_error(
                 "--test: expected a share above 0, since accuracy is measured on these images, found 0");
@@ -71,6 +82,7 @@ public:
                 data_.emplace(size, load_data(o.data, size.first, size.second, o.training.resize));
             c.data = &data_.at(size);
             check_capacity(*c.what, o.data, c.data->images.classes.size());
+            check_test_images(o, *c.data);
             c.start = load_start(*c.what, c.training, c.data->images.classes);
         }
     }
@@ -81,17 +93,31 @@ public:
     auto end() const { return list_.end(); }
 
 private:
+    /// How many there are does not depend on the rule or the seed.
+    static void check_test_images(const evaluate_options& o, const image_data& data) {
+        const auto split = tactnet::split_data(data.images.labels, data.images.classes.size(),
+                                               tactnet::split_rule::random, 0, o.training.shares);
+        if (split.test.empty())
+            throw tactnet::file_error(
+                o.data, "",
+                fmt::format("enough images for a test, of which --test takes a share of {}",
+                            o.training.shares.test),
+                fmt::format("{} of {} classes", data.images.size(), data.images.classes.size()));
+    }
+
     std::map<std::pair<std::size_t, std::size_t>, image_data> data_;
     std::vector<candidate> list_;
 };
 
 std::vector<task> tasks_of(const evaluate_options& o, const candidate_list& candidates) {
     std::vector<task> all;
-    for (std::uint64_t seed = o.first_seed; seed < o.first_seed + o.splits; ++seed)
+    for (std::size_t split = 0; split < o.splits; ++split)
         for (const candidate& c : candidates)
-            for (const tactnet::split_rule rule : rules_of(o))
+            for (const tactnet::split_rule rule : rules_of(o)) {
+                const std::uint64_t seed = o.first_seed + split;
                 all.push_back({&c, rule, seed,
                                describe_training(*c.what, c.training, rule, seed, c.data->fingerprint)});
+            }
     return all;
 }
 
@@ -162,7 +188,7 @@ int evaluate(const evaluate_options& o) {
     std::ranges::copy_if(all, std::back_inserter(to_do),
                          [&](const task& t) { return results.find(t.settings) == nullptr; });
     fmt::print(stderr, "{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
-               list.string());
+               printable(list.string()));
     catch_interrupts();
     if (!to_do.empty() && !run_all(to_do, o.jobs, results)) {
         fmt::print(stderr, "stopped; the same command goes on with what is left\n");
@@ -180,11 +206,11 @@ void add_run_options(CLI::App& app, evaluate_options& o) {
         ->capture_default_str();
     app.add_option("--splits", o.splits, "Splits of each kind, 1 to 10000")
         ->type_name("N")
-        ->check(CLI::Range(1, 10'000))
+        ->check(whole_number(1, 10'000))
         ->capture_default_str();
     app.add_option("--seed", o.first_seed, "Seed of the first split; the others follow")
         ->type_name("N")
-        ->check(CLI::NonNegativeNumber)
+        ->check(seed())
         ->capture_default_str();
     app.add_option("--results", o.results,
                    "Folder for results; finished trainings found there are not done again")
@@ -196,7 +222,7 @@ void add_run_options(CLI::App& app, evaluate_options& o) {
            "--jobs,--threads", o.jobs,
            "Trainings at the same time, 1 to 1024; the results do not depend on it (default: one a core)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(whole_number(1, 1024));
 }
 
 /// What options for trainings say about a weight file.

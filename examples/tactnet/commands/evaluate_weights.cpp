@@ -3,6 +3,7 @@
 
 #include "commands/evaluate.hpp"
 #include "data/image_data.hpp"
+#include "number_options.hpp"
 #include "reports/plot.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
@@ -12,35 +13,44 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
-#include <system_error>
+#include <optional>
 
 namespace {
 
 /// A number in the metadata of a file that `tactnet train` wrote.
-template <class Number>
-Number number_in(const std::string& file, const tactnet::file_metadata& metadata, const char* key) {
+template <class Read>
+auto number_in(const std::string& file, const tactnet::file_metadata& metadata, const char* key,
+               const char* expected, Read read) {
     const auto found = metadata.find(key);
-    Number value{};
     if (found == metadata.end())
         throw tactnet::file_error(file, fmt::format("metadata '{}'", key),
                                   "that of a training, or --images all", "none");
-    const std::string& text = found->second;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size())
-        throw tactnet::file_error(file, fmt::format("metadata '{}'", key), "a number",
-                                  fmt::format("'{}'", text));
-    return value;
+    const auto value = read(found->second);
+    if (!value)
+        throw tactnet::file_error(file, fmt::format("metadata '{}'", key), expected,
+                                  tactnet::in_quotes(found->second));
+    return *value;
 }
 
 /// The images that the training did not see.
 std::vector<std::size_t> test_images(const std::string& file, const tactnet::file_metadata& metadata,
                                      const std::string& folder, const image_data& data) {
-    const auto seed = number_in<std::uint64_t>(file, metadata, "seed");
-    const tactnet::split_shares shares{number_in<double>(file, metadata, "validation_share"),
-                                       number_in<double>(file, metadata, "test_share")};
+    const auto share_in = [&](const char* key) {
+        return number_in(file, metadata, key, "a share from 0 to below 1", [](const std::string& text) {
+            const auto value = number_of(text);
+            return value && is_share(*value) ? value : std::nullopt;
+        });
+    };
+    const std::uint64_t seed =
+        number_in(file, metadata, "seed", "a whole number below 2^64", whole_number_of);
+    const tactnet::split_shares shares{share_in("validation_share"), share_in("test_share")};
+    if (!is_share(shares.validation + shares.test))
+        throw tactnet::file_error(
+            file, "metadata", "shares that leave some images for training",
+            fmt::format("{} to validate and {} to test", shares.validation, shares.test));
     const auto split = metadata.find("split"), trained_on = metadata.find("data");
     if (split == metadata.end() || trained_on == metadata.end())
         throw tactnet::file_error(file, "metadata", "'split' and 'data' of a training, or --images all",

@@ -2,6 +2,7 @@
 
 #include "commands/commands.hpp"
 #include "methods/registry.hpp"
+#include "number_options.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
@@ -15,7 +16,7 @@ command add_list(CLI::App& program) {
     auto classes = std::make_shared<std::size_t>(0);
     app->add_option("--classes", *classes, "Classes to tell apart (default: as many as the program can)")
         ->type_name("N")
-        ->check(CLI::Range(2, 100'000));
+        ->check(whole_number(2, 100'000));
     return [classes] {
         std::vector<std::vector<std::string>> rows{{"network", "size", "classes", "parameters",
                                                     "multiply-adds", "on pixels", "weights, bytes",

@@ -2,6 +2,9 @@
 
 #include "commands/commands.hpp"
 #include "commands/scenes.hpp"
+#include "data/regular_file.hpp"
+#include "number_options.hpp"
+#include "reports/printable.hpp"
 #include "reports/progress.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
@@ -48,14 +51,31 @@ const simulated_scene& scene_of(std::string_view name) {
 
 /// Throws file_error where the folder's note says anything else.
 void check_note(const std::filesystem::path& note, const nlohmann::json& says) {
-    const auto bytes = tactnet::read_file(note, std::size_t{1} << 20);
-    const auto* const text = reinterpret_cast<const char*>(bytes.data());
-    const auto found = nlohmann::json::parse(text, text + bytes.size(), nullptr, false);
-    // What is no JSON compares as neither equal nor different.
-    if (found.is_discarded() || found != says)
+    const auto refuse = [&](const std::string& found) {
         throw tactnet::file_error(note.string(), "",
                                   "images of the same simulation, " + says.dump() + ", or another folder",
-                                  found.is_discarded() ? "no JSON" : found.dump());
+                                  found);
+    };
+    check_no_device(note);
+    const auto bytes = tactnet::read_file(note, std::size_t{1} << 20);
+    const auto* const text = reinterpret_cast<const char*>(bytes.data());
+    // A note has one level. To compare and to print values takes stack for each, and a hostile file could
+    // have as many as bytes.
+    constexpr int most_levels = 8;
+    bool deep = false;
+    const auto found = nlohmann::json::parse(
+        text, text + bytes.size(),
+        [&](int level, nlohmann::json::parse_event_t, const nlohmann::json&) {
+            deep = deep || level > most_levels;
+            return !deep; // what is deeper is left out
+        },
+        false);
+    if (deep)
+        refuse(fmt::format("JSON of more than {} levels", most_levels));
+    if (found.is_discarded()) // which compares as neither equal nor different
+        refuse("no JSON");
+    if (found != says)
+        refuse(found.dump());
 }
 
 /// A folder belongs to what it says of itself: one that was begun with the same settings is gone on with, any
@@ -137,7 +157,7 @@ int simulate(const simulate_options& o) {
     if (unsettled > 0)
         fmt::print(stderr, "{} images: the contact did not settle, and is the best that was found\n",
                    unsettled);
-    fmt::print("{}: {} images of {} classes in {}\n", o.out, all, paper_objects.size(),
+    fmt::print("{}: {} images of {} classes in {}\n", printable(o.out), all, paper_objects.size(),
                duration_text(watch.seconds()));
     return success;
 }
@@ -154,11 +174,11 @@ command add_simulate(CLI::App& program) {
         ->required();
     app->add_option("--per-class", o->per_class, "Images of each class, 1 to 100000")
         ->type_name("N")
-        ->check(CLI::Range(1, 100'000))
+        ->check(whole_number(1, 100'000))
         ->capture_default_str();
     app->add_option("--seed", o->seed, "Of everything that is drawn; the same seed gives the same bits")
         ->type_name("N")
-        ->check(CLI::NonNegativeNumber)
+        ->check(seed())
         ->capture_default_str();
     std::vector<std::string> names;
     std::string says = "What is simulated:";
@@ -173,6 +193,6 @@ command add_simulate(CLI::App& program) {
     app->add_option("--threads", o->threads,
                     "Threads, 1 to 1024; the images do not depend on it (default: one a core)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(whole_number(1, 1024));
     return [o] { return simulate(*o); };
 }

@@ -6,7 +6,9 @@
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
+#include "number_options.hpp"
 #include "reports/plot.hpp"
+#include "reports/printable.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
@@ -129,7 +131,7 @@ void finish(const train_options& o, const output_files& files, const image_data&
         std::filesystem::remove(files.checkpoint, ignored);
     }
 
-    fmt::print("{}: trained in {:.1f} s", files.weights.string(), seconds);
+    fmt::print("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
     if (test.confusion.total() > 0)
         fmt::print(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
                    test.confusion.correct(), test.confusion.total());
@@ -182,19 +184,19 @@ void add_run_options(CLI::App& app, train_options& o) {
         ->capture_default_str();
     app.add_option("--seed", o.seed, "Of the split, the first weights and the order; any whole number from 0")
         ->type_name("N")
-        ->check(CLI::NonNegativeNumber)
+        ->check(seed())
         ->capture_default_str();
     app.add_option("--threads", o.threads, "Threads, 1 to 1024; the result does not depend on it")
         ->capture_default_str()
         ->type_name("N")
-        ->check(CLI::Range(1, 1024));
+        ->check(whole_number(1, 1024));
     app.add_option("--checkpoint", o.checkpoint,
                    "Where a stopped training is kept (default: OUTPUT.checkpoint)")
         ->type_name("FILE");
     app.add_option("--checkpoint-every", o.checkpoint_minutes,
                    "Minutes between checkpoints of a running training, above 0")
         ->type_name("MINUTES")
-        ->check(CLI::PositiveNumber)
+        ->check(positive_number())
         ->capture_default_str();
     auto* resume =
         app.add_flag("--resume", o.resume, "Go on from the checkpoint, to the same bits as in one go");
@@ -207,7 +209,7 @@ void add_run_options(CLI::App& app, train_options& o) {
            "--self-test", o.selftest,
            "Made-up images kept in the weight file with what came of them, 0 to 100; loading checks them")
         ->type_name("N")
-        ->check(CLI::Range(0, 100))
+        ->check(whole_number(0, 100))
         ->capture_default_str();
 }
 

@@ -12,9 +12,11 @@
 #include <exception>
 #include <interrupt.hpp>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <stopwatch.hpp>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -62,20 +64,24 @@ public:
     side_by_side(const std::vector<task>& tasks, result_list& results) : tasks_(tasks), results_(results) {}
 
     /// One worker, until nothing is left, a training has failed, or someone interrupts.
-    void work() {
-        for (std::size_t i = 0; !failed_ && !interrupted() && (i = next_++) < tasks_.size();) {
-            try {
-                auto result = run(tasks_[i]);
+    void work() noexcept {
+        try {
+            for (std::size_t i = 0; !failed_ && !interrupted() && (i = next_++) < tasks_.size();) {
+                auto result = run_named(tasks_[i]);
                 if (!result)
                     return;
                 keep(tasks_[i], std::move(*result));
-            } catch (const tactnet::training_diverged& error) {
-                fail(std::make_exception_ptr(
-                    tactnet::training_diverged(title_of(tasks_[i]) + ": " + error.what())));
-            } catch (...) {
-                fail(std::current_exception());
             }
+        } catch (...) { // also what goes wrong while an error is put into words: no memory
+            fail(std::current_exception());
         }
+    }
+    /// Says that fewer work than were asked for.
+    void tell_refused(std::size_t granted, std::size_t wanted) {
+        const std::lock_guard lock(mutex_);
+        line_.end_line();
+        fmt::print(stderr, "the system refuses more threads: {} trainings at a time in place of {}\n",
+                   granted, wanted);
     }
     void end() {
         line_.end_line();
@@ -84,6 +90,13 @@ public:
     }
 
 private:
+    static std::optional<training_result> run_named(const task& t) {
+        try {
+            return run(t);
+        } catch (const tactnet::training_diverged& error) {
+            throw tactnet::training_diverged(title_of(t) + ": " + error.what());
+        }
+    }
     void keep(const task& t, training_result result) {
         const std::lock_guard lock(mutex_);
         const double accuracy = result.confusion.accuracy();
@@ -95,7 +108,7 @@ private:
                                100 * accuracy, duration_text(left)),
                    done_ == tasks_.size());
     }
-    void fail(std::exception_ptr failure) {
+    void fail(std::exception_ptr failure) noexcept {
         const std::lock_guard lock(mutex_);
         if (!failed_.exchange(true))
             failure_ = std::move(failure);
@@ -116,12 +129,19 @@ private:
 
 bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results) {
     side_by_side shared(tasks, results);
-    std::vector<std::thread> workers;
-    for (std::size_t j = 1; j < std::min(jobs, tasks.size()); ++j)
-        workers.emplace_back([&] { shared.work(); });
-    shared.work();
-    for (std::thread& worker : workers)
-        worker.join();
+    {
+        const std::size_t wanted = std::min(jobs, tasks.size());
+        std::vector<std::jthread> workers; // which end before this does, whatever is thrown
+        try {
+            while (workers.size() + 1 < wanted)
+                workers.emplace_back([&] { shared.work(); });
+        } catch (const std::system_error&) { // the results do not depend on how many there are
+            shared.tell_refused(workers.size() + 1, wanted);
+        } catch (const std::bad_alloc&) {
+            shared.tell_refused(workers.size() + 1, wanted);
+        }
+        shared.work();
+    }
     shared.end();
     return !interrupted();
 }

@@ -1,6 +1,7 @@
 #include "data/image_data.hpp"
 
 #include "data/fingerprint.hpp"
+#include "data/regular_file.hpp"
 
 #include <tactnet/image/running_resize.hpp>
 #include <tactnet/io/file.hpp>
@@ -49,6 +50,7 @@ image_data load_data(const std::filesystem::path& folder, std::size_t rows, std:
 
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
                                bool resize) {
+    check_no_device(path);
     tactnet::grey_image image = decode_image(path);
     if (image.rows == rows && image.columns == columns)
         return image;
@@ -63,6 +65,7 @@ std::vector<std::string> load_class_names(const std::filesystem::path& path) {
     std::error_code code;
     if (std::filesystem::is_directory(path, code))
         return tactnet::list_image_folder(path).classes;
+    check_no_device(path);
     const auto bytes = tactnet::read_file(path, std::size_t{1} << 20);
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (!tactnet::is_utf8(text))

@@ -7,12 +7,12 @@
 
 recognition support_vector_machine::decide(std::span<const double> values) const {
     const std::size_t classes = labels().size();
-    const bool pairs = std::holds_alternative<rbf_machine>(own_);
-    const std::size_t found = tactnet::decide(
-        values, classes, pairs ? tactnet::multiclass::one_versus_one : tactnet::multiclass::one_versus_rest);
-    double score = values[found];
-    if (pairs) {
-        score = std::numeric_limits<double>::infinity();
+    const tactnet::multiclass by = scheme();
+    const std::size_t found = tactnet::decide(values, classes, by);
+    double score = std::numeric_limits<double>::infinity();
+    if (by == tactnet::multiclass::one_versus_rest) {
+        score = values[found];
+    } else { // a value for each pair: of two classes a single one
         std::size_t m = 0;
         for (const auto& [first, second] : tactnet::class_pairs(classes)) {
             if (first == found || second == found)

@@ -33,6 +33,11 @@ public:
     const label_list& labels() const {
         return std::visit([](const auto& own) -> const label_list& { return own.parameters().labels; }, own_);
     }
+    /// What its values stand for: of a machine with a kernel either, as its file says.
+    tactnet::multiclass scheme() const {
+        const auto* kernel = std::get_if<rbf_machine>(&own_);
+        return kernel != nullptr ? kernel->parameters().scheme : tactnet::multiclass::one_versus_rest;
+    }
     void add_to(tactnet::safetensors_writer& writer) const {
         std::visit([&](const auto& own) { tactnet::add_machine(writer, own); }, own_);
     }

@@ -1,5 +1,6 @@
 #include "methods/training_settings.hpp"
 
+#include "number_options.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -19,11 +20,11 @@ tactnet::recipe published_recipe(const method& what) {
 void add_training_options(CLI::App& command, training_settings& s) {
     command.add_option("--rows", s.rows, "Rows of an image, tactels")
         ->type_name("N")
-        ->check(CLI::Range(1, 4096))
+        ->check(whole_number(1, 4096))
         ->capture_default_str();
     command.add_option("--columns", s.columns, "Columns of an image, tactels")
         ->type_name("N")
-        ->check(CLI::Range(1, 4096))
+        ->check(whole_number(1, 4096))
         ->capture_default_str();
     command.add_flag("--resize", s.resize,
                      "Resize images of another size (bicubic); without it they are an error");
@@ -32,13 +33,13 @@ void add_training_options(CLI::App& command, training_settings& s) {
         ->capture_default_str();
     command.add_option("--epochs", s.epochs, "Most epochs (default: the recipe's)")
         ->type_name("N")
-        ->check(CLI::Range(1, 1'000'000));
+        ->check(whole_number(1, 1'000'000));
     command.add_option("--batch", s.batch, "Images a step, 0 is all (default: the recipe's)")
         ->type_name("N")
-        ->check(CLI::Range(0, 1'000'000));
+        ->check(whole_number(0, 1'000'000));
     command.add_option("--rate", s.rate, "Highest learning rate, above 0 (default: the recipe's)")
         ->type_name("X")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number());
     command
         .add_option("--input", s.input,
                     "Counts minus their 'mean' image, or 'scale'd by 1/255 (default: the recipe's)")
@@ -58,11 +59,11 @@ void add_training_options(CLI::App& command, training_settings& s) {
         .add_option("--validation", s.shares.validation,
                     "Share of each class to choose the best epoch by, 0 to below 1")
         ->type_name("SHARE")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(share())
         ->capture_default_str();
     command.add_option("--test", s.shares.test, "Share of each class kept for the test, 0 to below 1")
         ->type_name("SHARE")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(share())
         ->capture_default_str();
 }
 
@@ -75,7 +76,7 @@ std::string_view name_of(tactnet::split_rule rule) {
 }
 
 tactnet::recipe recipe_for(const method& what, const training_settings& s) {
-    if (s.shares.validation + s.shares.test >= 1)
+    if (!is_share(s.shares.validation + s.shares.test))
         throw usage_error(
             fmt::format("--validation, --test: expected shares that leave some images for training, "
                         "found {} and {}",

@@ -1,7 +1,9 @@
 #include "methods/weights.hpp"
 
 #include "data/image_data.hpp"
+#include "data/regular_file.hpp"
 #include "methods/registry.hpp"
+#include "number_options.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -18,10 +20,10 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
             ->type_name("NAME");
         command.add_option("--rows", o.rows, "Likewise: rows of an image, tactels")
             ->type_name("N")
-            ->check(CLI::Range(1, 4096));
+            ->check(whole_number(1, 4096));
         command.add_option("--columns", o.columns, "Likewise: columns of an image, tactels")
             ->type_name("N")
-            ->check(CLI::Range(1, 4096));
+            ->check(whole_number(1, 4096));
         command.add_flag("--resize", o.resize,
                          "Resize images of another size (bicubic); without it they are an error");
     }
@@ -29,7 +31,7 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
         .add_option("--epsilon", o.epsilon,
                     "What batch norms add to a variance, above 0 (default: the file's, else 1e-5)")
         ->type_name("X")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number());
     command
         .add_option("--classes", o.classes,
                     "Names of the classes: a text file with a line each, or a folder with a subfolder each "
@@ -38,6 +40,7 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
 }
 
 loaded_weights load_weights(const weight_options& o) {
+    check_no_device(o.weights);
     const tactnet::safetensors file = tactnet::safetensors::read(o.weights);
     const tactnet::model_description says = tactnet::describe_model(file);
     const std::string name = o.method.empty() ? says.network : o.method;

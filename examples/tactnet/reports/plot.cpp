@@ -1,46 +1,32 @@
 #include "reports/plot.hpp"
 
 #include "methods/training_settings.hpp"
+#include "reports/gnuplot.hpp"
+#include "reports/printable.hpp"
 #include "reports/report.hpp"
 
 #include <tactnet/io/file.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <system_error>
-#include <unistd.h>
 #include <utility>
 
 namespace {
 
-/// In gnuplot's single quotes, where nothing but the quote itself means anything.
-std::string quoted(const std::string& text) {
+/// In single quotes, where nothing but the quote itself means anything; gnuplot wants it doubled.
+std::string quoted(const std::string& text, const char* quote = "''") {
     std::string result = "'";
-    for (const char c : text)
-        result += c == '\'' ? std::string("''") : std::string(1, c == '\n' ? ' ' : c);
+    for (const char c : printable(text))
+        result += c == '\'' ? std::string(quote) : std::string(1, c);
     return result + "'";
 }
-
-/// Runs gnuplot in the script's folder; tells whether it ran and was content.
-bool run_gnuplot(const std::filesystem::path& script, const std::string& output) {
-    std::string program = "gnuplot", option = "-e", setting = "picture=" + quoted(output);
-    std::string name = script.filename().string(), folder = script.parent_path().string();
-    char* arguments[] = {program.data(), option.data(), setting.data(), name.data(), nullptr};
-    posix_spawn_file_actions_t actions;
-    if (posix_spawn_file_actions_init(&actions) != 0)
-        return false;
-    if (!folder.empty())
-        posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    pid_t child = 0;
-    const int error = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    int status = 0;
-    return error == 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+/// A file of the folder one is in, as a word of the shell.
+std::string shell_word(const std::filesystem::path& file) {
+    return quoted("./" + file.filename().string(), "'\\''");
 }
 
 std::filesystem::path with_ending(std::filesystem::path stem, const char* ending) {
@@ -48,33 +34,34 @@ std::filesystem::path with_ending(std::filesystem::path stem, const char* ending
     return stem;
 }
 
-/// Writes data and script, and draws. `body` plots from the file `data`.
+/// Writes data, and the picture that `body` plots. The script names no file: see draw_png.
 void draw(const std::filesystem::path& stem, const std::string& csv, const std::string& size,
           const std::string& body) {
     make_folder_of(stem);
     const auto script = with_ending(stem, ".gp"), picture = with_ending(stem, ".png");
-    const auto partial = with_ending(stem, ".png.partial");
     tactnet::write_file(with_ending(stem, ".csv"), csv);
-    tactnet::write_file(
-        script,
-        fmt::format("if (!exists('picture')) picture = {}\n"
-                    "data = {}\n"
-                    "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) {{ set terminal pngcairo size {} }} "
+    const std::string text =
+        fmt::format("if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) {{ set terminal pngcairo size {} }} "
                     "else {{ set terminal png size {} }}\n"
-                    "set output picture\n"
                     "set datafile separator ','\n"
-                    "{}unset output\n",
-                    quoted(picture.filename().string()),
-                    quoted(with_ending(stem, ".csv").filename().string()), size, size, body));
-    std::error_code ignored;
-    if (run_gnuplot(script, partial.filename().string())) {
-        std::filesystem::rename(partial, picture, ignored);
+                    "{}",
+                    size, size, body);
+    const drawing drawn = draw_png(text);
+    if (!drawn.picture.empty()) {
+        tactnet::write_file(picture, drawn.picture);
+        std::error_code ignored;
         std::filesystem::remove(script, ignored);
         return;
     }
-    std::filesystem::remove(partial, ignored);
-    fmt::print(stderr, "gnuplot could not be run: no {}; draw it with 'gnuplot {}' in its folder\n",
-               picture.filename().string(), script.filename().string());
+    tactnet::write_file(script, text);
+    fmt::print(stderr, "{} is not drawn: {}; in its folder, gnuplot < {} > {} draws it\n",
+               printable(picture.string()), printable(drawn.problem), shell_word(script),
+               shell_word(picture));
+}
+
+/// Lines of CSV as the data block $data.
+std::string data_block(const std::string& csv) {
+    return "$data << END\n" + csv + "END\n";
 }
 
 /// gnuplot takes _ and others for markup.
@@ -84,14 +71,22 @@ constexpr const char* plain_titles = "set title {} noenhanced\n";
 
 void plot_learning_curve(const std::filesystem::path& stem, const std::string& title,
                          std::span<const tactnet::epoch_report> history) {
-    draw(stem, learning_curve_csv(history), "900,600",
-         fmt::format(plain_titles, quoted(title)) +
-             "set xlabel 'epoch'\nset ylabel 'loss'\nset y2label 'validation accuracy, %'\n"
-             "set ytics nomirror\nset y2tics\nset y2range [*:100]\nset key center right\nset grid x y2\n"
-             "plot data using 1:3 every ::1 with lines lw 2 title 'training loss', "
-             "data using 1:4 every ::1 with linespoints pt 7 ps 0.4 title 'validation loss', "
-             "data using 1:($5*100) every ::1 axes x1y2 with linespoints pt 7 ps 0.4 title 'validation "
-             "accuracy'\n");
+    const std::string csv = learning_curve_csv(history);
+    std::string body = data_block(csv) + fmt::format(plain_titles, quoted(title)) +
+                       "set xlabel 'epoch'\nset ylabel 'loss'\n";
+    const bool validated =
+        std::ranges::any_of(history, [](const auto& e) { return std::isfinite(e.validation_accuracy); });
+    if (validated) // gnuplot refuses an axis without a value
+        body += "set y2label 'validation accuracy, %'\nset ytics nomirror\nset y2tics\nset y2range [*:100]\n"
+                "set key center right\nset grid x y2\n";
+    else
+        body += "set grid\n";
+    body += "plot $data using 1:3 every ::1 with lines lw 2 title 'training loss'";
+    if (validated)
+        body += ", $data using 1:4 every ::1 with linespoints pt 7 ps 0.4 title 'validation loss', "
+                "$data using 1:($5*100) every ::1 axes x1y2 with linespoints pt 7 ps 0.4 title 'validation "
+                "accuracy'";
+    draw(stem, csv, "900,600", body + "\n");
 }
 
 void plot_confusion(const std::filesystem::path& stem, const std::string& title,
@@ -142,16 +137,19 @@ void plot_costs(const std::filesystem::path& stem, std::span<const cost_point> p
             csv += fmt::format(",{0}_accuracy,{0}_deviation", name_of(rule));
             // A little to the side, so that no error bar hides another.
             series += fmt::format(
-                "data using ($2*{}):(${}*100):(${}*100) every ::1 with yerrorbars pt {} title "
+                "$data using ($2*{}):(${}*100):(${}*100) every ::1 with yerrorbars pt {} title "
                 "'{} splits', ",
                 1 + 0.02 * static_cast<double>(i), 4 + 2 * i, 5 + 2 * i, i == 0 ? 7 : 5, name_of(rule));
         }
         lines += '\n';
     }
-    draw(stem, csv + '\n' + lines, "900,600",
-         "set title 'what accuracy costs'\nset logscale x\nset xlabel 'multiply-adds a frame, all taps'\n"
-         "set ylabel 'test accuracy, %'\nset key bottom right\nset grid\nset format x '10^{%L}'\nset offsets "
-         "graph 0.2, graph 0.2, graph 0.1, graph 0.1\n"
-         "plot " +
-             series + "data using 2:($4*100):1 every ::1 with labels noenhanced offset 0,1.2 notitle\n");
+    csv += '\n' + lines;
+    draw(stem, csv, "900,600",
+         data_block(csv) +
+             "set title 'what accuracy costs'\nset logscale x\nset xlabel 'multiply-adds a frame, all taps'\n"
+             "set ylabel 'test accuracy, %'\nset key bottom right\nset grid\nset format x '10^{%L}'\nset "
+             "offsets "
+             "graph 0.2, graph 0.2, graph 0.1, graph 0.1\n"
+             "plot " +
+             series + "$data using 2:($4*100):1 every ::1 with labels noenhanced offset 0,1.2 notitle\n");
 }

@@ -1,5 +1,6 @@
 #include "reports/results.hpp"
 
+#include "data/regular_file.hpp"
 #include "reports/report.hpp"
 
 #include <tactnet/io/file.hpp>
@@ -121,6 +122,7 @@ result_list::result_list(std::filesystem::path path) : path_(std::move(path)) {
     std::error_code code;
     if (!std::filesystem::exists(path_, code))
         return;
+    check_no_device(path_);
     const auto bytes = tactnet::read_file(path_);
     std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     for (std::size_t number = 1, end = 0; (end = rest.find('\n')) != std::string_view::npos; ++number) {

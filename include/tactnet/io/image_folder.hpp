@@ -129,9 +129,35 @@ inline std::vector<std::filesystem::directory_entry> visible_entries(const std::
     return entries;
 }
 
+/// What an entry is, or what a link points to. Throws file_error where that cannot be said: to pass over such
+/// an entry would drop a class or an image without a word.
+inline std::filesystem::file_type type_of(const std::filesystem::directory_entry& entry) {
+    using std::filesystem::file_type;
+    std::error_code code, ignored;
+    const file_type type = entry.status(code).type();
+    if (type == file_type::not_found && entry.is_symlink(ignored))
+        throw file_error(entry.path().string(), "", "a link to something that is there",
+                         "one to " +
+                             in_quotes(std::filesystem::read_symlink(entry.path(), ignored).string()));
+    if (type == file_type::not_found || type == file_type::none)
+        throw file_error(entry.path().string(), "", "a folder or a file", "'" + code.message() + "'");
+    return type;
+}
+
 inline bool is_folder(const std::filesystem::directory_entry& entry) {
-    std::error_code code;
-    return entry.is_directory(code);
+    return type_of(entry) == std::filesystem::file_type::directory;
+}
+
+/// Throws file_error for what is neither a file nor a folder: reading it might wait for ever.
+inline bool is_file(const std::filesystem::directory_entry& entry) {
+    using std::filesystem::file_type;
+    const file_type type = type_of(entry);
+    if (type != file_type::regular && type != file_type::directory)
+        throw file_error(entry.path().string(), "", "a regular file",
+                         type == file_type::fifo     ? "a named pipe"
+                         : type == file_type::socket ? "a socket"
+                                                     : "a device");
+    return type == file_type::regular;
 }
 
 inline std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder,
@@ -140,7 +166,7 @@ inline std::vector<std::filesystem::path> images_in(const std::filesystem::path&
     std::size_t others = 0;
     for (const auto& entry : visible_entries(folder)) {
         const std::string extension = lower_case(entry.path().extension().string());
-        if (!is_folder(entry) && std::ranges::find(extensions, extension) != extensions.end())
+        if (std::ranges::find(extensions, extension) != extensions.end() && is_file(entry))
             images.push_back(entry.path());
         else
             ++others;
@@ -181,8 +207,9 @@ image_set load_images(const image_folder& folder, std::size_t rows, std::size_t 
 
 /// Lists the images in the subfolders of `root`. Hidden entries, files beside the subfolders and folders
 /// within them are passed over. `extensions` in lower case with the dot; the files' case does not matter.
-/// Throws file_error when there is no such folder, there are fewer than two subfolders, a subfolder has no
-/// images, or its name is not UTF-8 (it will be stored in weight files, which must be).
+/// Links are followed. Throws file_error when there is no such folder, there are fewer than two subfolders, a
+/// subfolder has no images, its name is not UTF-8 (it will be stored in weight files, which must be), what
+/// would be a subfolder or an image is a link to nothing, or an image is a pipe, a socket or a device.
 inline image_folder
 list_image_folder(const std::filesystem::path& root,
                   std::span<const std::string_view> extensions = default_image_extensions) {

@@ -157,6 +157,25 @@ TEST_SUITE("program") {
         }
     }
 
+#if !defined(__SANITIZE_ADDRESS__) // which takes more addresses than any limit
+    TEST_CASE("evaluate goes on with fewer threads where the system refuses some") {
+        const workshop shop;
+        // A stack of 4 GiB for each thread, of 2 GiB in all.
+        const auto limited =
+            run_program("ulimit -S -s 4194304 && ulimit -v 2097152 || exit 77; cd '" + shop.work().string() +
+                        "' && exec " TACTNET_PROGRAM " evaluate --data '" + shop.data().string() +
+                        "' --method svm-linear --rows 7 --columns 13 --splits 2 --results r --jobs 3");
+        if (limited.status == 77) {
+            MESSAGE("skipped: limits cannot be set here");
+            return;
+        }
+        CHECK_MESSAGE(limited.status == 0, limited.error);
+        CHECK(limited.error.find("the system refuses more threads: 1 trainings at a time in place of 3") !=
+              std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
+    }
+#endif
+
     TEST_CASE("several evaluations share a folder of results") {
         const workshop shop;
         const auto arguments = [&](const char* seed, const char* splits, const char* results) {

@@ -54,6 +54,19 @@ TEST_SUITE("program") {
         tactnet::write_file(shop / "other" / "simulation.json", std::string("{\"scene\": "));
         shop.refuses({"simulate", "--out", "other", "--per-class", "2"}, "found no JSON");
 
+        // Levels without end would take a stack without end.
+        for (const char* level : {"[", "{\"scene\":"}) {
+            std::string deep;
+            for (int i = 0; i < 100'000; ++i)
+                deep += level;
+            tactnet::write_file(shop / "other" / "simulation.json", deep);
+            shop.refuses({"simulate", "--out", "other", "--per-class", "2"},
+                         "simulation.json: expected images");
+        }
+        tactnet::write_file(shop / "other" / "simulation.json",
+                            std::string(100'000, '[') + std::string(100'000, ']'));
+        shop.refuses({"simulate", "--out", "other", "--per-class", "2"}, "found JSON of more than 8 levels");
+
         // Ended at its very beginning it can still be gone on with.
         fs::create_directory(shop / "begun");
         fs::copy(shop / "one" / "simulation.json", shop / "begun");

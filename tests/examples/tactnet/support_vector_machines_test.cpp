@@ -5,13 +5,100 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cstring>
 #include <limits>
+#include <methods/support_vector_machine.hpp>
+#include <span>
 #include <string>
+#include <sys/mman.h>
 #include <vector>
 
 using namespace support;
 
+namespace {
+
+/// Numbers that end where memory ends: to read on ends the program.
+class last_numbers {
+public:
+    explicit last_numbers(const std::vector<double>& values)
+        : size_(values.size()),
+          page_(static_cast<std::size_t>(sysconf(_SC_PAGESIZE))),
+          pages_(mmap(nullptr, 2 * page_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {
+        REQUIRE(pages_ != MAP_FAILED);
+        REQUIRE(mprotect(static_cast<std::byte*>(pages_) + page_, page_, PROT_NONE) == 0);
+        std::memcpy(data(), values.data(), size_ * sizeof(double));
+    }
+    last_numbers(const last_numbers&) = delete;
+    last_numbers& operator=(const last_numbers&) = delete;
+    ~last_numbers() { munmap(pages_, 2 * page_); }
+    std::span<const double> values() const { return {data(), size_}; }
+
+private:
+    double* data() const {
+        return reinterpret_cast<double*>(static_cast<std::byte*>(pages_) + page_) - size_;
+    }
+    std::size_t size_, page_;
+    void* pages_;
+};
+
+/// A machine of one support vector a class, by its labels alone.
+support_vector_machine machine_of(tactnet::multiclass scheme, const std::vector<std::size_t>& labels) {
+    tactnet::kernel_machine_parameters<tactnet::rbf_kernel> parts;
+    parts.kernel.gamma = 1;
+    parts.scheme = scheme;
+    parts.features = 1;
+    parts.labels = labels;
+    for (std::size_t c = 0; c < labels.size(); ++c) {
+        parts.support_counts.push_back(1);
+        parts.support_vectors.push_back(static_cast<float>(c));
+    }
+    parts.coefficients.resize(labels.size() * parts.coefficients_each());
+    parts.offsets.resize(tactnet::machine_count(labels.size(), scheme));
+    return rbf_machine(parts);
+}
+
+} // namespace
+
 TEST_SUITE("program") {
+    TEST_CASE("support vector machines: the score is the smallest value in favour of the class") {
+        using tactnet::multiclass;
+        const auto decides = [](const support_vector_machine& machine, const std::vector<double>& values,
+                                std::size_t label, double score) {
+            const last_numbers last(values);
+            const recognition found = machine.decide(last.values());
+            CHECK(found.label == label);
+            CHECK(found.score == score);
+        };
+        const auto two = machine_of(multiclass::one_versus_one, {3, 5});
+        decides(two, {0.75}, 3, 0.75);
+        decides(two, {-0.25}, 5, 0.25);
+        decides(two, {0}, 5, 0);
+        const auto three = machine_of(multiclass::one_versus_one, {0, 1, 2});
+        decides(three, {-1, 0.5, 0.25}, 1, 0.25);
+        // A file may say so of a machine with a kernel too: a value for each class.
+        const auto rest = machine_of(multiclass::one_versus_rest, {0, 1, 2, 7});
+        decides(rest, {0.5, -1, -0.5, 0.625}, 7, 0.625);
+        decides(machine_of(multiclass::one_versus_rest, {3, 5}), {-0.5, -0.25}, 5, -0.25);
+        CHECK_THROWS(two.decide(std::vector{std::numeric_limits<double>::quiet_NaN()}));
+    }
+
+    TEST_CASE("support vector machines of two classes, from outside") {
+        const workshop shop;
+        fs::remove_all(shop.data() / "right");
+        for (const char* name : {"svm-linear", "svm-rbf"}) {
+            REQUIRE(shop.train({"--network", name, "--output", name}).status == 0);
+            const auto score = [&](const char* folder, const std::string& found) {
+                const outcome result =
+                    shop.run({"classify", "--weights", name, (shop.data() / folder / "image1.png").string()});
+                REQUIRE_MESSAGE(result.status == 0, result.error);
+                CHECK(result.out.find(found) != std::string::npos);
+                return std::stod(result.out.substr(result.out.rfind(',') + 1));
+            };
+            CHECK(score("left", ",0,left,") > 0);
+            CHECK(score("middle, of all", ",1,\"middle, of all\",") > 0);
+        }
+    }
+
     TEST_CASE("support vector machines: train, evaluate the file, classify") {
         const workshop shop;
         write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));

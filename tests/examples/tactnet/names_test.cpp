@@ -1,0 +1,226 @@
+// Names of files and classes that do more than name: for a terminal, a shell, gnuplot, or whoever opens them.
+
+#include "workshop.hpp"
+
+#include <tactnet/io/file_error.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <reports/plot.hpp>
+#include <reports/printable.hpp>
+#include <string>
+#include <string_view>
+#include <sys/stat.h>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+/// The program's environment with a gnuplot of one's own.
+class own_gnuplot {
+public:
+    /// `script`: of a shell; none: there is no gnuplot.
+    own_gnuplot(const fs::path& folder, const std::string& script) : before_(std::getenv("PATH")) {
+        fs::create_directories(folder);
+        if (!script.empty()) {
+            tactnet::write_file(folder / "gnuplot", "#!/bin/sh\nPATH='" + before_ + "'\n" + script);
+            fs::permissions(folder / "gnuplot", fs::perms::owner_all);
+        }
+        setenv("PATH", folder.c_str(), 1);
+    }
+    own_gnuplot(const own_gnuplot&) = delete;
+    own_gnuplot& operator=(const own_gnuplot&) = delete;
+    ~own_gnuplot() { setenv("PATH", before_.c_str(), 1); }
+
+private:
+    std::string before_;
+};
+
+std::vector<tactnet::epoch_report> history(bool validated) {
+    std::vector<tactnet::epoch_report> epochs;
+    for (std::size_t e = 1; e <= 3; ++e) {
+        tactnet::epoch_report& report = epochs.emplace_back();
+        report.epoch = e, report.rate = 0.1, report.loss = 1.0 / static_cast<double>(e);
+        if (validated)
+            report.validation_loss = 1.5 * report.loss, report.validation_accuracy = 1 - 0.5 * report.loss;
+    }
+    return epochs;
+}
+
+/// What is wrong with a picture: nothing for a whole one, in colour as gnuplot's are.
+std::string decode_error(const fs::path& picture) {
+    try {
+        decode_image(picture);
+    } catch (const tactnet::file_error& error) {
+        return error.expected() == "a grey image" ? "" : error.what();
+    }
+    return "";
+}
+
+const char* const shell_names[] = {"|touch broken",
+                                   "<touch broken",
+                                   "-e system(\"touch broken\")",
+                                   "a\nb",
+                                   "it's `touch broken`",
+                                   "$(touch broken)",
+                                   "\"; touch broken",
+                                   "%s{}@#\\",
+                                   "; touch broken"};
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("printable: one line, without what a terminal obeys") {
+        CHECK(printable("plain name, caf\xC3\xA9 \xE2\x80\xA6 ±.png") ==
+              "plain name, caf\xC3\xA9 \xE2\x80\xA6 ±.png");
+        CHECK(printable("a\nb\tc\r\x7F") == "a\\x0ab\\x09c\\x0d\\x7f");
+        CHECK(printable("\x1B[31mred") == "\\x1b[31mred");
+        CHECK(printable("\xC2\x9B"
+                        "31m\xC2\xA0") == "\\xc2\\x9b31m\xC2\xA0"); // CSI in one character
+        CHECK(printable("\xE2\x80\xAEgnp.\xE2\x81\xA9") ==
+              "\\xe2\\x80\\xaegnp.\\xe2\\x81\\xa9");           // right to left
+        CHECK(printable("\xE2\x80\xA8") == "\\xe2\\x80\\xa8"); // a line's end
+        CHECK(printable("\xFF\xC3") == "\\xff\\xc3");
+        CHECK(printable(std::string_view("\0", 1)) == "\\x00");
+    }
+
+    TEST_CASE("names are no commands of gnuplot or a shell, and keep their pictures") {
+        if (std::system("gnuplot --version >/dev/null 2>&1") != 0) {
+            MESSAGE("skipped: there is no gnuplot");
+            return;
+        }
+        const workshop shop;
+        const fs::path before = fs::current_path();
+        fs::current_path(shop.work()); // where commands would leave their traces
+        for (const std::string name : shell_names) {
+            CAPTURE(name);
+            tactnet::confusion_matrix confusion(2);
+            confusion.add(0, 0);
+            confusion.add(1, 0);
+            plot_learning_curve(name, name, history(true));
+            CHECK(decode_error(name + ".png").empty());
+            fs::remove(name + ".png");
+            plot_confusion(name, name, confusion, {name, "other"});
+            CHECK(decode_error(name + ".png").empty());
+            plot_costs(fs::path("in") / name, std::vector<cost_point>{{name, 10, 1, {{{}, {0.5, 0.1}}}}});
+            CHECK(decode_error("in/" + name + ".png").empty());
+        }
+        for (const auto& entry : fs::recursive_directory_iterator("."))
+            CHECK_MESSAGE(entry.path().filename().string().find("broken") != 0, entry.path().string());
+        // Without validation there is nothing to measure the second axis by.
+        plot_learning_curve("short", "without validation", history(false));
+        CHECK(decode_error("short.png").empty());
+        CHECK(!fs::exists("short.gp"));
+        fs::current_path(before);
+    }
+
+    TEST_CASE("pictures are whole or not there, and it is said why") {
+        const workshop shop;
+        const auto train = [&](const std::string& script) {
+            const own_gnuplot fake(shop.work() / "bin", script);
+            const outcome result = shop.train({"--network", "svm-linear", "--output", "out/it's"});
+            CHECK_MESSAGE(result.status == 0, result.error);
+            return result.error;
+        };
+        const fs::path picture = shop / "out/it's.confusion.png", script = shop / "out/it's.confusion.gp";
+        write_png(shop / "whole.png", 3, 3, std::vector<std::uint8_t>(9));
+        const std::string whole = text_of(shop / "whole.png"), file = (shop / "whole.png").string();
+
+        std::string error = train("head -c 50 " + file + "\n"); // as on a full disk, without a word
+        CHECK_FALSE(fs::exists(picture));
+        CHECK(fs::exists(script));
+        CHECK_MESSAGE(
+            error.find("out/it's.confusion.png is not drawn: gnuplot did not draw it; in its folder, "
+                       "gnuplot < './it'\\''s.confusion.gp' > './it'\\''s.confusion.png' draws it") !=
+                std::string::npos,
+            error);
+        error =
+            train("cat >/dev/null\necho >&2\necho '   line 3: \"all \033points\" undefined' >&2\nexit 1\n");
+        CHECK_FALSE(fs::exists(picture));
+        CHECK_MESSAGE(
+            error.find("is not drawn: gnuplot did not draw it ('line 3: \"all \\x1bpoints\" undefined')") !=
+                std::string::npos,
+            error);
+        error = train("exit 0\n"); // reads nothing either
+        CHECK_FALSE(fs::exists(picture));
+        fs::remove_all(shop / "bin");
+        error = train("");
+        CHECK_FALSE(fs::exists(picture));
+        CHECK_MESSAGE(error.find("is not drawn: gnuplot was not found; in") != std::string::npos, error);
+        CHECK(text_of(script).find("set terminal") != std::string::npos);
+        CHECK(text_of(script).find("it's") == std::string::npos); // no name of a file is in there
+
+        error = train("cat >/dev/null\ncat " + file + "\n");
+        CHECK(text_of(picture) == whole);
+        CHECK_FALSE(fs::exists(script));
+        CHECK_MESSAGE(error.find("drawn") == std::string::npos, error);
+    }
+
+    TEST_CASE("hostile names are printed so that a terminal shows them") {
+        const workshop shop;
+        const std::string hostile = "\x1B[2J\nok", shown = "\\x1b[2J\\x0aok";
+        shop.refuses({"train", "--data", hostile, "--output", "net", "--method", "svm-linear", "--rows", "7",
+                      "--columns", "13"},
+                     "tactnet: " + shown + ": expected a folder");
+        for (const std::vector<std::string>& arguments :
+             {std::vector<std::string>{"list", hostile},
+              {"list", "--classes", hostile},
+              {"classify", "--weights", hostile, hostile},
+              {"train", "--data", shop.data().string(), "--output", "net", "--network", hostile}}) {
+            const outcome result = shop.run(arguments);
+            CHECK(result.status == 2);
+            CHECK_MESSAGE(result.error.find('\x1B') == std::string::npos, result.error);
+            CHECK_MESSAGE(result.error.find("\\x1b[2J") != std::string::npos, result.error);
+        }
+        const outcome trained = shop.train({"--network", "svm-linear", "--output", hostile + "/net"});
+        CHECK(trained.status == 0);
+        CHECK(trained.out.starts_with(shown + "/net: trained in "));
+        CHECK(trained.error.find('\x1B') == std::string::npos);
+
+        // What a file says of itself.
+        const auto file = tactnet::safetensors::read(shop.work() / hostile / "net");
+        tactnet::safetensors_writer writer;
+        writer.metadata = file.metadata();
+        writer.metadata["network"] = hostile;
+        for (const auto& [tensor, entry] : file.tensors())
+            writer.add(tensor, entry.type, entry.extents, file.bytes(tensor));
+        writer.write(shop / "says");
+        shop.refuses({"classify", "--weights", "says", "x.png"}, shown);
+    }
+
+    TEST_CASE("pipes are not waited for") {
+        const workshop shop;
+        REQUIRE(shop.train({"--network", "svm-linear", "--output", "net"}).status == 0);
+        const fs::path image = shop.data() / "left" / "image0.png";
+        for (const char* name : {"pipe", "pipe.png"})
+            REQUIRE(mkfifo((shop / name).c_str(), 0600) == 0);
+        const std::string found = "expected a regular file, found a named pipe";
+        shop.refuses({"classify", "--weights", "net", "pipe.png"}, "pipe.png: " + found);
+        shop.refuses({"classify", "--weights", "pipe", image.string()}, "pipe: " + found);
+        shop.refuses({"classify", "--weights", "net", "--classes", "pipe", image.string()}, "pipe: " + found);
+        shop.refuses(shop.train_arguments({"--start", "pipe", "--output", "x"}), "pipe: " + found);
+        // One that a shell made ends with its writer, and is read.
+        const auto piped =
+            run_program("cat '" + image.string() + "' | " TACTNET_PROGRAM " classify --weights '" +
+                        (shop / "net").string() + "' /dev/stdin");
+        CHECK_MESSAGE(piped.status == 0, piped.error);
+
+        fs::create_directory(shop / "made");
+        REQUIRE(mkfifo((shop / "made/simulation.json").c_str(), 0600) == 0);
+        shop.refuses({"simulate", "--out", "made"}, "simulation.json: " + found);
+        fs::create_directory(shop / "r");
+        REQUIRE(mkfifo((shop / "r/evaluation.jsonl").c_str(), 0600) == 0);
+        shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "svm-linear", "--rows", "7",
+                      "--columns", "13", "--results", "r"},
+                     "evaluation.jsonl: " + found);
+
+        REQUIRE(mkfifo((shop.data() / "right" / "image99.png").c_str(), 0600) == 0);
+        shop.refuses(shop.train_arguments({"--output", "x"}), "image99.png: " + found);
+        fs::remove(shop.data() / "right" / "image99.png");
+        fs::create_directory_symlink("gone", shop.data() / "fourth");
+        shop.refuses(shop.train_arguments({"--output", "x"}),
+                     "fourth: expected a link to something that is there, found one to 'gone'");
+    }
+}

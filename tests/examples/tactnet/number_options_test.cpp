@@ -1,0 +1,134 @@
+// Numbers on the command line and in the metadata of weight files.
+
+#include "workshop.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <limits>
+#include <number_options.hpp>
+#include <string>
+#include <vector>
+
+using namespace support;
+
+TEST_SUITE("program") {
+    TEST_CASE("numbers: what counts as one") {
+        constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+        CHECK(whole_number_of("0") == 0);
+        CHECK(whole_number_of("+7") == 7);
+        CHECK(whole_number_of("0x1F") == 31);
+        CHECK(whole_number_of("18446744073709551615") == most);
+        CHECK(whole_number_of("0xffffffffffffffff") == most);
+        for (const char* text :
+             {"", "+", "-1", "-0", "010", "0x", "0x-1", "1.5", "1e3", " 1", "1 ", "one", "true", "nan",
+              "18446744073709551616", "0x10000000000000000", "99999999999999999999999"})
+            CHECK_MESSAGE(!whole_number_of(text), text);
+        CHECK(number_of("0.25") == 0.25);
+        CHECK(number_of("-1e-3") == -1e-3);
+        CHECK(number_of("+.5") == 0.5);
+        CHECK(number_of("0") == 0.0);
+        for (const char* text : {"", "+", "+-1", "nan", "NaN", "-nan", "nan(1)", "inf", "-inf", "Infinity",
+                                 "1e999", "0x1p3", "1,5", " 1", "1 ", "1e", "half"})
+            CHECK_MESSAGE(!number_of(text), text);
+        CHECK(is_share(0));
+        CHECK(!is_share(1));
+        CHECK(!is_share(-0.1));
+        CHECK(!is_share(std::numeric_limits<double>::quiet_NaN()));
+    }
+
+    TEST_CASE("numbers that mean nothing are refused, for every option of every command") {
+        const workshop shop;
+        const std::string data = shop.data().string();
+        const std::vector<std::string> train = shop.train_arguments({"--output", "net"}),
+                                       evaluate{"evaluate", "--data", data},
+                                       simulate{"simulate", "--out", "made"},
+                                       weights{"classify", "--weights", "net", "image.png"}, listing{"list"};
+        struct option {
+            const std::vector<std::string>& command;
+            const char* name;
+        };
+        const auto refuses = [&](const option& o, const char* value) {
+            CAPTURE(value);
+            std::vector<std::string> all = o.command;
+            all.insert(all.begin() + 1, std::string(o.name) + "=" + value);
+            shop.refuses(all, std::string(o.name) + ": expected a ");
+        };
+        for (const option o : {option{train, "--validation"},
+                               {train, "--test"},
+                               {train, "--checkpoint-every"},
+                               {evaluate, "--validation"},
+                               {evaluate, "--test"},
+                               {evaluate, "--rate"},
+                               {evaluate, "--epsilon"},
+                               {weights, "--epsilon"}})
+            for (const char* value : {"nan", "inf", "-1", "1e999", ""})
+                refuses(o, value);
+        for (const option o : {option{evaluate, "--seed"},
+                               {simulate, "--seed"},
+                               {evaluate, "--jobs"},
+                               {evaluate, "--splits"},
+                               {evaluate, "--rows"},
+                               {evaluate, "--epochs"},
+                               {evaluate, "--batch"},
+                               {weights, "--columns"},
+                               {simulate, "--per-class"},
+                               {simulate, "--threads"},
+                               {train, "--self-test"},
+                               {listing, "--classes"}})
+            for (const char* value :
+                 {"18446744073709551616", "99999999999999999999999", "-1", "nan", "1.5", "010"})
+                refuses(o, value);
+        for (const char* size :
+             {"7x", "x13", "-7x13", " 7x13", "7x13x1", "18446744073709551623x13", "7 x 13"})
+            shop.refuses({"evaluate", "--data", data, "--sizes", size},
+                         "--sizes: expected sizes such as 28x50, found '" + std::string(size) + "'");
+    }
+
+    TEST_CASE("evaluate: seeds that run over, and tests without images, are refused; the last seed is not") {
+        const workshop shop;
+        const auto arguments = [&](std::vector<std::string> more) {
+            more.insert(more.begin(),
+                        {"evaluate", "--data", shop.data().string(), "--rows", "7", "--columns", "13",
+                         "--method", "svm-linear", "--results", "r", "--split", "random"});
+            return more;
+        };
+        shop.refuses(arguments({"--seed", "18446744073709551615", "--splits", "3"}),
+                     "--seed, --splits: expected seeds below 2^64 for all splits, found 3 of them from "
+                     "18446744073709551615 on");
+        const outcome last = shop.run(arguments({"--seed", "18446744073709551615", "--splits", "1"}));
+        CHECK_MESSAGE(last.status == 0, last.error);
+        CHECK(last.out.find("nan") == std::string::npos);
+        CHECK(text_of(shop / "r/evaluation.jsonl").find("\"seed\":\"18446744073709551615\"") !=
+              std::string::npos);
+
+        // Two images a class, of which a small share is none.
+        for (const char* name : {"left", "middle, of all", "right"})
+            for (std::size_t i = 2; i < images_per_class; ++i)
+                fs::remove(shop.data() / name / ("image" + std::to_string(i) + ".png"));
+        shop.refuses(
+            arguments({"--test", "0.1"}),
+            "data: expected enough images for a test, of which --test takes a share of 0.1, found 6 of 3 "
+            "classes");
+    }
+
+    TEST_CASE("evaluate --weights: a split in the metadata that means nothing is refused") {
+        const workshop shop;
+        REQUIRE(shop.train({"--network", "svm-linear", "--output", "net"}).status == 0);
+        const auto says = [&](const char* key, const char* value, const std::string& sentence) {
+            const auto file = tactnet::safetensors::read(shop / "net");
+            tactnet::safetensors_writer writer;
+            writer.metadata = file.metadata();
+            writer.metadata[key] = value;
+            for (const auto& [tensor, entry] : file.tensors())
+                writer.add(tensor, entry.type, entry.extents, file.bytes(tensor));
+            writer.write(shop / "says");
+            shop.refuses({"evaluate", "--weights", "says", "--data", shop.data().string()}, sentence);
+        };
+        says("test_share", "nan", "metadata 'test_share': expected a share from 0 to below 1, found 'nan'");
+        says("validation_share", "inf", "metadata 'validation_share': expected a share from 0 to below 1");
+        says("validation_share", "0.9", "expected shares that leave some images for training, found 0.9 to ");
+        says("seed", "18446744073709551616", "metadata 'seed': expected a whole number below 2^64");
+        says("seed", "-1", "metadata 'seed': expected a whole number below 2^64, found '-1'");
+    }
+}
