@@ -4,6 +4,7 @@
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -33,8 +34,8 @@ int classify(const classify_options& o) {
     const std::vector<recognition> recognised = weights.trained->recognise(pixels, threads);
     for (std::size_t i = 0; i < o.images.size(); ++i) {
         const auto& [label, score] = recognised[i];
-        fmt::print("{},{},{},{:.6f}\n", csv_field(o.images[i]), label, csv_field(weights.classes[label]),
-                   score);
+        print(fmt::format("{},{},{},{:.6f}\n", csv_field(o.images[i]), label,
+                          csv_field(weights.classes[label]), score));
     }
     return success;
 }

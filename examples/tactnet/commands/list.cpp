@@ -3,6 +3,7 @@
 #include "commands/commands.hpp"
 #include "methods/registry.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -32,7 +33,7 @@ command add_list(CLI::App& program) {
                             grouped(c.multiply_adds_on_pixels), grouped(c.parameter_bytes),
                             grouped(c.activation_bytes)});
         }
-        fmt::print("{}", table(rows));
+        print(table(rows));
         return int{success};
     };
 }

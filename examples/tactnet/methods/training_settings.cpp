@@ -1,5 +1,6 @@
 #include "methods/training_settings.hpp"
 
+#include "methods/number_check.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -38,7 +39,7 @@ void add_training_options(CLI::App& command, training_settings& s) {
         ->check(CLI::Range(0, 1'000'000));
     command.add_option("--rate", s.rate, "Highest learning rate, above 0 (default: the recipe's)")
         ->type_name("X")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     command
         .add_option("--input", s.input,
                     "Counts minus their 'mean' image, or 'scale'd by 1/255 (default: the recipe's)")

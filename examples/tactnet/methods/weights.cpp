@@ -1,6 +1,7 @@
 #include "methods/weights.hpp"
 
 #include "data/image_data.hpp"
+#include "methods/number_check.hpp"
 #include "methods/registry.hpp"
 #include "usage_error.hpp"
 
@@ -29,7 +30,7 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
         .add_option("--epsilon", o.epsilon,
                     "What batch norms add to a variance, above 0 (default: the file's, else 1e-5)")
         ->type_name("X")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     command
         .add_option("--classes", o.classes,
                     "Names of the classes: a text file with a line each, or a folder with a subfolder each "

@@ -2,12 +2,12 @@
 
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 
 #include <tactnet/io/file.hpp>
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -73,8 +73,8 @@ void draw(const std::filesystem::path& stem, const std::string& csv, const std::
         return;
     }
     std::filesystem::remove(partial, ignored);
-    fmt::print(stderr, "gnuplot could not be run: no {}; draw it with 'gnuplot {}' in its folder\n",
-               picture.filename().string(), script.filename().string());
+    tell("gnuplot could not be run: no {}; draw it with 'gnuplot {}' in its folder\n",
+         picture.filename().string(), script.filename().string());
 }
 
 /// gnuplot takes _ and others for markup.
