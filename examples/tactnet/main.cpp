@@ -1,32 +1,79 @@
 // tactnet: trains networks and support vector machines on a folder of tactile images, evaluates them,
 // recognises images, writes networks as C++ headers, and simulates images.
 //
-// Exit status: 0, 1 (a training diverged), 2 (bad input or arguments), 130 (interrupted).
+// Exit status: 0, 1 (a training diverged), 2 (bad input or arguments, output that cannot be written), 130
+// (interrupted).
 
 #include "commands/commands.hpp"
+#include "commands/suggestion.hpp"
 #include "reports/printable.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/text.hpp>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
-#include <cstdio>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-int main(int count, char** arguments) {
+namespace {
+
+using command_list = std::vector<std::pair<CLI::App*, command>>;
+
+/// A sentence on what was meant, if a command or an option is nearly one that there is.
+std::string suggestion(const command_list& commands, const std::vector<std::string>& arguments) {
+    const auto sentence = [](const std::string& typed, const std::vector<std::string>& names) {
+        const std::string meant = closest_name(typed, names);
+        return meant.empty() ? ""
+                             : "There is no " + tactnet::in_quotes(typed) + "; did you mean " +
+                                   tactnet::in_quotes(meant) + "?\n";
+    };
+    std::vector<std::string> names;
+    for (const auto& [subcommand, run] : commands) {
+        names.push_back(subcommand->get_name());
+        if (!subcommand->parsed())
+            continue;
+        std::vector<std::string> options;
+        for (const CLI::Option* option : subcommand->get_options())
+            for (const std::string& name : option->get_lnames())
+                options.push_back("--" + name);
+        for (const std::string& typed : subcommand->remaining())
+            if (std::string text = sentence(typed.substr(0, typed.find('=')), options);
+                typed.starts_with("--") && !text.empty())
+                return text;
+        return {};
+    }
+    return arguments.empty() || arguments.front().starts_with('-') ? "" : sentence(arguments.front(), names);
+}
+
+/// Help, or what is wrong with the arguments.
+int explain(const CLI::App& program, const CLI::ParseError& error, const command_list& commands,
+            const std::vector<std::string>& arguments) {
+    std::ostringstream out, problem;
+    const int status = program.exit(error, out, problem);
+    print(out.str());
+    show(problem.str());
+    if (status != 0)
+        show(suggestion(commands, arguments));
+    return status == 0 ? success : bad_input;
+}
+
+int run(int count, char** arguments) {
     CLI::App program("Recognises touched objects from the pressure images of tactile arrays", "tactnet");
     program.require_subcommand(1);
-    std::vector<std::pair<CLI::App*, command>> commands;
+    command_list commands;
     for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate}) {
-        command run = add(program);
-        commands.emplace_back(program.get_subcommands({}).back(), std::move(run));
+        command action = add(program);
+        commands.emplace_back(program.get_subcommands({}).back(), std::move(action));
     }
     program.failure_message([](const CLI::App*, const CLI::Error& error) {
         return printable(error.what()) + "\nRun with --help for more information.\n";
@@ -34,17 +81,27 @@ int main(int count, char** arguments) {
     try {
         program.parse(count, arguments);
     } catch (const CLI::ParseError& error) {
-        return program.exit(error) == 0 ? success : bad_input;
+        return explain(program, error, commands,
+                       std::vector<std::string>(arguments + (count > 0), arguments + count));
     }
+    for (const auto& [subcommand, run_command] : commands)
+        if (subcommand->parsed())
+            return run_command();
+    return success;
+}
 
+} // namespace
+
+int main(int count, char** arguments) {
+    prepare_standard_streams();
     const auto complain = [](const std::exception& error, int status) {
-        fmt::print(stderr, "tactnet: {}\n", printable(error.what()));
+        tell("tactnet: {}\n", printable(error.what()));
         return status;
     };
     try {
-        for (const auto& [subcommand, run] : commands)
-            if (subcommand->parsed())
-                return run();
+        const int status = run(count, arguments);
+        finish_output();
+        return status;
     } catch (const tactnet::file_error& error) {
         return complain(error, bad_input);
     } catch (const usage_error& error) {
@@ -58,5 +115,4 @@ int main(int count, char** arguments) {
     } catch (const std::exception& error) { // a training that diverged
         return complain(error, failed);
     }
-    return success;
 }

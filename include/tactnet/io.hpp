@@ -11,6 +11,7 @@
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/parameters.hpp>
+#include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_header.hpp>
 #include <tactnet/io/safetensors_writer.hpp>

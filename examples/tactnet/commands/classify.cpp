@@ -5,6 +5,7 @@
 #include "methods/weights.hpp"
 #include "reports/printable.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -38,7 +39,8 @@ int classify(const classify_options& o) {
     const std::vector<recognition> recognised = weights.trained->recognise(pixels, threads);
     for (std::size_t i = 0; i < o.images.size(); ++i) {
         const auto& [label, score] = recognised[i];
-        fmt::print("{},{},{},{:.6f}\n", field(o.images[i]), label, field(weights.classes[label]), score);
+        print(fmt::format("{},{},{},{:.6f}\n", field(o.images[i]), label, field(weights.classes[label]),
+                          score));
     }
     return success;
 }

@@ -4,13 +4,17 @@
 #include "reports/printable.hpp"
 #include "reports/progress.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
+
+#include <tactnet/io/safetensors.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <interrupt.hpp>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -33,6 +37,20 @@ std::string progress_text(const std::vector<tactnet::epoch_report>& history, std
                               duration_text(left));
 }
 
+/// Nothing, or why the checkpoint could not be written.
+std::optional<std::string> keep(network_training& training, const checkpoint_options& checkpoint,
+                                const tactnet::file_metadata& settings) {
+    try {
+        make_folder_of(checkpoint.path);
+        training.save_checkpoint(checkpoint.path, settings);
+        return std::nullopt;
+    } catch (const tactnet::file_error& error) {
+        return error.what();
+    } catch (const usage_error& error) {
+        return error.what();
+    }
+}
+
 /// Tells whether it is done.
 bool run(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,
          const tactnet::file_metadata& settings) {
@@ -50,8 +68,11 @@ bool run(network_training& training, std::size_t epochs, const checkpoint_option
         line.show(progress_text(training.history(), epochs, training.images_per_epoch(), before, seconds),
                   training.finished());
         if (seconds - saved > 60 * checkpoint.minutes) {
-            make_folder_of(checkpoint.path);
-            training.save_checkpoint(checkpoint.path, settings);
+            if (const auto problem = keep(training, checkpoint, settings)) {
+                line.end_line();
+                tell("warning: no checkpoint of epoch {} ({}); the training goes on\n",
+                     training.history().size(), *problem);
+            }
             saved = seconds;
         }
     }
@@ -69,6 +90,34 @@ void check_no_checkpoint(const std::filesystem::path& path) {
                                       path.string()));
 }
 
+void check_given_up(const std::filesystem::path& path) {
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(path, code))
+        return;
+    std::string format;
+    try {
+        const auto file = tactnet::safetensors::read(path);
+        if (const auto found = file.metadata().find("format"); found != file.metadata().end())
+            format = found->second;
+    } catch (const tactnet::file_error&) { // someone else's file, as far as one can tell
+    }
+    if (format != "tactnet checkpoint")
+        throw usage_error(
+            fmt::format("{}: expected a checkpoint, which --afresh gives up, found another file; "
+                        "--checkpoint takes another name",
+                        path.string()));
+}
+
+void keep_unwritten(network_training& training, const checkpoint_options& checkpoint,
+                    const tactnet::file_metadata& settings) {
+    if (const auto problem = keep(training, checkpoint, settings))
+        tell("warning: no checkpoint of the finished training either ({})\n", *problem);
+    else
+        tell("the finished training is kept: the same command with --resume writes what comes of it, from "
+             "{}\n",
+             checkpoint.path.string());
+}
+
 bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,
                 const tactnet::file_metadata& settings) {
     if (checkpoint.resume)
@@ -76,9 +125,10 @@ bool run_epochs(network_training& training, std::size_t epochs, const checkpoint
     catch_interrupts();
     if (run(training, epochs, checkpoint, settings))
         return true;
-    make_folder_of(checkpoint.path);
-    training.save_checkpoint(checkpoint.path, settings);
-    fmt::print(stderr, "stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
-               training.history().size(), epochs, printable(checkpoint.path.string()));
+    if (const auto problem = keep(training, checkpoint, settings))
+        throw usage_error(fmt::format("stopped after epoch {} of {}, without a checkpoint of it: {}",
+                                      training.history().size(), epochs, *problem));
+    tell("stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
+         training.history().size(), epochs, printable(checkpoint.path.string()));
     return false;
 }

@@ -16,6 +16,13 @@ struct checkpoint_options {
 /// Throws usage_error where there is one: hours of work may be in there. A finished training leaves none.
 void check_no_checkpoint(const std::filesystem::path& path);
 
+/// Throws usage_error where there is a file that is no checkpoint: a training that is done removes it.
+void check_given_up(const std::filesystem::path& path);
+
+/// Keeps a finished training whose results could not be written, and tells about it.
+void keep_unwritten(network_training& training, const checkpoint_options& checkpoint,
+                    const tactnet::file_metadata& settings);
+
 /// Trains until done or interrupted; tells whether it is done. `settings` are those of the training.
 bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,
                 const tactnet::file_metadata& settings);

@@ -5,12 +5,14 @@
 
 #include "commands/commands.hpp"
 #include "commands/trainings.hpp"
+#include "files/places.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/evaluation_table.hpp"
 #include "reports/printable.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>
@@ -26,6 +28,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -54,6 +57,11 @@ std::vector<tactnet::split_rule> rules_of(const evaluate_options& o) {
     return {split_rule_of(o.split)};
 }
 
+std::filesystem::path confusion_stem(const evaluate_options& o, const method& what) {
+    return std::filesystem::path(o.results) /
+           fmt::format("confusion_{}_{}x{}", what.name, what.rows, what.columns);
+}
+
 /// All that was asked for, with its images. Throws usage_error and tactnet::file_error for all that can be
 /// wrong.
 class candidate_list {
@@ -75,7 +83,9 @@ public:
         if (o.training.shares.test <= 0)
             throw usage_error(
                 "--test: expected a share above 0, since accuracy is measured on these images, found 0");
-        check_writable(std::filesystem::path(o.results) / "evaluation.jsonl");
+        const std::vector<named_file> outputs = outputs_of(o);
+        check_places({{"--start", o.training.start}}, outputs, o.data);
+        tidy_folders_of(outputs);
         for (candidate& c : list_) {
             const std::pair size{c.what->rows, c.what->columns};
             if (!data_.contains(size))
@@ -103,6 +113,18 @@ private:
                 fmt::format("enough images for a test, of which --test takes a share of {}",
                             o.training.shares.test),
                 fmt::format("{} of {} classes", data.images.size(), data.images.classes.size()));
+    }
+    std::vector<named_file> outputs_of(const evaluate_options& o) const {
+        const std::filesystem::path folder = o.results;
+        std::vector<named_file> files;
+        for (const char* name : {"evaluation.jsonl", "table.jsonl", "table.csv"})
+            files.push_back({"--results", folder / name});
+        std::set<std::filesystem::path> stems{folder / "accuracy_and_cost"}; // a method may be named twice
+        for (const candidate& c : list_)
+            stems.insert(confusion_stem(o, *c.what));
+        for (const std::filesystem::path& stem : stems)
+            std::ranges::move(picture_files("--results", stem), std::back_inserter(files));
+        return files;
     }
 
     std::map<std::pair<std::size_t, std::size_t>, image_data> data_;
@@ -163,16 +185,16 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
         const auto name = fmt::format("{} {}", c.what->name, size);
         points.push_back(
             {name, static_cast<double>(row.costs.multiply_adds), row.times.alone, row.accuracies});
-        plot_confusion(folder / fmt::format("confusion_{}_{}", c.what->name, size),
-                       fmt::format("{}, {} splits", name, splits), row.confusion, c.data->images.classes);
+        plot_confusion(confusion_stem(o, *c.what), fmt::format("{}, {} splits", name, splits), row.confusion,
+                       c.data->images.classes);
     }
     tactnet::write_file(folder / "table.jsonl", json_lines_of(rows));
     tactnet::write_file(folder / "table.csv", csv_of(rows));
     plot_costs(folder / "accuracy_and_cost", points);
-    fmt::print("{}", table_of(rows));
-    fmt::print(
+    print(table_of(rows));
+    print(fmt::format(
         "accuracy: test images, mean ± standard deviation of {} splits each; µs: this machine, one thread\n",
-        o.splits);
+        o.splits));
 }
 
 int evaluate(const evaluate_options& o) {
@@ -187,11 +209,11 @@ int evaluate(const evaluate_options& o) {
     std::vector<task> to_do;
     std::ranges::copy_if(all, std::back_inserter(to_do),
                          [&](const task& t) { return results.find(t.settings) == nullptr; });
-    fmt::print(stderr, "{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
-               printable(list.string()));
+    tell("{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
+         printable(list.string()));
     catch_interrupts();
     if (!to_do.empty() && !run_all(to_do, o.jobs, results)) {
-        fmt::print(stderr, "stopped; the same command goes on with what is left\n");
+        tell("stopped; the same command goes on with what is left\n");
         return interrupted_by_user;
     }
     report(o, candidates, all, results);

@@ -3,9 +3,11 @@
 
 #include "commands/evaluate.hpp"
 #include "data/image_data.hpp"
+#include "files/places.hpp"
 #include "number_options.hpp"
 #include "reports/plot.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/text.hpp>
@@ -87,6 +89,12 @@ void check_classes(const evaluate_options& o, const loaded_weights& weights,
 } // namespace
 
 int evaluate_weights(const evaluate_options& o) {
+    const std::filesystem::path stem =
+        std::filesystem::path(o.results) /
+        ("confusion_" + std::filesystem::path(o.weights.weights).stem().string());
+    check_places(
+        {{"--weights", o.weights.weights}, {"--classes", o.weights.classes}, {"--start", o.training.start}},
+        picture_files("--results", stem), o.data);
     const loaded_weights weights = load_weights(o.weights);
     const method& what = *weights.what;
     const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize);
@@ -99,25 +107,20 @@ int evaluate_weights(const evaluate_options& o) {
         chosen = test_images(o.weights.weights, weights.metadata, o.data, data);
     if (chosen.empty())
         throw tactnet::file_error(o.weights.weights, "", "a split with test images, or --images all", "none");
-    const std::filesystem::path stem =
-        std::filesystem::path(o.results) /
-        ("confusion_" + std::filesystem::path(o.weights.weights).stem().string());
-    check_writable(stem);
 
     tactnet::thread_pool threads(o.jobs);
     const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
     const method_costs costs = what.costs(classes.size());
     const frame_times times = what.time_frames();
     plot_confusion(stem, o.weights.weights, result.confusion, classes);
-    fmt::print("{}",
-               table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters",
-                       "multiply-adds", "on pixels", "bytes", "µs/frame", "µs in 64"},
-                      {what.name, fmt::format("{}x{}", what.rows, what.columns),
-                       fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
-                       fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
-                       std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss),
-                       grouped(costs.parameters), grouped(costs.multiply_adds),
-                       grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
-                       fmt::format("{:.1f}", times.alone), fmt::format("{:.1f}", times.in_batch)}}));
+    print(table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
+                  "on pixels", "bytes", "µs/frame", "µs in 64"},
+                 {what.name, fmt::format("{}x{}", what.rows, what.columns),
+                  fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
+                  fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
+                  std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss),
+                  grouped(costs.parameters), grouped(costs.multiply_adds),
+                  grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
+                  fmt::format("{:.1f}", times.alone), fmt::format("{:.1f}", times.in_batch)}}));
     return success;
 }

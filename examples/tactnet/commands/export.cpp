@@ -1,6 +1,7 @@
 // tactnet export: a weight file becomes a C++ header, for targets without files.
 
 #include "commands/commands.hpp"
+#include "files/places.hpp"
 #include "methods/weights.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
@@ -43,6 +44,9 @@ int export_header(const export_options& o) {
         throw usage_error(fmt::format("--namespace: expected a name such as gripper or gripper::tactile, "
                                       "found {}",
                                       tactnet::in_quotes(o.namespace_name)));
+    const std::vector<named_file> outputs{{"--output", o.output}};
+    check_places({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs);
+    tidy_folders_of(outputs);
     const loaded_weights weights = load_weights(o.weights);
     const auto* network = dynamic_cast<const trained_network*>(weights.trained.get());
     if (network == nullptr)
@@ -59,7 +63,6 @@ int export_header(const export_options& o) {
     } catch (const std::invalid_argument& error) { // variances below zero, numbers without end
         throw usage_error(fmt::format("{}: {}", o.weights.weights, error.what()));
     }
-    check_writable(o.output);
     make_folder_of(o.output);
     tactnet::write_file(o.output, text);
     return success;

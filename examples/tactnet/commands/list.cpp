@@ -4,6 +4,7 @@
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -33,7 +34,7 @@ command add_list(CLI::App& program) {
                             grouped(c.multiply_adds_on_pixels), grouped(c.parameter_bytes),
                             grouped(c.activation_bytes)});
         }
-        fmt::print("{}", table(rows));
+        print(table(rows));
         return int{success};
     };
 }

@@ -7,9 +7,11 @@
 #include "reports/printable.hpp"
 #include "reports/progress.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>
+#include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
@@ -78,6 +80,15 @@ void check_note(const std::filesystem::path& note, const nlohmann::json& says) {
         refuse(found.dump());
 }
 
+/// But for what a killed simulation left where the system knows no locks to tell that it is dead.
+bool is_as_good_as_empty(const std::filesystem::path& folder) {
+    std::error_code code;
+    const std::filesystem::directory_iterator entries(folder, code);
+    return !code && std::all_of(begin(entries), end(entries), [](const auto& entry) {
+        return tactnet::is_partial_file_name(entry.path().filename().string());
+    });
+}
+
 /// A folder belongs to what it says of itself: one that was begun with the same settings is gone on with, any
 /// other is left alone. The note comes first, so that whatever ends the program later leaves a folder to go
 /// on with.
@@ -89,20 +100,23 @@ void claim_folder(const simulate_options& o) {
                               {"library", fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR,
                                                       TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)}};
     std::error_code code;
+    tactnet::remove_abandoned_files(folder);
     if (std::filesystem::exists(note, code)) {
         check_note(note, says);
     } else {
         if (folder.empty() ||
             (std::filesystem::exists(folder, code) &&
-             (!std::filesystem::is_directory(folder, code) || !std::filesystem::is_empty(folder, code))))
+             (!std::filesystem::is_directory(folder, code) || !is_as_good_as_empty(folder))))
             throw tactnet::file_error(o.out, "",
                                       "a new folder, an empty one, or one that a simulation has begun",
                                       folder.empty() ? "no name" : "something else");
         make_folder_of(note);
         tactnet::write_file(note, says.dump(4) + "\n");
     }
-    for (const auto& family : paper_objects)
+    for (const auto& family : paper_objects) {
         make_folder_of(folder / family.name / "image");
+        tactnet::remove_abandoned_files(folder / family.name);
+    }
 }
 
 int simulate(const simulate_options& o) {
@@ -151,14 +165,13 @@ int simulate(const simulate_options& o) {
     if (problem)
         std::rethrow_exception(problem);
     if (done < all) {
-        fmt::print(stderr, "stopped after {} of {} images; the same command goes on\n", done, all);
+        tell("stopped after {} of {} images; the same command goes on\n", done, all);
         return interrupted_by_user;
     }
     if (unsettled > 0)
-        fmt::print(stderr, "{} images: the contact did not settle, and is the best that was found\n",
-                   unsettled);
-    fmt::print("{}: {} images of {} classes in {}\n", printable(o.out), all, paper_objects.size(),
-               duration_text(watch.seconds()));
+        tell("{} images: the contact did not settle, and is the best that was found\n", unsettled);
+    print(fmt::format("{}: {} images of {} classes in {}\n", printable(o.out), all, paper_objects.size(),
+                      duration_text(watch.seconds())));
     return success;
 }
 

@@ -3,6 +3,7 @@
 #include "commands/commands.hpp"
 #include "commands/epochs.hpp"
 #include "data/image_data.hpp"
+#include "files/places.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
@@ -10,6 +11,7 @@
 #include "reports/plot.hpp"
 #include "reports/printable.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>
@@ -20,6 +22,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <stopwatch.hpp>
@@ -77,16 +80,28 @@ output_files files_for(const method& what, const train_options& o) {
         o.plots.empty() ? weights.parent_path() : std::filesystem::path(o.plots);
     output_files files{weights, o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint,
                        folder / weights.stem()};
-    check_writable(files.weights);
-    if (what.is_network()) {
-        check_writable(files.checkpoint);
-        if (!o.resume && !o.afresh)
-            check_no_checkpoint(files.checkpoint);
-    } else if (o.resume) {
+    if (!what.is_network() && o.resume)
         throw usage_error(
             fmt::format("--resume: expected a network, found {}, which is trained in one go", o.method));
+    const std::string reports = o.plots.empty() ? "--output" : "--plots";
+    std::vector<named_file> outputs{{"--output", files.weights}};
+    const auto add_pictures = [&](const char* ending) {
+        std::ranges::move(picture_files(reports, files.reports.string() + ending),
+                          std::back_inserter(outputs));
+    };
+    add_pictures(".confusion");
+    if (what.is_network()) {
+        outputs.push_back({"--checkpoint", files.checkpoint});
+        outputs.push_back({reports, files.reports.string() + ".learning.jsonl"});
+        add_pictures(".learning");
     }
-    check_writable(files.reports.string() + ".confusion.csv");
+    check_regular(outputs);
+    check_places({{"--start", o.training.start}}, outputs, o.data);
+    if (what.is_network() && o.afresh)
+        check_given_up(files.checkpoint);
+    else if (what.is_network() && !o.resume)
+        check_no_checkpoint(files.checkpoint);
+    tidy_folders_of(outputs);
     return files;
 }
 
@@ -107,10 +122,10 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
                        fmt::format("{}, {} split {}", title, o.split, o.seed), test, classes);
 }
 
-/// Tests what a training has left, and writes it.
-void finish(const train_options& o, const output_files& files, const image_data& data,
-            const training_run& training, tactnet::file_metadata metadata, double seconds,
-            tactnet::thread_pool& threads) {
+/// Tests what a training has left, and writes it. Gives a line about it.
+std::string finish(const train_options& o, const output_files& files, const image_data& data,
+                   const training_run& training, tactnet::file_metadata metadata, double seconds,
+                   tactnet::thread_pool& threads) {
     const std::vector<std::string>& classes = data.images.classes;
     const auto* const epochs = dynamic_cast<const network_training*>(&training);
     const auto best = training.best(classes);
@@ -131,11 +146,11 @@ void finish(const train_options& o, const output_files& files, const image_data&
         std::filesystem::remove(files.checkpoint, ignored);
     }
 
-    fmt::print("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
+    std::string line = fmt::format("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
     if (test.confusion.total() > 0)
-        fmt::print(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
-                   test.confusion.correct(), test.confusion.total());
-    fmt::print("\n");
+        line += fmt::format(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
+                            test.confusion.correct(), test.confusion.total());
+    return line + '\n';
 }
 
 int train(const train_options& o) {
@@ -160,19 +175,27 @@ int train(const train_options& o) {
     const std::string size =
         epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.costs(classes.size()).parameters))
                           : "";
-    fmt::print(stderr, "{} {}x{}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method,
-               what.rows, what.columns, classes.size(), size, training->split().training.size(),
-               training->split().validation.size(), training->split().test.size());
+    tell("{} {}x{}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method, what.rows,
+         what.columns, classes.size(), size, training->split().training.size(),
+         training->split().validation.size(), training->split().test.size());
 
+    const checkpoint_options checkpoint{files.checkpoint, o.checkpoint_minutes, o.resume};
     const stopwatch watch;
     if (epochs == nullptr)
         run_once(*training, o.data);
-    else if (!run_epochs(*epochs, recipe.epochs, {files.checkpoint, o.checkpoint_minutes, o.resume},
-                         settings))
+    else if (!run_epochs(*epochs, recipe.epochs, checkpoint, settings))
         return interrupted_by_user;
     const double seconds = watch.seconds();
 
-    finish(o, files, data, *training, settings, seconds, threads);
+    std::string line;
+    try {
+        line = finish(o, files, data, *training, settings, seconds, threads);
+    } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
+        if (epochs != nullptr)
+            keep_unwritten(*epochs, checkpoint, settings);
+        throw;
+    }
+    print(line);
     return success;
 }
 

@@ -1,7 +1,9 @@
 #include "commands/trainings.hpp"
 
+#include "commands/task_queue.hpp"
 #include "methods/weights.hpp"
 #include "reports/progress.hpp"
+#include "reports/standard_streams.hpp"
 
 #include <tactnet/training/training_loop.hpp>
 
@@ -9,6 +11,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cstddef>
 #include <exception>
 #include <interrupt.hpp>
 #include <mutex>
@@ -61,17 +65,15 @@ std::string title_of(const task& t) {
 /// What the workers share.
 class side_by_side {
 public:
-    side_by_side(const std::vector<task>& tasks, result_list& results) : tasks_(tasks), results_(results) {}
+    side_by_side(const std::vector<task>& tasks, result_list& results)
+        : all_(tasks.size()), results_(results), queue_(tasks, results) {}
 
     /// One worker, until nothing is left, a training has failed, or someone interrupts.
     void work() noexcept {
         try {
-            for (std::size_t i = 0; !failed_ && !interrupted() && (i = next_++) < tasks_.size();) {
-                auto result = run_named(tasks_[i]);
-                if (!result)
+            for (const task* mine = nullptr; (mine = next()) != nullptr;)
+                if (!do_one(*mine))
                     return;
-                keep(tasks_[i], std::move(*result));
-            }
         } catch (...) { // also what goes wrong while an error is put into words: no memory
             fail(std::current_exception());
         }
@@ -80,8 +82,7 @@ public:
     void tell_refused(std::size_t granted, std::size_t wanted) {
         const std::lock_guard lock(mutex_);
         line_.end_line();
-        fmt::print(stderr, "the system refuses more threads: {} trainings at a time in place of {}\n",
-                   granted, wanted);
+        tell("the system refuses more threads: {} trainings at a time in place of {}\n", granted, wanted);
     }
     void end() {
         line_.end_line();
@@ -90,9 +91,32 @@ public:
     }
 
 private:
-    static std::optional<training_result> run_named(const task& t) {
+    /// Nothing when there is nothing more to do. Waits while other programs do all that is left.
+    const task* next() {
+        while (!failed_ && !interrupted()) {
+            {
+                const std::lock_guard lock(mutex_);
+                const task* mine = nullptr;
+                const task_queue::answer answer = queue_.ask(mine);
+                if (answer != task_queue::answer::wait)
+                    return answer == task_queue::answer::work ? mine : nullptr;
+                if (!std::exchange(told_, true)) {
+                    line_.end_line();
+                    tell("waiting for {} trainings that other programs do in this folder of results\n",
+                         queue_.left());
+                }
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        }
+        return nullptr;
+    }
+    /// False if it was interrupted.
+    bool do_one(const task& t) {
         try {
-            return run(t);
+            auto result = run(t);
+            if (result)
+                keep(t, std::move(*result));
+            return result.has_value();
         } catch (const tactnet::training_diverged& error) {
             throw tactnet::training_diverged(title_of(t) + ": " + error.what());
         }
@@ -101,12 +125,13 @@ private:
         const std::lock_guard lock(mutex_);
         const double accuracy = result.confusion.accuracy();
         results_.add(std::move(result));
+        queue_.done(t);
         ++done_;
-        const double left =
-            watch_.seconds() / static_cast<double>(done_) * static_cast<double>(tasks_.size() - done_);
-        line_.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {} left", done_, tasks_.size(), title_of(t),
+        const std::size_t done = done_ + queue_.from_others();
+        const double left = watch_.seconds() / static_cast<double>(done_) * static_cast<double>(all_ - done);
+        line_.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {} left", done, all_, title_of(t),
                                100 * accuracy, duration_text(left)),
-                   done_ == tasks_.size());
+                   done == all_);
     }
     void fail(std::exception_ptr failure) noexcept {
         const std::lock_guard lock(mutex_);
@@ -114,12 +139,13 @@ private:
             failure_ = std::move(failure);
     }
 
-    const std::vector<task>& tasks_;
-    std::atomic<std::size_t> next_{0};
+    const std::size_t all_;
     std::atomic<bool> failed_{false};
     stopwatch watch_;
     std::mutex mutex_; ///< of what follows
     result_list& results_;
+    task_queue queue_;
+    bool told_ = false; ///< that it waits
     std::exception_ptr failure_;
     std::size_t done_ = 0;
     progress line_;

@@ -18,6 +18,7 @@ public:
             mix(static_cast<std::uint8_t>(number >> shift));
     }
     void mix(std::uint8_t byte) { hash_ = (hash_ ^ byte) * 0x100000001b3; }
+    std::uint64_t value() const { return hash_; }
     std::string text() const;
 
 private:

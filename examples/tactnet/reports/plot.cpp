@@ -4,6 +4,7 @@
 #include "reports/gnuplot.hpp"
 #include "reports/printable.hpp"
 #include "reports/report.hpp"
+#include "reports/standard_streams.hpp"
 
 #include <tactnet/io/file.hpp>
 
@@ -54,9 +55,8 @@ void draw(const std::filesystem::path& stem, const std::string& csv, const std::
         return;
     }
     tactnet::write_file(script, text);
-    fmt::print(stderr, "{} is not drawn: {}; in its folder, gnuplot < {} > {} draws it\n",
-               printable(picture.string()), printable(drawn.problem), shell_word(script),
-               shell_word(picture));
+    tell("{} is not drawn: {}; in its folder, gnuplot < {} > {} draws it\n", printable(picture.string()),
+         printable(drawn.problem), shell_word(script), shell_word(picture));
 }
 
 /// Lines of CSV as the data block $data.

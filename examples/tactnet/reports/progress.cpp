@@ -1,10 +1,11 @@
 #include "reports/progress.hpp"
 
+#include "reports/standard_streams.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <unistd.h>
 
 progress::progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
@@ -15,11 +16,10 @@ void progress::show(const std::string& text, bool final) {
         return;
     next_ = now + (terminal_ ? 0.1 : 5.0);
     if (!terminal_) {
-        fmt::print(stderr, "{}\n", text);
+        tell("{}\n", text);
         return;
     }
-    fmt::print(stderr, "\r{:<{}}", text, width_);
-    std::fflush(stderr);
+    tell("\r{:<{}}", text, width_);
     width_ = std::max(width_, text.size());
     open_ = true;
     if (final)
@@ -28,7 +28,7 @@ void progress::show(const std::string& text, bool final) {
 
 void progress::end_line() {
     if (open_)
-        fmt::print(stderr, "\n");
+        show("\n");
     open_ = false;
 }
 

@@ -10,6 +10,7 @@
 
 #include <cerrno>
 #include <cmath>
+#include <cstddef>
 #include <fcntl.h>
 #include <numeric>
 #include <stdexcept>
@@ -119,19 +120,34 @@ private:
 } // namespace
 
 result_list::result_list(std::filesystem::path path) : path_(std::move(path)) {
+    read_on();
+}
+
+std::filesystem::path result_list::claims_path() const {
+    return path_.parent_path() / ".evaluation.lock";
+}
+
+void result_list::read_on() {
     std::error_code code;
-    if (!std::filesystem::exists(path_, code))
+    const auto size = std::filesystem::file_size(path_, code);
+    if (code || size == bytes_)
         return;
     check_no_device(path_);
     const auto bytes = tactnet::read_file(path_);
+    if (bytes.size() < bytes_ ||
+        (bytes_ > 0 && bytes[bytes_ - 1] != std::byte{'\n'})) // begun anew by another
+        lines_ = bytes_ = 0;
     std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    for (std::size_t number = 1, end = 0; (end = rest.find('\n')) != std::string_view::npos; ++number) {
+    rest.remove_prefix(bytes_);
+    for (std::size_t end = 0; (end = rest.find('\n')) != std::string_view::npos;) {
         try {
             results_.push_back(result_of(std::string(rest.substr(0, end))));
         } catch (const std::exception& error) {
-            throw tactnet::file_error(path_.string(), fmt::format("line {}", number),
+            throw tactnet::file_error(path_.string(), fmt::format("line {}", lines_ + 1),
                                       "a result of tactnet evaluate", fmt::format("'{}'", error.what()));
         }
+        ++lines_;
+        bytes_ += end + 1;
         rest.remove_prefix(end + 1);
     }
 }

@@ -27,10 +27,17 @@ public:
 
     /// The result of a training with just these settings, or nothing.
     const training_result* find(const tactnet::file_metadata& settings) const;
+    /// Takes over what other programs have added since. Throws tactnet::file_error.
+    void read_on();
     /// Keeps a result, on the disk before anything else. Other programs may add to the same file.
     void add(training_result result);
 
+    /// The file that says who does which training.
+    std::filesystem::path claims_path() const;
+
 private:
     std::filesystem::path path_;
+    std::size_t lines_ = 0; ///< read so far
+    std::size_t bytes_ = 0; ///< that these lines take
     std::vector<training_result> results_;
 };

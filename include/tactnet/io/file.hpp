@@ -2,12 +2,10 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/partial_file.hpp>
 
-#include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstddef>
-#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -81,13 +79,6 @@ inline void flush_folder([[maybe_unused]] const std::filesystem::path& folder) n
 #endif
 }
 
-/// A hidden name that no other writer uses: exclusive creation decides, the number only makes clashes rare.
-inline std::filesystem::path temporary_name(const std::filesystem::path& folder) {
-    static std::atomic<std::uint64_t> calls{0};
-    const auto now = static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
-    return folder / (".tactnet-" + std::to_string(now) + "-" + std::to_string(calls++) + ".partial");
-}
-
 } // namespace detail
 
 /// All bytes of the file at `path`.
@@ -135,7 +126,8 @@ inline std::vector<std::byte> read_file(const std::filesystem::path& path,
 
 /// Writes the pieces one after the other as the file at `path`, all or nothing. An existing file is replaced
 /// and its permissions are kept; a link is followed; a device or pipe is written to directly. Throws
-/// file_error; what was there before is then untouched and no temporary file stays behind.
+/// file_error; what was there before is then untouched and no temporary file stays behind. What a killed
+/// writer leaves, `remove_abandoned_files` finds.
 inline void write_file(const std::filesystem::path& path,
                        std::span<const std::span<const std::byte>> pieces) {
     using std::filesystem::file_type;
@@ -163,11 +155,14 @@ inline void write_file(const std::filesystem::path& path,
 
     std::filesystem::path temporary;
     detail::file_handle file;
+    detail::writer_mark mark; // beyond the rename
     for (int attempt = 0; attempt < 100 && !file; ++attempt) {
-        temporary = detail::temporary_name(folder);
+        temporary = detail::partial_name(folder);
         file = detail::open_file(temporary, "wbx");
         if (!file && errno != EEXIST)
             fail("a folder to write in", errno);
+        if (file && !mark.set(file.get()))
+            file.reset();
     }
     if (!file)
         fail("a folder to write in", EEXIST);

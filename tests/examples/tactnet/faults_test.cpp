@@ -1,0 +1,275 @@
+// What may go wrong around the program: streams that take nothing, names that are the same file, disks that
+// are full, other programs at work, a program that was killed.
+
+#include "workshop.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <support/run_program.hpp>
+#include <thread>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+/// A command of the shell in the workshop's folder.
+program_result in_shell(const workshop& shop, const std::string& command) {
+    return run_program("cd '" + shop.work().string() + "' && " + command);
+}
+std::string program() {
+    return "'" TACTNET_PROGRAM "'";
+}
+std::string training(const workshop& shop, const std::string& more) {
+    return program() + " train --data '" + shop.data().string() +
+           "' --method tactnet4 --rows 7 --columns 13 --seed 5 " + more;
+}
+
+void wait_for_first_epoch(const workshop& shop) {
+    for (int i = 0; i < 6000 && shop.error_so_far().find("epoch 1 of") == std::string::npos; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("messages that cannot be shown are dropped") {
+        const workshop shop;
+        for (const char* end : {"2>/dev/full", "2>&-", "2>&- >&-", "2> >(true)"}) {
+            CAPTURE(end);
+            const bool silent = std::string(end).find(">&- >&-") != std::string::npos;
+            const auto bash = [&](const std::string& command) {
+                return in_shell(shop, "exec bash -c \"" + command + " " + end + "\"").status;
+            };
+            CHECK(bash(training(shop, "--epochs 3 --afresh --output net")) == (silent ? 2 : 0));
+            CHECK(fs::exists(shop / "net")); // as it should be, with nothing of what was printed in it
+            CHECK(shop.run({"export", "--weights", "net", "--output", "net.hpp"}).status == 0);
+            CHECK(bash(program() + " classify --weights nothing nothing") == 2);
+            CHECK(bash(program() + " trian") == 2);
+            CHECK(bash(program() + " evaluate --data '" + shop.data().string() +
+                       "' --method tactnet4 --rows 7 --columns 13 --epochs 1 --splits 1 --afresh") ==
+                  (silent ? 2 : 0));
+            CHECK(bash(program() + " simulate --out made --per-class 1") == (silent ? 2 : 0));
+        }
+    }
+
+    TEST_CASE("results that cannot be printed are no success") {
+        const workshop shop;
+        REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
+        const std::string image = " '" + (shop.data() / "left" / "image0.png").string() + "'";
+        for (const char* end : {" >/dev/full", " >&-"})
+            for (const std::string& command :
+                 {program() + " list", program() + " --help", program() + " classify --weights net" + image,
+                  program() + " evaluate --weights net --data '" + shop.data().string() + "'",
+                  training(shop, "--epochs 1 --output other")}) {
+                CAPTURE(command + end);
+                const program_result result = in_shell(shop, command + end);
+                CHECK(result.status == 2);
+                CHECK_MESSAGE(result.error.find("standard output: expected to write all results") !=
+                                  std::string::npos,
+                              result.error);
+            }
+        // Nobody reads the pipe: an error too, and no end by a signal.
+        CHECK(in_shell(shop, "exec bash -c \"set -o pipefail; { sleep 1; " + program() + " list; } | true\"")
+                  .status == 2);
+        // What does not go to the standard output has been written all the same.
+        CHECK(fs::exists(shop / "other"));
+        CHECK_FALSE(fs::exists(shop / "other.checkpoint"));
+    }
+
+    TEST_CASE("one file under two names is refused") {
+        const workshop shop;
+        REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
+        const std::string kept = text_of(shop / "net");
+        fs::create_symlink("net", shop / "link");
+        fs::create_hard_link(shop / "net", shop / "hard");
+        fs::create_symlink("later", shop / "dangling");
+        fs::create_directory_symlink(".", shop / "here");
+        tactnet::write_file(shop / "names", "one\ntwo\nthree\n");
+        const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& sentence) {
+            shop.refuses(arguments, sentence);
+            CHECK(text_of(shop / "net") == kept);
+        };
+        const auto training_refuses = [&](const std::vector<std::string>& more, const std::string& sentence) {
+            refuses(shop.train_arguments(more), sentence);
+        };
+        training_refuses({"--output", "w", "--checkpoint", "w"},
+                         "--output and --checkpoint: expected different files, found 'w' for both");
+        training_refuses({"--output", "w", "--checkpoint", "./here/w"}, "which are the same");
+        training_refuses({"--output", "later", "--checkpoint", "dangling"}, "which are the same");
+        training_refuses({"--output", "net", "--checkpoint", "link", "--afresh"}, "which are the same");
+        training_refuses({"--output", "net", "--checkpoint", "hard", "--afresh"}, "which are the same");
+        training_refuses({"--output", "net", "--start", "link"}, "--start and --output: expected different");
+        training_refuses({"--output", "w", "--start", "net", "--checkpoint", "net", "--afresh"},
+                         "--start and --checkpoint: expected different");
+        training_refuses({"--output", "w", "--checkpoint", "w.learning.csv"},
+                         "--checkpoint and --output: expected different");
+        training_refuses({"--output", "w", "--checkpoint", "net", "--afresh"},
+                         "net: expected a checkpoint, which --afresh gives up, found another file");
+        for (const char* output : {"net", "link", "hard", "here/net"})
+            refuses({"export", "--weights", "net", "--output", output},
+                    "--weights and --output: expected different files");
+        refuses({"export", "--weights", "net", "--classes", "names", "--output", "names"},
+                "--classes and --output: expected different files");
+        fs::create_directory(shop / "results");
+        fs::create_symlink("../net", shop / "results" / "table.csv");
+        refuses({"evaluate", "--data", shop.data().string(), "--method", "tactnet4", "--rows", "7",
+                 "--columns", "13", "--start", "net"},
+                "--start and --results: expected different files");
+        fs::create_symlink("../net", shop / "results" / "confusion_net.csv");
+        refuses({"evaluate", "--data", shop.data().string(), "--weights", "net"},
+                "--weights and --results: expected different files");
+    }
+
+    TEST_CASE("nothing is written among the images") {
+        const workshop shop;
+        for (const char* output : {"left/net", "new/net", "left/image0.png"})
+            shop.refuses(shop.train_arguments({"--output", (shop.data() / output).string()}),
+                         "--output: expected a place outside the folders of classes");
+        shop.refuses(shop.train_arguments({"--output", "net", "--plots", (shop.data() / "plots").string()}),
+                     "--plots: expected a place outside the folders of classes");
+        shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "tactnet4", "--rows", "7",
+                      "--columns", "13", "--results", (shop.data() / "results").string()},
+                     "--results: expected a place outside the folders of classes");
+        CHECK(shop.train({"--epochs", "1", "--output", (shop.data() / "net").string()}).status == 0);
+    }
+
+    TEST_CASE("names are tried before the work") {
+        const workshop shop;
+        const auto refuses = [&](const std::string& output, const std::string& sentence) {
+            // By its first word of progress a training would tell that it has begun.
+            shop.refuses(shop.train_arguments({"--output", output}), sentence);
+            CHECK(shop.error_so_far().find("to train") == std::string::npos);
+        };
+        refuses(std::string(300, 'a'),
+                "expected the name of a file that can be written, found 'File name too long'");
+        refuses("new/" + std::string(300, 'a') + "/net", "'File name too long'");
+        refuses(std::string(250, 'a'), "'File name too long'"); // its reports' names are longer
+        refuses("/dev/null", "--output: expected the name of a file, found a device or a pipe at /dev/null");
+        shop.refuses(shop.train_arguments({"--output", "net", "--checkpoint", "/dev/null"}),
+                     "--checkpoint: expected the name of a file, found a device or a pipe");
+        CHECK(fs::exists("/dev/null"));
+    }
+
+    TEST_CASE("a checkpoint that cannot be written does not end a training") {
+        const workshop shop;
+        // In blocks of 512 bytes: enough for the weights, not for a checkpoint with three times as much.
+        const program_result trained =
+            in_shell(shop, "ulimit -f 100 && " + training(shop, "--epochs 40 --output net "
+                                                                "--checkpoint-every 0.00001"));
+        CHECK_MESSAGE(trained.status == 0, trained.error);
+        CHECK(trained.error.find("warning: no checkpoint of epoch ") != std::string::npos);
+        CHECK(trained.error.find("'File too large'); the training goes on") != std::string::npos);
+        CHECK(fs::exists(shop / "net"));
+
+        // No room even for the weights: told, and no end by SIGXFSZ.
+        const program_result full =
+            in_shell(shop, "ulimit -f 10 && " + training(shop, "--epochs 2 --output full"));
+        CHECK(full.status == 2);
+        CHECK(full.error.find("full: expected to write all bytes, found 'File too large'") !=
+              std::string::npos);
+        CHECK_FALSE(fs::exists(shop / "full"));
+    }
+
+    TEST_CASE("a training whose results cannot be written is kept") {
+        const workshop shop;
+        // What the weights need is taken away while the training runs.
+        const auto arguments = [&](std::vector<std::string> more) {
+            more.insert(more.end(), {"--epochs", "1500", "--output", "out/net", "--checkpoint", "kept"});
+            return shop.train_arguments(more);
+        };
+        const pid_t child = shop.start(arguments({}));
+        wait_for_first_epoch(shop);
+        fs::create_directories(shop / "out" / "net" / "in the way");
+        const outcome failed = shop.wait(child);
+        CHECK(failed.status == 2);
+        CHECK_MESSAGE(failed.error.find("the finished training is kept") != std::string::npos, failed.error);
+        fs::remove_all(shop / "out");
+        CHECK(shop.run(arguments({"--resume"})).status == 0);
+        CHECK_FALSE(fs::exists(shop / "kept"));
+        REQUIRE(shop.train({"--epochs", "1500", "--output", "whole"}).status == 0);
+        CHECK(text_of(shop / "out" / "net") == text_of(shop / "whole"));
+    }
+
+    TEST_CASE("a closed terminal leaves a checkpoint") {
+        const workshop shop;
+        const pid_t child = shop.start(shop.train_arguments({"--epochs", "100000", "--output", "net"}));
+        wait_for_first_epoch(shop);
+        kill(child, SIGHUP);
+        kill(child, SIGHUP); // by the shell, and by the system
+        const outcome stopped = shop.wait(child);
+        CHECK(stopped.status == 130);
+        CHECK(fs::exists(shop / "net.checkpoint"));
+    }
+
+    TEST_CASE("what a killed program left half-written goes with the next run") {
+        const workshop shop;
+        const std::string name = ".tactnet-17-0.partial";
+        fs::create_directories(shop / "results");
+        fs::create_directories(shop / "plots");
+        for (const char* folder : {".", "results", "plots"})
+            tactnet::write_file(shop / folder / name, "half");
+        REQUIRE(shop.train({"--epochs", "1", "--output", "net", "--plots", "plots"}).status == 0);
+        CHECK_FALSE(fs::exists(shop / name.c_str()));
+        CHECK_FALSE(fs::exists(shop / "plots" / name));
+        CHECK(fs::exists(shop / "results" / name));
+        tactnet::write_file(shop / name.c_str(), "half");
+        REQUIRE(shop.run({"export", "--weights", "net", "--output", "net.hpp"}).status == 0);
+        CHECK_FALSE(fs::exists(shop / name.c_str()));
+        REQUIRE(shop.run({"evaluate", "--data", shop.data().string(), "--weights", "net"}).status == 0);
+        CHECK_FALSE(fs::exists(shop / "results" / name));
+
+        // A simulation goes on, also with nothing else in its folder.
+        fs::create_directory(shop / "made");
+        tactnet::write_file(shop / "made" / name, "half");
+        const std::vector<std::string> simulation{"simulate", "--out", "made", "--per-class", "1"};
+        REQUIRE(shop.run(simulation).status == 0);
+        CHECK_FALSE(fs::exists(shop / "made" / name));
+        tactnet::write_file(shop / "made" / "rock" / name, "half");
+        REQUIRE(shop.run(simulation).status == 0);
+        CHECK_FALSE(fs::exists(shop / "made" / "rock" / name));
+    }
+
+    TEST_CASE("evaluations in one folder share the work") {
+        const workshop shop;
+        const std::vector<std::string> arguments{"evaluate",  "--data",    shop.data().string(),
+                                                 "--method",  "tactnet4",  "--rows",
+                                                 "7",         "--columns", "13",
+                                                 "--epochs",  "60",        "--jobs",
+                                                 "1",         "--splits",  "6",
+                                                 "--results", "r"};
+        const pid_t children[] = {shop.start(arguments), shop.start(arguments), shop.start(arguments)};
+        for (const pid_t child : children)
+            CHECK(shop.wait(child).status == 0);
+        CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12); // not 36
+        CHECK(lines_of(text_of(shop / "r" / "table.csv")).size() == 2);
+
+        // What a killed one had begun is done by another.
+        fs::remove_all(shop / "r");
+        const pid_t killed = shop.start(arguments), goes_on = shop.start(arguments);
+        for (int i = 0; i < 6000 && !fs::exists(shop / "r" / "evaluation.jsonl"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        kill(killed, SIGKILL);
+        CHECK(shop.wait(goes_on).status == 0);
+        CHECK(shop.wait(killed).status == 1000 + SIGKILL);
+        CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12);
+    }
+
+    TEST_CASE("slips in commands, options and numbers are told in few words") {
+        const workshop shop;
+        shop.refuses({"trian", "--output", "net"}, "There is no 'trian'; did you mean 'train'?");
+        shop.refuses({"clasify"}, "did you mean 'classify'?");
+        shop.refuses(shop.train_arguments({"--output", "net", "--epocs", "2"}),
+                     "There is no '--epocs'; did you mean '--epochs'?");
+        CHECK(shop.run({"frobnicate"}).error.find("did you mean") == std::string::npos);
+        for (const char* value : {"0", "-1", "inf", "nan", "much"}) {
+            shop.refuses(shop.train_arguments({"--output", "net", "--rate", value}),
+                         "--rate: expected a number above 0, found '" + std::string(value) + "'");
+            shop.refuses(shop.train_arguments({"--output", "net", "--checkpoint-every", value}),
+                         "expected a number above 0");
+        }
+    }
+}
