@@ -4,6 +4,8 @@
 #include "data/regular_file.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
+#include "reports/printable.hpp"
+#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -42,6 +44,8 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
 loaded_weights load_weights(const weight_options& o) {
     check_no_device(o.weights);
     const tactnet::safetensors file = tactnet::safetensors::read(o.weights);
+    if (file.checksum() == tactnet::checksum_state::absent)
+        tell("{}: no checksum in it, so that damage may go unnoticed\n", printable(o.weights));
     const tactnet::model_description says = tactnet::describe_model(file);
     const std::string name = o.method.empty() ? says.network : o.method;
     const auto rows = o.rows ? o.rows : says.rows, columns = o.columns ? o.columns : says.columns;

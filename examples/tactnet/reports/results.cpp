@@ -4,6 +4,7 @@
 #include "reports/report.hpp"
 
 #include <tactnet/io/file.hpp>
+#include <tactnet/io/json_checksum.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -42,7 +43,7 @@ std::string line_of(const training_result& r) {
     line["images_per_second"] = r.images_per_second;
     line["classes"] = r.confusion.classes();
     line["confusion"] = counts;
-    return line.dump() + '\n';
+    return tactnet::with_checksum(line.dump()) + '\n';
 }
 
 training_result result_of(const std::string& text) {
@@ -140,11 +141,15 @@ void result_list::read_on() {
     std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     rest.remove_prefix(bytes_);
     for (std::size_t end = 0; (end = rest.find('\n')) != std::string_view::npos;) {
+        const std::string part = fmt::format("line {}", lines_ + 1);
+        std::string line(rest.substr(0, end));
+        if (tactnet::detail::shows_checksum(line)) // those of earlier versions have none
+            line = tactnet::check_json(line, path_.string(), part).text;
         try {
-            results_.push_back(result_of(std::string(rest.substr(0, end))));
+            results_.push_back(result_of(line));
         } catch (const std::exception& error) {
-            throw tactnet::file_error(path_.string(), fmt::format("line {}", lines_ + 1),
-                                      "a result of tactnet evaluate", fmt::format("'{}'", error.what()));
+            throw tactnet::file_error(path_.string(), part, "a result of tactnet evaluate",
+                                      fmt::format("'{}'", error.what()));
         }
         ++lines_;
         bytes_ += end + 1;

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <fcntl.h>
+#include <sstream>
 #include <string>
 #include <sys/file.h>
 #include <thread>
@@ -86,6 +87,22 @@ TEST_SUITE("program") {
         REQUIRE(older.find(version) != std::string::npos);
         for (std::size_t at = 0; (at = older.find(version, at)) != std::string::npos; at += version.size())
             older.insert(at + version.size(), "0.");
+        tactnet::write_file(shop / "r/evaluation.jsonl", older);
+        const outcome changed = evaluate({"--splits", "1"});
+        CHECK(changed.status == 2);
+        CHECK(changed.error.find("evaluation.jsonl: checksum of the line 1: expected") != std::string::npos);
+        // As that version would have written it, without checksums.
+        std::string plain;
+        std::istringstream lines(older);
+        for (std::string line; std::getline(lines, line);) {
+            const std::size_t at = line.find("\"checksum\":");
+            REQUIRE(at != std::string::npos);
+            const std::size_t comma = line.rfind(',', at), end = line.find('"', at + 13) + 1;
+            line.erase(comma == std::string::npos ? at : comma,
+                       end - (comma == std::string::npos ? at : comma));
+            plain += line + "\n";
+        }
+        older = plain;
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
         CHECK(evaluate({"--splits", "1"}).error.find("4 trainings to do, 0 done before") !=
               std::string::npos);
