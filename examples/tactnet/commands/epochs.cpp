@@ -71,7 +71,7 @@ bool run(network_training& training, std::size_t epochs, const checkpoint_option
             if (const auto problem = keep(training, checkpoint, settings)) {
                 line.end_line();
                 tell("warning: no checkpoint of epoch {} ({}); the training goes on\n",
-                     training.history().size(), *problem);
+                     training.history().size(), printable(*problem));
             }
             saved = seconds;
         }
@@ -111,11 +111,11 @@ void check_given_up(const std::filesystem::path& path) {
 void keep_unwritten(network_training& training, const checkpoint_options& checkpoint,
                     const tactnet::file_metadata& settings) {
     if (const auto problem = keep(training, checkpoint, settings))
-        tell("warning: no checkpoint of the finished training either ({})\n", *problem);
+        tell("warning: no checkpoint of the finished training either ({})\n", printable(*problem));
     else
         tell("the finished training is kept: the same command with --resume writes what comes of it, from "
              "{}\n",
-             checkpoint.path.string());
+             printable(checkpoint.path.string()));
 }
 
 bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,

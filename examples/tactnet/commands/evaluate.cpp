@@ -114,6 +114,7 @@ private:
                             o.training.shares.test),
                 fmt::format("{} of {} classes", data.images.size(), data.images.classes.size()));
     }
+
     std::vector<named_file> outputs_of(const evaluate_options& o) const {
         const std::filesystem::path folder = o.results;
         std::vector<named_file> files;

@@ -92,9 +92,9 @@ int evaluate_weights(const evaluate_options& o) {
     const std::filesystem::path stem =
         std::filesystem::path(o.results) /
         ("confusion_" + std::filesystem::path(o.weights.weights).stem().string());
-    check_places(
-        {{"--weights", o.weights.weights}, {"--classes", o.weights.classes}, {"--start", o.training.start}},
-        picture_files("--results", stem), o.data);
+    const std::vector<named_file> outputs = picture_files("--results", stem);
+    check_places({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
+    tidy_folders_of(outputs);
     const loaded_weights weights = load_weights(o.weights);
     const method& what = *weights.what;
     const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize);

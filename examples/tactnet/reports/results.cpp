@@ -130,10 +130,11 @@ std::filesystem::path result_list::claims_path() const {
 
 void result_list::read_on() {
     std::error_code code;
-    const auto size = std::filesystem::file_size(path_, code);
-    if (code || size == bytes_)
+    if (!std::filesystem::exists(path_, code))
         return;
     check_no_device(path_);
+    if (std::filesystem::file_size(path_, code) == bytes_)
+        return;
     const auto bytes = tactnet::read_file(path_);
     if (bytes.size() < bytes_ ||
         (bytes_ > 0 && bytes[bytes_ - 1] != std::byte{'\n'})) // begun anew by another
