@@ -1,6 +1,7 @@
 #include "files/places.hpp"
 
 #include "files/try_name.hpp"
+#include "reports/printable.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
@@ -26,9 +27,12 @@ void check_regular(const std::vector<named_file>& outputs) {
     for (const auto& [option, path] : outputs) {
         std::error_code code;
         const auto status = std::filesystem::status(path, code);
+        if (std::filesystem::is_directory(status))
+            throw usage_error(fmt::format("{}: expected the name of a file to write, found a folder at {}",
+                                          option, printable(path.string())));
         if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
             throw usage_error(fmt::format("{}: expected the name of a file, found a device or a pipe at {}",
-                                          option, path.string()));
+                                          option, printable(path.string())));
     }
 }
 
