@@ -26,7 +26,8 @@ TEST_SUITE("program") {
         REQUIRE(shop.run({"export", "--weights", "net", "--output", "other.hpp", "--namespace",
                           "gripper::left", "--packing", "at-start"})
                     .status == 0);
-        CHECK(text_of(shop / "other.hpp").find("\nnamespace gripper::left {\ninline namespace TACTNET_ARCH {\n") !=
+        CHECK(text_of(shop / "other.hpp")
+                  .find("\nnamespace gripper::left {\ninline namespace TACTNET_ARCH {\n") !=
               std::string::npos);
         CHECK(text_of(shop / "other.hpp").find("inline const recogniser_type::packed_weights packed") !=
               std::string::npos);

@@ -25,8 +25,8 @@ struct frame_convolution {
     std::size_t groups = 1;     ///< filters of a group see the channels of that group only
     std::size_t map_stride = 0; ///< elements from one pixel to the next of a wider map that holds the output
     std::size_t map_offset = 0; ///< channels of that map in front of the output
-    std::size_t map_multiple = 0; ///< of one of several groups: in place of the offset, what all of theirs
-                                  ///< are multiples of
+    std::size_t map_multiple = 0;   ///< of one of several groups: in place of the offset, what all of theirs
+                                    ///< are multiples of
     std::size_t input_multiple = 0; ///< the same for the first channels of their inputs
 
     /// Of a register block: more of them, beside inputs and weights, and compilers spill.
