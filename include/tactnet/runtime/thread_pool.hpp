@@ -46,32 +46,45 @@ public:
     /// body(share) on every thread. Must not throw, nor call this again.
     template <class Body>
     void on_each_thread(const Body& body) {
-        if (threads_ == 1)
-            return body(share{0, 1});
-        body_ = &body;
-        call_ = [](const void* f, share part) noexcept { (*static_cast<const Body*>(f))(part); };
-        busy_.store(threads_ - 1, std::memory_order_relaxed);
-        announce();
-        body(share{0, threads_});
-        for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != 0; ++spin)
-            if (spin > patience)
-                std::this_thread::yield();
+        share_out(code_of<Body>, &body);
     }
     /// body(i) for 0 … count − 1.
     template <class Body>
     void for_each(std::size_t count, const Body& body) {
-        if (count == 1)
-            return body(std::size_t{0});
-        on_each_thread([&](share part) {
+        const auto some = [&](share part) {
             for (std::size_t i = part.begin(count); i < part.end(count); ++i)
                 body(i);
-        });
+        };
+        if (count == 1)
+            code_of<decltype(some)>(&some, share{0, 1});
+        else
+            on_each_thread(some);
     }
 
 private:
     // A constructor of its own: once it is done the destructor cleans up, whatever the public one throws.
     struct without_workers {};
     thread_pool(without_workers, std::size_t threads) : threads_(threads > 0 ? threads : 1) {}
+
+    // Whoever runs a body runs this one copy of its code, which compilers would else write out for the
+    // calling thread, for its workers and for a pool of one.
+    template <class Body>
+    [[gnu::noinline]] static void code_of(const void* body, share part) {
+        (*static_cast<const Body*>(body))(part);
+    }
+
+    [[gnu::noinline]] void share_out(void (*code)(const void*, share), const void* body) {
+        if (threads_ == 1)
+            return code(body, share{0, 1});
+        body_ = body;
+        call_ = code;
+        busy_.store(threads_ - 1, std::memory_order_relaxed);
+        announce();
+        code(body, share{0, threads_});
+        for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != 0; ++spin)
+            if (spin > patience)
+                std::this_thread::yield();
+    }
 
     // Layers follow each other within microseconds: a short wait in place saves the way through the
     // scheduler.
@@ -81,7 +94,7 @@ private:
         round_.fetch_add(1, std::memory_order_release);
         round_.notify_all();
     }
-    void work(std::size_t index) {
+    void work(std::size_t index) noexcept {
         std::uint32_t seen = 0;
         while (true) {
             for (std::size_t spin = 0; spin < patience && round_.load(std::memory_order_acquire) == seen;
@@ -99,7 +112,7 @@ private:
     std::size_t threads_;
     std::atomic<std::uint32_t> round_{0};
     std::atomic<std::size_t> busy_{0};
-    void (*call_)(const void*, share) noexcept = nullptr;
+    void (*call_)(const void*, share) = nullptr;
     const void* body_ = nullptr;
     std::vector<std::thread> workers_;
 };

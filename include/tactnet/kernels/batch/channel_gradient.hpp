@@ -64,11 +64,16 @@ template <sliding_window W, std::size_t Filters, std::size_t Vectors, class T>
         const T* from = turned + pixel * width * Vectors * width;
         for (std::size_t sample = 0; sample < width; ++sample) {
             std::array<vector<T>, Vectors> channels;
-            unroll<Vectors>([&](auto v) { channels[v] = load(from + (sample * Vectors + v) * width); });
-            unroll<Filters>([&](auto f) {
+#pragma GCC unroll 64
+            for (std::size_t v = 0; v < Vectors; ++v)
+                channels[v] = load(from + (sample * Vectors + v) * width);
+#pragma GCC unroll 64
+            for (std::size_t f = 0; f < Filters; ++f) {
                 const vector<T> value(g[f * plane * width + sample]);
-                unroll<Vectors>([&](auto v) { sums[f][v] = multiply_add(value, channels[v], sums[f][v]); });
-            });
+#pragma GCC unroll 64
+                for (std::size_t v = 0; v < Vectors; ++v)
+                    sums[f][v] = multiply_add(value, channels[v], sums[f][v]);
+            }
         }
     }
 }
@@ -82,18 +87,24 @@ template <sliding_window W, std::size_t Filters, std::size_t Vectors, class T>
     for (std::size_t row = 0; row < W.kernel.rows; ++row)
         for (std::size_t column = 0; column < W.kernel.columns; ++column) {
             std::array<std::array<vector<T>, Vectors>, Filters> sums;
-            unroll<Filters>([&](auto f) { unroll<Vectors>([&](auto v) { sums[f][v] = vector<T>(T{}); }); });
+#pragma GCC unroll 64
+            for (std::size_t f = 0; f < Filters; ++f) {
+#pragma GCC unroll 64
+                for (std::size_t v = 0; v < Vectors; ++v)
+                    sums[f][v] = vector<T>(T{});
+            }
             for (std::size_t y = 0; y < W.output_rows(); ++y) {
                 const std::size_t from = y * W.stride.rows + row - W.top;
                 if (from >= begin_row && from < end_row)
                     add_row_products<W>(sums, gradient, turned + (from - begin_row) * row_elements, y,
                                         column);
             }
-            unroll<Filters>([&](auto f) {
-                unroll<Vectors>([&](auto v) {
+#pragma GCC unroll 64
+            for (std::size_t f = 0; f < Filters; ++f) {
+#pragma GCC unroll 64
+                for (std::size_t v = 0; v < Vectors; ++v)
                     add_each_lane<T>(totals + plan::place(f, v * lanes<T>, row, column), sums[f][v]);
-                });
-            });
+            }
         }
 }
 

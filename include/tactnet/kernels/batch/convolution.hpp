@@ -124,11 +124,16 @@ template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Chan
 [[gnu::always_inline]] inline void add_tap(std::array<std::array<vector<T>, Outputs>, Channels>& sums,
                                            const T* input, const T* weights, std::size_t tap) {
     std::array<vector<T>, Outputs> x;
-    unroll<Outputs>([&](auto o) { x[o] = load(input + (tap + o * Columns.step) * lanes<T>); });
-    unroll<Channels>([&](auto c) {
+#pragma GCC unroll 64
+    for (std::size_t o = 0; o < Outputs; ++o)
+        x[o] = load(input + (tap + o * Columns.step) * lanes<T>);
+#pragma GCC unroll 64
+    for (std::size_t c = 0; c < Channels; ++c) {
         const vector<T> weight(weights[tap * C.spacing.columns * Channels + c]);
-        unroll<Outputs>([&](auto o) { sums[c][o] = multiply_add(weight, x[o], sums[c][o]); });
-    });
+#pragma GCC unroll 64
+        for (std::size_t o = 0; o < Outputs; ++o)
+            sums[c][o] = multiply_add(weight, x[o], sums[c][o]);
+    }
 }
 
 /// Adds the taps [first_tap, last_tap) of `Outputs` neighbouring outputs × `Channels` channels.
@@ -141,10 +146,13 @@ correlate_block(const T* input, const T* weights, const T* bias, T* output, std:
     constexpr std::size_t output_step =
         (Columns.step == 1 && C.stride.columns == 1 ? C.spacing.columns : 1) * width;
     std::array<std::array<vector<T>, Outputs>, Channels> sums;
-    unroll<Channels>([&](auto c) {
+#pragma GCC unroll 64
+    for (std::size_t c = 0; c < Channels; ++c) {
         const vector<T> start(bias ? bias[c] : T{});
-        unroll<Outputs>([&](auto o) { sums[c][o] = start; });
-    });
+#pragma GCC unroll 64
+        for (std::size_t o = 0; o < Outputs; ++o)
+            sums[c][o] = start;
+    }
     const std::ptrdiff_t column_position = Columns.position(index);
     for (std::size_t channel = 0; channel < C.input.channels; ++channel) {
         for (std::size_t row = first_row; row < last_row; ++row) {
@@ -156,17 +164,22 @@ correlate_block(const T* input, const T* weights, const T* bias, T* output, std:
                                         C.kernel.columns +
                                     Columns.first) *
                                        Channels;
-            if constexpr (Outputs > 1)
-                unroll<Columns.taps>([&](auto tap) { add_tap<C, Columns>(sums, from, w, tap); });
-            else
+            if constexpr (Outputs > 1) {
+#pragma GCC unroll 64
+                for (std::size_t tap = 0; tap < Columns.taps; ++tap)
+                    add_tap<C, Columns>(sums, from, w, tap);
+            } else {
                 for (std::size_t tap = first_tap; tap < last_tap; ++tap)
                     add_tap<C, Columns>(sums, from, w, tap);
+            }
         }
     }
-    unroll<Channels>([&](auto c) {
-        unroll<Outputs>(
-            [&](auto o) { store(output + c * C.output.area() * width + o * output_step, sums[c][o]); });
-    });
+#pragma GCC unroll 64
+    for (std::size_t c = 0; c < Channels; ++c) {
+#pragma GCC unroll 64
+        for (std::size_t o = 0; o < Outputs; ++o)
+            store(output + c * C.output.area() * width + o * output_step, sums[c][o]);
+    }
 }
 
 /// output = bias + correlation of input and weights, for one group. `bias` may be null.

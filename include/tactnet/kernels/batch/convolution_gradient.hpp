@@ -34,13 +34,17 @@ template <std::size_t Filters, std::size_t Taps, std::size_t Plane, bool Interio
                                                 const T* gradient, const T* input, std::size_t first_tap,
                                                 std::size_t last_tap) {
     std::array<vector<T>, Filters> g;
-    unroll<Filters>([&](auto f) { g[f] = load(gradient + f * Plane * lanes<T>); });
-    unroll<Taps>([&](auto tap) {
+#pragma GCC unroll 64
+    for (std::size_t f = 0; f < Filters; ++f)
+        g[f] = load(gradient + f * Plane * lanes<T>);
+#pragma GCC unroll 64
+    for (std::size_t tap = 0; tap < Taps; ++tap)
         if (Interior || (tap >= first_tap && tap < last_tap)) {
             const vector<T> x = load(input + static_cast<std::ptrdiff_t>(tap * lanes<T>));
-            unroll<Filters>([&](auto f) { sums[f][tap] = multiply_add(g[f], x, sums[f][tap]); });
+#pragma GCC unroll 64
+            for (std::size_t f = 0; f < Filters; ++f)
+                sums[f][tap] = multiply_add(g[f], x, sums[f][tap]);
         }
-    });
 }
 
 /// totals[f][k] of the first `Filters` filters from `totals` on += the sums across lanes.
@@ -50,17 +54,16 @@ add_across_lanes(const std::array<std::array<vector<T>, Taps>, Filters>& sums, d
                  std::size_t filter_stride) {
     constexpr std::size_t width = lanes<T>;
     alignas(alignment) std::array<T, (Filters * Taps + width - 1) / width * width> flat;
-    unroll<(Filters * Taps + width - 1) / width>([&](auto block) {
+#pragma GCC unroll 64
+    for (std::size_t block = 0; block < (Filters * Taps + width - 1) / width; ++block) {
         std::array<vector<T>, width> rows;
-        unroll<width>([&](auto r) {
-            constexpr std::size_t i = block * width + r;
-            if constexpr (i < Filters * Taps)
-                rows[r] = sums[i / Taps][i % Taps];
-            else
-                rows[r] = vector<T>(T{});
-        });
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < width; ++r) {
+            const std::size_t i = block * width + r;
+            rows[r] = i < Filters * Taps ? sums[i / Taps % Filters][i % Taps] : vector<T>(T{});
+        }
         store(flat.data() + block * width, sums_across_lanes<T>(rows));
-    });
+    }
     for (std::size_t f = 0; f < Filters; ++f)
         for (std::size_t tap = 0; tap < Taps; ++tap)
             totals[f * filter_stride + tap] += static_cast<double>(flat[f * Taps + tap]);
@@ -74,7 +77,12 @@ gather_tile(const T* input, const T* gradient, std::size_t begin_row, std::size_
             std::size_t kernel_row, std::size_t first_column, double* totals, std::size_t filter_stride) {
     constexpr std::size_t width = lanes<T>, columns = W.output_columns(), plane = W.output_rows() * columns;
     std::array<std::array<vector<T>, Taps>, Filters> sums;
-    unroll<Filters>([&](auto f) { unroll<Taps>([&](auto tap) { sums[f][tap] = vector<T>(T{}); }); });
+#pragma GCC unroll 64
+    for (std::size_t f = 0; f < Filters; ++f) {
+#pragma GCC unroll 64
+        for (std::size_t tap = 0; tap < Taps; ++tap)
+            sums[f][tap] = vector<T>(T{});
+    }
 
     const auto left = static_cast<std::ptrdiff_t>(W.left) - static_cast<std::ptrdiff_t>(first_column);
     const auto position = [&](std::size_t x) {

@@ -30,16 +30,22 @@ template <std::size_t Rows, std::size_t Columns, matrix_layout Layout, class T, 
 [[gnu::flatten]] void lane_product(const T* matrix, const T* values, Put&& put) {
     // Blocks as equal as can be: a single row left over would wait for itself.
     constexpr std::size_t passes = (Rows + lane_product_rows - 1) / lane_product_rows;
-    blocked<Rows, (Rows + passes - 1) / passes>([&](auto rows, std::size_t first) {
+    blocked<Rows, (Rows + passes - 1) / passes>([&](auto block, std::size_t first) {
+        constexpr std::size_t rows = block;
         const T* from = matrix + first * Layout.row;
         std::array<vector<T>, rows> sums;
-        unroll<rows>([&](auto r) { sums[r] = vector<T>(T{}); });
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < rows; ++r)
+            sums[r] = vector<T>(T{});
         for (std::size_t c = 0; c < Columns; ++c, from += Layout.column) {
             const vector<T> value = load(values + c * lanes<T>);
-            unroll<rows>(
-                [&](auto r) { sums[r] = multiply_add(vector<T>(from[r * Layout.row]), value, sums[r]); });
+#pragma GCC unroll 64
+            for (std::size_t r = 0; r < rows; ++r)
+                sums[r] = multiply_add(vector<T>(from[r * Layout.row]), value, sums[r]);
         }
-        unroll<rows>([&](auto r) { put(first + r, sums[r]); });
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < rows; ++r)
+            put(first + r, sums[r]);
     });
 }
 

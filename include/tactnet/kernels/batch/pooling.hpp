@@ -34,11 +34,13 @@ template <sliding_window W, class Body>
 /// body(pixel) for every pixel of one window, row by row.
 template <sliding_window W, class Body>
 [[gnu::always_inline]] inline void for_each_pixel(pixel_range rows, pixel_range columns, Body&& body) {
-    if (W.kernel.area() <= 9 && rows.end - rows.begin == W.kernel.rows &&
+    constexpr std::size_t area = W.kernel.area();
+    if (area <= 9 && rows.end - rows.begin == W.kernel.rows &&
         columns.end - columns.begin == W.kernel.columns) {
         const std::size_t first = rows.begin * W.input.columns + columns.begin;
-        unroll<W.kernel.area()>(
-            [&](auto k) { body(first + k / W.kernel.columns * W.input.columns + k % W.kernel.columns); });
+#pragma GCC unroll 64
+        for (std::size_t k = 0; k < area; ++k)
+            body(first + k / W.kernel.columns * W.input.columns + k % W.kernel.columns);
     } else {
         for (std::size_t y = rows.begin; y < rows.end; ++y)
             for (std::size_t x = columns.begin; x < columns.end; ++x)

@@ -35,9 +35,11 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     constexpr auto stride = static_cast<std::ptrdiff_t>(C.input_stride);
 
     register_block<wide, Rows * Columns, Vectors> sums;
-    unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+    for (std::size_t v = 0; v < Vectors; ++v) {
         const wide start = load_as<wide>(bias + v * width);
-        unroll<Rows * Columns>([&](auto p) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+        for (std::size_t p = 0; p < Rows * Columns; ++p)
             if constexpr (C.adds)
                 sums[p][v] = start + load_as<wide>(output +
                                                    (p / Columns * C.output_columns() + p % Columns) *
@@ -45,62 +47,64 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
                                                    v * width);
             else
                 sums[p][v] = start;
-        });
-    });
+    }
 
     for (std::size_t channel = 0; channel < C.window.input.channels; ++channel) {
-        unroll<under_rows>([&](auto r) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < under_rows; ++r) {
             if (r < where.first_row || r >= where.last_row)
-                return;
+                continue;
             const std::ptrdiff_t row =
                 (where.first_pixel + static_cast<std::ptrdiff_t>(r * C.window.input.columns)) * stride;
             std::array<wide, under_columns> x;
-            unroll<under_columns>([&](auto c) __attribute__((always_inline)) {
-                if constexpr (c >= MissingLeft && c + MissingRight < under_columns)
-                    x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
-            });
-            unroll<Rows>([&](auto y) __attribute__((always_inline)) {
-                constexpr std::size_t above = y * C.window.stride.rows;
-                if constexpr (r >= above && r - above < kernel.rows)
-                    unroll<kernel.columns * Vectors>([&](auto tap) __attribute__((always_inline)) {
-                        constexpr std::size_t column = tap / Vectors, v = tap % Vectors;
-                        const wide weight = load_as<wide>(
-                            weights + (((r - above) * kernel.columns + column) * Vectors + v) * width);
-                        unroll<Columns>([&](auto p) __attribute__((always_inline)) {
-                            constexpr std::size_t c = p * step + column;
-                            if constexpr (c >= MissingLeft && c + MissingRight < under_columns)
-                                sums[y * Columns + p][v] =
-                                    fused_multiply_add(weight, x[c], sums[y * Columns + p][v]);
-                        });
-                    });
-            });
-        });
+#pragma GCC unroll 64
+            for (std::size_t c = MissingLeft; c + MissingRight < under_columns; ++c)
+                x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < Rows; ++y) {
+                const std::size_t above = y * C.window.stride.rows;
+                if (r < above || r - above >= kernel.rows)
+                    continue;
+#pragma GCC unroll 64
+                for (std::size_t tap = 0; tap < kernel.columns * Vectors; ++tap) {
+                    const std::size_t column = tap / Vectors, v = tap % Vectors;
+                    const wide weight = load_as<wide>(
+                        weights + (((r - above) * kernel.columns + column) * Vectors + v) * width);
+#pragma GCC unroll 64
+                    for (std::size_t p = 0; p < Columns; ++p) {
+                        const std::size_t c = p * step + column;
+                        if (c >= MissingLeft && c + MissingRight < under_columns)
+                            sums[y * Columns + p][v] =
+                                fused_multiply_add(weight, x[c], sums[y * Columns + p][v]);
+                    }
+                }
+            }
+        }
         ++input;
         weights += kernel.area() * Vectors * width;
     }
 
     constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
-    unroll<(Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns>([&](
-        auto o) __attribute__((always_inline)) {
-        constexpr std::size_t top = o / pooled_columns * C.pool.rows,
-                              left = o % pooled_columns * C.pool.columns;
-        constexpr std::size_t high = std::min(C.pool.rows, Rows - top),
-                              across = std::min(C.pool.columns, Columns - left);
-        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+    for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
+        const std::size_t top = o / pooled_columns * C.pool.rows, left = o % pooled_columns * C.pool.columns;
+        const std::size_t high = std::min(C.pool.rows, Rows - top),
+                          across = std::min(C.pool.columns, Columns - left);
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < Vectors; ++v) {
             wide largest = sums[top * Columns + left][v];
-            unroll<high * across>([&](auto i) __attribute__((always_inline)) {
-                if constexpr (i > 0)
-                    largest =
-                        maximum_or_second(sums[(top + i / across) * Columns + left + i % across][v], largest);
-            });
+#pragma GCC unroll 64
+            for (std::size_t i = 1; i < high * across; ++i)
+                largest =
+                    maximum_or_second(sums[(top + i / across) * Columns + left + i % across][v], largest);
             if constexpr (C.rectified)
                 largest = maximum_or_second(wide(0.0f), largest);
             store_as(output +
                          (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
                          v * width,
                      largest);
-        });
-    });
+        }
+    }
 }
 
 /// How the columns of a convolution are cut into register blocks.

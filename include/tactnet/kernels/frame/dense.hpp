@@ -55,30 +55,38 @@ template <frame_dense D>
                                      float* output) {
     constexpr std::size_t width = D.width();
     using wide = sized_vector<float, width>;
-    blocked<D.vectors(), D.block_vectors()>([&](auto vectors, std::size_t first) {
-        constexpr std::size_t parts = std::max<std::size_t>(8 / vectors, 1);
+    constexpr std::size_t inputs = D.inputs();
+    blocked<D.vectors(), D.block_vectors()>([&](auto block, std::size_t first) {
+        constexpr std::size_t vectors = block, parts = std::max<std::size_t>(8 / vectors, 1);
+        constexpr std::size_t sums_of_block = parts * vectors;
         register_block<wide, parts, vectors> sums;
-        unroll<parts * vectors>([&](auto i) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+        for (std::size_t i = 0; i < sums_of_block; ++i)
             sums[i / vectors][i % vectors] = wide(0.0f);
-        });
-        const float* w = weights + first * width * D.inputs();
-        const auto add = [&](auto part, std::size_t i) __attribute__((always_inline)) {
+        const float* w = weights + first * width * inputs;
+        const auto add = [&](std::size_t part, std::size_t i) __attribute__((always_inline)) {
             const wide x(input[i]);
-            unroll<vectors>([&](auto v) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+            for (std::size_t v = 0; v < vectors; ++v)
                 sums[part][v] =
                     fused_multiply_add(load_as<wide>(w + (i * vectors + v) * width), x, sums[part][v]);
-            });
         };
-        for (std::size_t i = 0; i + parts <= D.inputs(); i += parts)
-            unroll<parts>([&](auto p) __attribute__((always_inline)) { add(p, i + p); });
-        unroll<D.inputs() % parts>([&](auto p) __attribute__((always_inline)) {
-            add(p, D.inputs() / parts * parts + p);
-        });
-        unroll<vectors>([&](auto v) __attribute__((always_inline)) {
+        for (std::size_t i = 0; i + parts <= inputs; i += parts) {
+#pragma GCC unroll 64
+            for (std::size_t p = 0; p < parts; ++p)
+                add(p, i + p);
+        }
+#pragma GCC unroll 64
+        for (std::size_t i = inputs / parts * parts; i < inputs; ++i)
+            add(i % parts, i);
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < vectors; ++v) {
             wide sum = load_as<wide>(bias + (first + v) * width);
-            unroll<parts>([&](auto p) __attribute__((always_inline)) { sum = sum + sums[p][v]; });
+#pragma GCC unroll 64
+            for (std::size_t p = 0; p < parts; ++p)
+                sum = sum + sums[p][v];
             store_as(output + (first + v) * width, sum);
-        });
+        }
     });
 }
 

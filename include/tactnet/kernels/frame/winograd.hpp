@@ -160,7 +160,8 @@ template <frame_convolution C>
         const auto left = static_cast<std::ptrdiff_t>(tile % tiles::columns * 2) -
                           static_cast<std::ptrdiff_t>(C.window.left);
         std::array<const float*, tiles::elements> pixels;
-        unroll<tiles::elements>([&](auto e) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+        for (std::size_t e = 0; e < tiles::elements; ++e) {
             const std::ptrdiff_t y = top + static_cast<std::ptrdiff_t>(e / side),
                                  x = left + static_cast<std::ptrdiff_t>(e % side);
             const bool inside = y >= 0 && y < static_cast<std::ptrdiff_t>(C.window.input.rows) && x >= 0 &&
@@ -168,24 +169,28 @@ template <frame_convolution C>
             pixels[e] = inside ? input + (y * static_cast<std::ptrdiff_t>(C.window.input.columns) + x) *
                                              static_cast<std::ptrdiff_t>(C.input_stride)
                                : outside.data();
-        });
+        }
         float* const to = transformed + (tile - first) * tiles::input_stride;
         for (std::size_t channel = 0; channel < tiles::input_stride; channel += tiles::input_width) {
             std::array<std::array<wide, side>, side> d;
-            unroll<side>([&](auto x) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+            for (std::size_t x = 0; x < side; ++x) {
                 std::array<wide, side> column;
-                unroll<side>([&](auto y) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < side; ++y)
                     column[y] = load_as<wide>(pixels[y * side + x] + channel);
-                });
                 column = detail::winograd_input_line(column);
-                unroll<side>([&](auto y) __attribute__((always_inline)) { d[y][x] = column[y]; });
-            });
-            unroll<side>([&](auto y) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < side; ++y)
+                    d[y][x] = column[y];
+            }
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < side; ++y) {
                 const std::array<wide, side> line = detail::winograd_input_line(d[y]);
-                unroll<side>([&](auto x) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t x = 0; x < side; ++x)
                     store_as(to + (y * side + x) * tiles::band * tiles::input_stride + channel, line[x]);
-                });
-            });
+            }
         }
     }
 }
@@ -197,24 +202,25 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Tiles>
     using tiles = winograd_tiles<C>;
     using wide = sized_vector<float, C.width()>;
     register_block<wide, Tiles, Vectors> sums;
-    unroll<Tiles * Vectors>([&](auto i) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+    for (std::size_t i = 0; i < Tiles * Vectors; ++i)
         sums[i / Vectors][i % Vectors] = wide(0.0f);
-    });
     for (std::size_t channel = 0; channel < tiles::channels; ++channel) {
         std::array<wide, Vectors> w;
-        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < Vectors; ++v)
             w[v] = load_as<wide>(weights + (channel * Vectors + v) * C.width());
-        });
-        unroll<Tiles>([&](auto t) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+        for (std::size_t t = 0; t < Tiles; ++t) {
             const wide x(input[t * tiles::input_stride + channel]);
-            unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+            for (std::size_t v = 0; v < Vectors; ++v)
                 sums[t][v] = fused_multiply_add(w[v], x, sums[t][v]);
-            });
-        });
+        }
     }
-    unroll<Tiles * Vectors>([&](auto i) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+    for (std::size_t i = 0; i < Tiles * Vectors; ++i)
         store_as(products + i * C.width(), sums[i / Vectors][i % Vectors]);
-    });
 }
 
 /// Outputs of the tiles [first, last): Aᵀ m A, bias, the other term of a sum, max pool, ReLU.
@@ -228,17 +234,19 @@ template <frame_convolution C, std::size_t Vectors>
     for (std::size_t tile = first; tile < last; ++tile) {
         const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
         const bool below = top + 1 < C.rows(), right = left + 1 < C.columns();
-        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < Vectors; ++v) {
             std::array<std::array<wide, side>, 2> half;
-            unroll<side>([&](auto x) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+            for (std::size_t x = 0; x < side; ++x) {
                 std::array<wide, side> column;
-                unroll<side>([&](auto y) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < side; ++y)
                     column[y] = load_as<wide>(
                         products + (((y * side + x) * tiles::band + tile - first) * Vectors + v) * width);
-                });
                 const std::array<wide, 2> sums = detail::winograd_output_line(column);
                 half[0][x] = sums[0], half[1][x] = sums[1];
-            });
+            }
             const std::array<std::array<wide, 2>, 2> y{detail::winograd_output_line(half[0]),
                                                        detail::winograd_output_line(half[1])};
             const wide start = load_as<wide>(bias + v * width);
@@ -255,9 +263,10 @@ template <frame_convolution C, std::size_t Vectors>
                     largest = maximum_or_second(y[1][1], largest);
                 store_as(output + tile * C.output_stride() + v * width, finished(largest + start));
             } else {
-                unroll<4>([&](auto i) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t i = 0; i < 4; ++i) {
                     if ((i / 2 == 1 && !below) || (i % 2 == 1 && !right))
-                        return;
+                        continue;
                     float* const to =
                         output + ((top + i / 2) * C.output_columns() + left + i % 2) * C.output_stride() +
                         v * width;
@@ -265,9 +274,9 @@ template <frame_convolution C, std::size_t Vectors>
                     if constexpr (C.adds)
                         value = value + load_as<wide>(to);
                     store_as(to, finished(value));
-                });
+                }
             }
-        });
+        }
     }
 }
 
