@@ -4,8 +4,8 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors_writer.hpp>
 #include <tactnet/io/text.hpp>
+#include <tactnet/svm/kernel/functions.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
-#include <tactnet/svm/kernels.hpp>
 #include <tactnet/svm/linear_machine.hpp>
 
 #include <cmath>

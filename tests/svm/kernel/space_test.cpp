@@ -1,8 +1,8 @@
 #include "samples.hpp"
 
-#include <tactnet/svm/gram_matrix.hpp>
-#include <tactnet/svm/kernel_samples.hpp>
-#include <tactnet/svm/kernel_space.hpp>
+#include <tactnet/svm/kernel/gram_matrix.hpp>
+#include <tactnet/svm/kernel/samples.hpp>
+#include <tactnet/svm/kernel/space.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,8 +2,8 @@
 
 #include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/svm/kernel_space.hpp>
-#include <tactnet/svm/kernels.hpp>
+#include <tactnet/svm/kernel/functions.hpp>
+#include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/kernels.hpp>
+#include <tactnet/svm/kernel/functions.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include <tactnet/svm/kernel_cache.hpp>
+#include <tactnet/svm/kernel/cache.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #include "samples.hpp"
 
-#include <tactnet/svm/dual_solver.hpp>
-#include <tactnet/svm/kernel_samples.hpp>
+#include <tactnet/svm/kernel/samples.hpp>
+#include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/rows/working_set.hpp>
-#include <tactnet/svm/kernel_cache.hpp>
+#include <tactnet/svm/kernel/cache.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

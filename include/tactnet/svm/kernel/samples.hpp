@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/svm/dual_solver.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/gram_matrix.hpp>
-#include <tactnet/svm/kernel_space.hpp>
+#include <tactnet/svm/kernel/gram_matrix.hpp>
+#include <tactnet/svm/kernel/space.hpp>
+#include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
 
 #include <cstddef>
 #include <optional>
