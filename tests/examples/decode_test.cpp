@@ -5,9 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <string>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
-#include <support/temporary_folder.hpp>
 
 using support::run_program;
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
-#include <support/temporary_folder.hpp>
 #include <vector>
 
 using support::run_program;

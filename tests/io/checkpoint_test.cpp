@@ -13,7 +13,7 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <support/bit_flips.hpp>
+#include <support/files/bit_flips.hpp>
 #include <vector>
 
 using namespace tactnet;

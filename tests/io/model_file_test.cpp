@@ -13,8 +13,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <support/data_folder.hpp>
-#include <support/temporary_folder.hpp>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;

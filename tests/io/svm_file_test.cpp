@@ -9,7 +9,7 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;

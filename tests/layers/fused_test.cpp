@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <support/erased_layer.hpp>
+#include <support/layers/erased.hpp>
 #include <type_traits>
 #include <vector>
 

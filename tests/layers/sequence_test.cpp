@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 #include <type_traits>
 #include <vector>
 

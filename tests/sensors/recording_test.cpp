@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 #include <string>
-#include <support/data_folder.hpp>
-#include <support/temporary_folder.hpp>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 
 using tactnet::decode_all;
 using tactnet::file_error;

@@ -6,7 +6,7 @@
 
 #include <limits>
 #include <string>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 using namespace support;

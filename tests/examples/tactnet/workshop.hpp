@@ -18,8 +18,8 @@
 #include <spawn.h>
 #include <sstream>
 #include <string>
+#include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
-#include <support/temporary_folder.hpp>
 #include <sys/wait.h>
 #include <type_traits>
 #include <unistd.h>

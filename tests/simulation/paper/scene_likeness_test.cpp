@@ -9,7 +9,7 @@
 
 #include <decode_image.hpp>
 #include <string>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 namespace {

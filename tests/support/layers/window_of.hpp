@@ -2,7 +2,7 @@
 
 #include <tactnet/tensor/shape.hpp>
 
-#include <support/reference.hpp>
+#include <support/layers/reference.hpp>
 
 namespace support {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
-#include <support/deployment_bound.hpp>
+#include <support/layers/deployment_bound.hpp>
 
 namespace support {
 

@@ -8,7 +8,7 @@
 
 #include <cstddef>
 #include <memory>
-#include <support/run_layer.hpp>
+#include <support/layers/run.hpp>
 #include <vector>
 
 namespace support {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <string>
 #include <support/allocations.hpp>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 #include <vector>
 
 namespace support {

@@ -17,8 +17,8 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
-#include <support/erased_layer.hpp>
-#include <support/reference_of.hpp>
+#include <support/layers/erased.hpp>
+#include <support/layers/reference_of.hpp>
 
 namespace support {
 

@@ -4,7 +4,7 @@
 
 #include <tactnet/layers.hpp>
 
-#include <support/reference.hpp>
+#include <support/layers/reference.hpp>
 #include <utility>
 #include <vector>
 

@@ -31,7 +31,7 @@
 
 #include <functional>
 #include <span>
-#include <support/reference.hpp>
+#include <support/layers/reference.hpp>
 #include <vector>
 
 namespace support {

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <support/reference.hpp>
+#include <support/layers/reference.hpp>
 #include <utility>
 
 namespace support {
