@@ -7,7 +7,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
-#include <methods/support_vector_machine.hpp>
+#include <methods/support_vector_machines/machine.hpp>
 #include <span>
 #include <string>
 #include <sys/mman.h>

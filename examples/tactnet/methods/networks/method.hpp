@@ -2,8 +2,8 @@
 
 // Networks among the program's methods.
 
-#include "methods/compiled_network.hpp"
 #include "methods/method.hpp"
+#include "methods/networks/compiled.hpp"
 
 #include <memory>
 #include <optional>

@@ -2,7 +2,7 @@
 
 // Compiles a network for the program. Included by the generated units only.
 
-#include "methods/compiled_network.hpp"
+#include "methods/networks/compiled.hpp"
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>

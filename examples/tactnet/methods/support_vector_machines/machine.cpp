@@ -1,4 +1,4 @@
-#include "methods/support_vector_machine.hpp"
+#include "methods/support_vector_machines/machine.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "methods/image_features.hpp"
+#include "methods/support_vector_machines/image_features.hpp"
 
 #include <fmt/format.h>
 

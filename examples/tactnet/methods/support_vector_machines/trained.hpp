@@ -1,7 +1,7 @@
 #pragma once
 
-#include "methods/image_features.hpp"
-#include "methods/support_vector_machine.hpp"
+#include "methods/support_vector_machines/image_features.hpp"
+#include "methods/support_vector_machines/machine.hpp"
 
 #include <tactnet/io/text.hpp>
 

@@ -1,8 +1,7 @@
 #pragma once
 
 // All of a network that is compiled for its type and size, as virtual functions. The program knows networks
-// by this alone, so that everything else is compiled once. See compile_network.hpp for the template behind
-// it.
+// by this alone, so that everything else is compiled once. See compile.hpp for the template behind it.
 
 #include "methods/method.hpp"
 

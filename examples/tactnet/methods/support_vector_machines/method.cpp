@@ -1,8 +1,8 @@
-#include "methods/svm_method.hpp"
+#include "methods/support_vector_machines/method.hpp"
 
-#include "methods/pixel_features.hpp"
-#include "methods/svm_recipe.hpp"
-#include "methods/trained_svm.hpp"
+#include "methods/support_vector_machines/pixel_features.hpp"
+#include "methods/support_vector_machines/recipe.hpp"
+#include "methods/support_vector_machines/trained.hpp"
 
 #include <tactnet/io/text.hpp>
 #include <tactnet/runtime/random.hpp>

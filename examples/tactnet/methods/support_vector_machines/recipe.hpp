@@ -1,6 +1,6 @@
 #pragma once
 
-#include "methods/support_vector_machine.hpp"
+#include "methods/support_vector_machines/machine.hpp"
 
 #include <array>
 #include <string_view>

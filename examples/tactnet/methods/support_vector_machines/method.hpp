@@ -3,8 +3,8 @@
 // Support vector machines among the program's methods: on pixels, and behind histograms of SURF words as in
 // the paper's baseline.
 
-#include "methods/image_features.hpp"
 #include "methods/method.hpp"
+#include "methods/support_vector_machines/image_features.hpp"
 
 #include <cstddef>
 #include <memory>

@@ -2,7 +2,7 @@
 
 // Histograms of SURF words as in the paper's baseline. Included only by the generated units.
 
-#include "methods/image_features.hpp"
+#include "methods/support_vector_machines/image_features.hpp"
 
 #include <tactnet/features/surf_words.hpp>
 

@@ -1,4 +1,4 @@
-#include "methods/network_method.hpp"
+#include "methods/networks/method.hpp"
 
 #include "methods/description.hpp"
 

@@ -1,4 +1,4 @@
-#include "methods/svm_recipe.hpp"
+#include "methods/support_vector_machines/recipe.hpp"
 
 #include <tactnet/features/surf_words.hpp>
 
