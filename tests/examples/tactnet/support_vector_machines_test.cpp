@@ -65,7 +65,7 @@ TEST_SUITE("program") {
         const auto decides = [](const support_vector_machine& machine, const std::vector<double>& values,
                                 std::size_t label, double score) {
             const last_numbers last(values);
-            const recognition found = machine.decide(last.values());
+            const scored_class found = machine.decide(last.values());
             CHECK(found.label == label);
             CHECK(found.score == score);
         };

@@ -80,15 +80,15 @@ public:
                                  tactnet::thread_pool& threads) const override {
         return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads);
     }
-    std::vector<recognition> recognise(std::span<const std::uint8_t> images,
-                                       tactnet::thread_pool& threads) const override {
+    std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        tactnet::thread_pool& threads) const override {
         const auto deployed = code_.deploy(model_);
         const std::size_t count = images.size() / (code_.rows * code_.columns);
         std::vector<float> logits(count * code_.outputs);
         if (!deployed->recognise(threads, images, logits))
             throw std::runtime_error(
                 "expected finite logits, found some that are not: the weights are broken");
-        std::vector<recognition> result;
+        std::vector<scored_class> result;
         for (std::size_t i = 0; i < count; ++i) {
             const auto found = tactnet::likeliest(
                 std::span<const float>(logits).subspan(i * code_.outputs, classes().size()));

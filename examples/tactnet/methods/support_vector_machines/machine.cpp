@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-recognition support_vector_machine::decide(std::span<const double> values) const {
+scored_class support_vector_machine::decide(std::span<const double> values) const {
     const std::size_t classes = labels().size();
     const tactnet::multiclass by = scheme();
     const std::size_t found = tactnet::decide(values, classes, by);

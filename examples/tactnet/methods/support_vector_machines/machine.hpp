@@ -48,7 +48,7 @@ public:
         return std::get<rbf_machine>(own_).decision_values(rows, threads);
     }
     /// What such a row stands for. The score is the smallest value in favour of the class.
-    recognition decide(std::span<const double> values) const;
+    scored_class decide(std::span<const double> values) const;
 
 private:
     std::variant<linear_machine, rbf_machine> own_;

@@ -27,14 +27,14 @@ public:
                                  tactnet::thread_pool& threads) const override {
         tactnet::evaluation result{
             std::numeric_limits<double>::quiet_NaN(), tactnet::confusion_matrix(images.classes), {}};
-        for (const recognition& found : recognise_chosen(images.pixels, chosen, threads)) {
+        for (const scored_class& found : recognise_chosen(images.pixels, chosen, threads)) {
             result.confusion.add(images.labels[chosen[result.recognised.size()]], found.label);
             result.recognised.push_back(found.label);
         }
         return result;
     }
-    std::vector<recognition> recognise(std::span<const std::uint8_t> images,
-                                       tactnet::thread_pool& threads) const override {
+    std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        tactnet::thread_pool& threads) const override {
         return recognise_chosen(images, all_of(images), threads);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
@@ -85,10 +85,10 @@ private:
         const std::vector<float> rows = features_->rows(images, chosen, threads);
         return own_.values(feature_list(rows, features_->size()), threads);
     }
-    std::vector<recognition> recognise_chosen(std::span<const std::uint8_t> images,
-                                              std::span<const std::size_t> chosen,
-                                              tactnet::thread_pool& threads) const {
-        std::vector<recognition> result;
+    std::vector<scored_class> recognise_chosen(std::span<const std::uint8_t> images,
+                                               std::span<const std::size_t> chosen,
+                                               tactnet::thread_pool& threads) const {
+        std::vector<scored_class> result;
         if (chosen.empty())
             return result;
         const std::vector<double> values = values_of(images, {chosen.begin(), chosen.end()}, threads);
