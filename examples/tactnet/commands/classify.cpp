@@ -1,11 +1,11 @@
 // tactnet classify: images in, a line each out.
 
 #include "commands/commands.hpp"
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
-#include "reports/printable.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>

@@ -1,10 +1,10 @@
 #include "reports/plot.hpp"
 
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/gnuplot.hpp"
-#include "reports/printable.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 
 #include <tactnet/io/file.hpp>
 

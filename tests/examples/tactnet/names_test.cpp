@@ -6,9 +6,9 @@
 
 #include <doctest/doctest.h>
 
+#include <console/printable.hpp>
 #include <cstdlib>
 #include <reports/plot.hpp>
-#include <reports/printable.hpp>
 #include <string>
 #include <string_view>
 #include <sys/stat.h>

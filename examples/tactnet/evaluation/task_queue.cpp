@@ -1,4 +1,4 @@
-#include "commands/task_queue.hpp"
+#include "evaluation/task_queue.hpp"
 
 #include "reports/report.hpp"
 

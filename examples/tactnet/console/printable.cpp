@@ -1,4 +1,4 @@
-#include "reports/printable.hpp"
+#include "console/printable.hpp"
 
 #include <tactnet/io/text.hpp>
 

@@ -1,4 +1,4 @@
-#include "reports/standard_streams.hpp"
+#include "console/standard_streams.hpp"
 
 #include <tactnet/io/file_error.hpp>
 

@@ -1,9 +1,9 @@
-#include "commands/trainings.hpp"
+#include "evaluation/trainings.hpp"
 
-#include "commands/task_queue.hpp"
+#include "console/progress.hpp"
+#include "console/standard_streams.hpp"
+#include "evaluation/task_queue.hpp"
 #include "methods/weights.hpp"
-#include "reports/progress.hpp"
-#include "reports/standard_streams.hpp"
 
 #include <tactnet/training/training_loop.hpp>
 

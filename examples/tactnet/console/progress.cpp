@@ -1,6 +1,6 @@
-#include "reports/progress.hpp"
+#include "console/progress.hpp"
 
-#include "reports/standard_streams.hpp"
+#include "console/standard_streams.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "reports/evaluation_table.hpp"
+#include "evaluation/table.hpp"
 
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"

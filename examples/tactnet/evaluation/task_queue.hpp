@@ -2,8 +2,8 @@
 
 // The trainings that are left, given out so that no two programs on one folder of results do the same.
 
-#include "commands/trainings.hpp"
-#include "reports/claims.hpp"
+#include "evaluation/claims.hpp"
+#include "evaluation/trainings.hpp"
 
 #include <cstddef>
 #include <list>

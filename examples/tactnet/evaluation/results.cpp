@@ -1,4 +1,4 @@
-#include "reports/results.hpp"
+#include "evaluation/results.hpp"
 
 #include "data/regular_file.hpp"
 #include "reports/report.hpp"

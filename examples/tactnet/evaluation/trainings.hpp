@@ -3,9 +3,9 @@
 // The trainings of an evaluation, many at once.
 
 #include "data/image_data.hpp"
+#include "evaluation/results.hpp"
 #include "methods/method.hpp"
 #include "methods/training_settings.hpp"
-#include "reports/results.hpp"
 
 #include <cstddef>
 #include <cstdint>

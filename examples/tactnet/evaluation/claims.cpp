@@ -1,4 +1,4 @@
-#include "reports/claims.hpp"
+#include "evaluation/claims.hpp"
 
 #include "data/fingerprint.hpp"
 

@@ -1,4 +1,4 @@
-#include "commands/suggestion.hpp"
+#include "console/suggestion.hpp"
 
 #include <algorithm>
 #include <cstddef>
