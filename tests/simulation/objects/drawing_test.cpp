@@ -1,4 +1,4 @@
-#include <tactnet/simulation/paper/drawing.hpp>
+#include <tactnet/simulation/objects/drawing.hpp>
 
 #include <doctest/doctest.h>
 
