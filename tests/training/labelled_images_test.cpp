@@ -14,7 +14,7 @@ namespace {
 constexpr shape size{2, 3};
 }
 
-TEST_CASE("labelled_images: labelled images: an image by its number") {
+TEST_CASE("labelled_images: an image by its number") {
     std::vector<std::uint8_t> pixels(3 * size.size());
     std::iota(pixels.begin(), pixels.end(), std::uint8_t{0});
     const std::vector<std::size_t> labels{0, 1, 1};
@@ -25,7 +25,7 @@ TEST_CASE("labelled_images: labelled images: an image by its number") {
     CHECK(last.back() == 17);
 }
 
-TEST_CASE("labelled_images: labelled images: what does not fit a network is told with the numbers") {
+TEST_CASE("labelled_images: what does not fit a network is told with the numbers") {
     const std::vector<std::uint8_t> pixels(3 * size.size());
     const std::vector<std::size_t> labels{0, 1, 3};
     const auto told = [](const labelled_images& images, std::size_t outputs) {
