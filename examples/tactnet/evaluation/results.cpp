@@ -4,7 +4,7 @@
 #include "reports/report.hpp"
 
 #include <tactnet/io/file.hpp>
-#include <tactnet/io/json_checksum.hpp>
+#include <tactnet/io/safetensors/json_checksum.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

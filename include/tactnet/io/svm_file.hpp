@@ -2,7 +2,7 @@
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/svm/kernel/functions.hpp>
 #include <tactnet/svm/kernel_machine.hpp>

@@ -3,7 +3,7 @@
 // The program `tactnet` from outside: files in, files and exit status out.
 
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>

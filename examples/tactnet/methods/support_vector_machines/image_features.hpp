@@ -2,7 +2,7 @@
 
 #include "methods/method.hpp"
 
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 
 #include <cstddef>
 #include <memory>

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/checksum.hpp>
-#include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file.hpp>
-#include <tactnet/io/safetensors_header.hpp>
+#include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors/element_type.hpp>
+#include <tactnet/io/safetensors/header.hpp>
 #include <tactnet/io/text.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include <tactnet/io/checksum.hpp>
+#include <tactnet/io/safetensors/checksum.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include <tactnet/io/json_scanner.hpp>
+#include <tactnet/io/safetensors/json_scanner.hpp>
 
 #include <doctest/doctest.h>
 

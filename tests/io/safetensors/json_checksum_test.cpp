@@ -1,4 +1,4 @@
-#include <tactnet/io/json_checksum.hpp>
+#include <tactnet/io/safetensors/json_checksum.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include <tactnet/io/element_type.hpp>
+#include <tactnet/io/safetensors/element_type.hpp>
 
 #include <doctest/doctest.h>
 
