@@ -6,9 +6,9 @@
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/networks/published_training.hpp>
+#include <tactnet/training/data/split.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>
-#include <tactnet/training/split.hpp>
 #include <tactnet/training/trainer.hpp>
 
 #include <cstddef>

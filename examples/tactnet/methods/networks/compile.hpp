@@ -7,7 +7,7 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/parameters.hpp>
-#include <tactnet/training/trainable_network.hpp>
+#include <tactnet/training/loop/trainable_network.hpp>
 
 #include <utility>
 

@@ -6,7 +6,7 @@
 #include "methods/method.hpp"
 
 #include <tactnet/io/model_file.hpp>
-#include <tactnet/training/trainable.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include <tactnet/training/labelled_images.hpp>
+#include <tactnet/training/data/labelled_images.hpp>
 
 #include <doctest/doctest.h>
 

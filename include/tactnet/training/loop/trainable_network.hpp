@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/image/transform.hpp>
-#include <tactnet/training/trainable.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 
 #include <utility>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/training/progress.hpp>
+#include <tactnet/training/loop/progress.hpp>
 
 #include <cmath>
 #include <span>

@@ -1,5 +1,5 @@
 #include <tactnet/tensor/batch.hpp>
-#include <tactnet/training/sample_batch.hpp>
+#include <tactnet/training/data/sample_batch.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include <tactnet/training/divergence.hpp>
+#include <tactnet/training/loop/divergence.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,8 +3,8 @@
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/evaluate.hpp>
-#include <tactnet/training/sample_batch.hpp>
 
 #include <algorithm>
 #include <cstddef>

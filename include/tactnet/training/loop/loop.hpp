@@ -1,12 +1,12 @@
 #pragma once
 
-#include <tactnet/training/divergence.hpp>
+#include <tactnet/training/data/split.hpp>
 #include <tactnet/training/early_stopping.hpp>
-#include <tactnet/training/epoch_images.hpp>
-#include <tactnet/training/progress.hpp>
+#include <tactnet/training/loop/divergence.hpp>
+#include <tactnet/training/loop/epoch_images.hpp>
+#include <tactnet/training/loop/progress.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/recipe.hpp>
-#include <tactnet/training/split.hpp>
-#include <tactnet/training/trainable.hpp>
 
 #include <algorithm>
 #include <cmath>

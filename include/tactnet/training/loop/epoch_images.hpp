@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/image/augmentation.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/recipe.hpp>
-#include <tactnet/training/trainable.hpp>
 
 #include <algorithm>
 #include <cstddef>

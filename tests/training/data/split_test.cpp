@@ -1,4 +1,4 @@
-#include <tactnet/training/split.hpp>
+#include <tactnet/training/data/split.hpp>
 
 #include <doctest/doctest.h>
 
