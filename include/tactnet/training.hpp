@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/training/data/input_batch.hpp>
 #include <tactnet/training/data/labelled_images.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>

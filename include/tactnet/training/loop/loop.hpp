@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/training/data/input_batch.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/early_stopping.hpp>
 #include <tactnet/training/loop/divergence.hpp>
@@ -24,15 +25,6 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace detail {
-
-/// One for weights, zero for all else that is learnt, up to a whole vector: what weight decay applies to.
-inline aligned_vector<float> decay_mask(const std::vector<parameter>& parameters, std::size_t size) {
-    aligned_vector<float> mask(size, 0.0f);
-    for (const parameter& p : parameters)
-        if (p.what == role::weight)
-            std::fill_n(mask.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size, 1.0f);
-    return mask;
-}
 
 /// Moves a running mean towards the latest values, by their share.
 inline void blend(std::span<float> mean, std::span<const float> latest, float share) {
@@ -59,16 +51,15 @@ public:
           threads_(threads),
           shown_(how, *network_, images, split_.training, seed, threads),
           stopping_(how.patience),
-          mean_(network_->input_shape().size()),
           space_(network_->make_workspace()),
-          in_(mean_.size()),
+          in_(network_->input_shape().size(), threads),
           out_(network_->outputs()),
           out_gradient_(network_->outputs()) {
         network_->epsilon() = how.epsilon;
         if (how.input == input_rule::subtract_mean)
-            set_mean();
+            in_.subtract_mean(images_, split_.training);
         else
-            scale_ = 1.0f / 255;
+            in_.scale_by(1.0f / 255);
         const std::size_t size = network_->learnable_values().size();
         optimiser_.resize(size);
         gradients_.assign(size, 0);
@@ -93,8 +84,8 @@ public:
     [[nodiscard]] const trainable& best() const { return split_.validation.empty() ? candidate() : *best_; }
     [[nodiscard]] const trainable& latest() const { return candidate(); }
     /// Inputs are (count − mean) × scale.
-    [[nodiscard]] std::span<const float> mean() const { return mean_; }
-    [[nodiscard]] float scale() const { return scale_; }
+    [[nodiscard]] std::span<const float> mean() const { return in_.mean(); }
+    [[nodiscard]] float scale() const { return in_.scale(); }
     [[nodiscard]] const data_split& split() const { return split_; }
 
     /// Begins with the parameters and statistics of another network, for example one that was trained on
@@ -176,55 +167,22 @@ private:
         return how;
     }
 
-    /// The mean image of the training set; summed in integers, so that no rounding adds up.
-    void set_mean() {
-        for (std::size_t e = 0; e < mean_.size(); ++e) {
-            std::uint64_t sum = 0;
-            for (const std::size_t image : split_.training)
-                sum += images_.pixels[image * mean_.size() + e];
-            mean_[e] =
-                static_cast<float>(static_cast<double>(sum) / static_cast<double>(split_.training.size()));
-        }
-    }
-    void set_input(std::size_t sample, std::span<float> counts) {
-        for (std::size_t e = 0; e < counts.size(); ++e)
-            counts[e] = (counts[e] - mean_[e]) * scale_;
-        in_.set(sample, counts);
-    }
-    /// body(share, room for an image) on every thread.
-    template <class Body>
-    void on_each_thread(const Body& body) {
-        images_at_work_.resize(threads_.threads() * mean_.size());
-        threads_.on_each_thread([&](thread_pool::share share) {
-            body(share, std::span(images_at_work_).subspan(share.index * mean_.size(), mean_.size()));
-        });
-    }
-    void make_inputs(std::span<const std::size_t> places, std::size_t epoch) {
-        in_.resize(places.size()), out_.resize(places.size());
-        on_each_thread([&](thread_pool::share share, std::span<float> image) {
-            for (std::size_t i = share.begin(places.size()); i < share.end(places.size()); ++i) {
-                shown_.make(places[i], epoch, image);
-                set_input(i, image);
-            }
-        });
-    }
-
     /// One step; returns the mean loss before it.
     double take(std::span<const std::size_t> places, std::size_t epoch, double rate) {
         const std::size_t count = places.size();
-        make_inputs(places, epoch);
-        out_gradient_.resize(count);
+        in_.fill(count, [&](std::size_t i, std::span<float> image) { shown_.make(places[i], epoch, image); });
+        out_.resize(count), out_gradient_.resize(count);
         std::vector<std::size_t> labels(count);
         for (std::size_t i = 0; i < count; ++i)
             labels[i] = shown_.label(places[i]);
 
         const auto step = static_cast<std::uint32_t>(optimiser_.steps);
         network_->prepare(threads_, *space_);
-        network_->forward(threads_, *space_, in_, out_, seed_, step);
+        network_->forward(threads_, *space_, in_.samples(), out_, seed_, step);
         const double loss = detail::softmax_cross_entropy<float>({count, out_.size(), sample_batch::lanes},
                                                                  out_.data(), labels, images_.classes,
                                                                  how_.label_smoothing, out_gradient_.data());
-        network_->backward(threads_, *space_, in_, out_, out_gradient_, gradients_, seed_, step);
+        network_->backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
         take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_,
                          decayed_);
         if (how_.averaging > 0)
@@ -252,22 +210,20 @@ private:
             const std::size_t first = images.size() * batch / batches,
                               last = images.size() * (batch + 1) / batches;
             network.momentum() = static_cast<double>(last - first) / static_cast<double>(last);
-            in_.resize(last - first), out_.resize(last - first);
-            on_each_thread([&](thread_pool::share share, std::span<float> image) {
-                for (std::size_t i = share.begin(last - first); i < share.end(last - first); ++i) {
-                    std::copy_n(images_.pixels.data() + images[first + i] * mean_.size(), mean_.size(),
-                                image.data());
-                    set_input(i, image);
-                }
+            in_.fill(last - first, [&](std::size_t i, std::span<float> image) {
+                std::copy_n(images_.pixels.data() + images[first + i] * image.size(), image.size(),
+                            image.data());
             });
-            network.forward(threads_, *space_, in_, out_, seed_,
+            out_.resize(last - first);
+            network.forward(threads_, *space_, in_.samples(), out_, seed_,
                             static_cast<std::uint32_t>(optimiser_.steps + batch));
         }
         network.momentum() = momentum;
     }
 
     void validate(epoch_report& report) {
-        const evaluation result = evaluate(candidate(), mean_, scale_, images_, split_.validation, threads_);
+        const evaluation result =
+            evaluate(candidate(), mean(), scale(), images_, split_.validation, threads_);
         detail::check_loss(result.loss, report, "validation");
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();
@@ -284,14 +240,12 @@ private:
     thread_pool& threads_;
     epoch_images shown_;
     early_stopping stopping_;
-    std::vector<float> mean_;
-    float scale_ = 1;
     optimiser_state<float> optimiser_;
     aligned_vector<float> gradients_, decayed_;
     training_progress progress_;
     std::unique_ptr<trainable::workspace> space_;
-    sample_batch in_, out_, out_gradient_;
-    std::vector<float> images_at_work_; ///< one for each thread
+    input_batch in_;
+    sample_batch out_, out_gradient_;
 };
 
 } // namespace TACTNET_ARCH
