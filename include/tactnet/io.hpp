@@ -3,7 +3,9 @@
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/natural_order.hpp>
+#include <tactnet/io/images/set.hpp>
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/parameters.hpp>

@@ -1,5 +1,6 @@
 #include <tactnet/io/file.hpp>
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
 
 #include <doctest/doctest.h>
 

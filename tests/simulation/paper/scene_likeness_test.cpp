@@ -1,7 +1,7 @@
 // Simulated images beside the real ones, class by class: how much of the array shows anything, and how much.
 // Needs the paper's images.
 
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/simulation/paper/simulate.hpp>
 

@@ -2,35 +2,25 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/images/natural_order.hpp>
 #include <tactnet/io/text.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
-// Labelled images as the ecosystem keeps them: a folder with one subfolder a class. Listing and loading are
-// apart, and the library decodes nothing itself: the caller passes a function that turns a file into grey
-// values.
+// Labelled images as the ecosystem keeps them: a folder with one subfolder a class. This lists them; set.hpp
+// loads them.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
-
-/// An image of 8-bit grey values, row-major, `rows * columns` of them.
-struct grey_image {
-    std::size_t rows = 0;
-    std::size_t columns = 0;
-    std::vector<std::uint8_t> pixels;
-};
 
 /// What is in a folder of images: names only, nothing has been opened.
 struct image_folder {
@@ -47,66 +37,10 @@ struct image_folder {
     std::vector<file> files;
 };
 
-/// Images of one size with their labels.
-struct image_set {
-    std::size_t rows = 0;
-    std::size_t columns = 0;
-    /// Image after image, each row-major: `labels.size() * rows * columns` values.
-    std::vector<std::uint8_t> pixels;
-    std::vector<std::size_t> labels;
-    std::vector<std::string> classes;
-    std::vector<std::filesystem::path> paths;
-
-    std::size_t size() const noexcept { return labels.size(); }
-    std::span<const std::uint8_t> image(std::size_t index) const {
-        return std::span(pixels).subspan(index * rows * columns, rows * columns);
-    }
-};
-
-/// Whether `a` comes before `b` when runs of digits count as numbers: "key2" before "key10". A strict total
-/// order on bytes, independent of the locale; numbers that differ in leading zeros only are put in order by
-/// their bytes.
-inline bool natural_less(std::string_view a, std::string_view b) noexcept {
-    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    // Takes a number off the front, without its leading zeros: of any length, so it stays text.
-    const auto take_number = [&](std::string_view& text) {
-        std::size_t end = 0;
-        while (end < text.size() && is_digit(text[end]))
-            ++end;
-        std::string_view number = text.substr(0, end);
-        text.remove_prefix(end);
-        number.remove_prefix(std::min(number.find_first_not_of('0'), number.size()));
-        return number;
-    };
-    std::string_view rest_a = a, rest_b = b;
-    while (!rest_a.empty() && !rest_b.empty()) {
-        if (is_digit(rest_a.front()) && is_digit(rest_b.front())) {
-            const std::string_view number_a = take_number(rest_a), number_b = take_number(rest_b);
-            if (number_a.size() != number_b.size())
-                return number_a.size() < number_b.size();
-            if (const int order = number_a.compare(number_b); order != 0)
-                return order < 0;
-        } else {
-            if (rest_a.front() != rest_b.front())
-                return static_cast<unsigned char>(rest_a.front()) <
-                       static_cast<unsigned char>(rest_b.front());
-            rest_a.remove_prefix(1);
-            rest_b.remove_prefix(1);
-        }
-    }
-    if (rest_a.empty() != rest_b.empty())
-        return rest_a.empty();
-    return a < b;
-}
-
 /// The file name endings that count as images unless told otherwise.
 inline constexpr std::array<std::string_view, 3> default_image_extensions{".jpg", ".jpeg", ".png"};
 
 namespace detail {
-
-inline std::string size_text(std::size_t rows, std::size_t columns) {
-    return std::to_string(rows) + " x " + std::to_string(columns) + " pixels (rows x columns)";
-}
 
 inline std::string lower_case(std::string text) {
     // ASCII only: the endings are, and the locale must not matter.
@@ -185,24 +119,6 @@ inline std::vector<std::filesystem::path> images_in(const std::filesystem::path&
     return images;
 }
 
-template <class Decoder, class Fit>
-image_set load_images(const image_folder& folder, std::size_t rows, std::size_t columns, Decoder& decode,
-                      Fit fit) {
-    image_set set{rows, columns, {}, {}, folder.classes, {}};
-    for (const auto& [path, label] : folder.files) {
-        grey_image image = decode(path);
-        if (image.rows != rows || image.columns != columns)
-            image = fit(std::move(image), path);
-        if (image.rows != rows || image.columns != columns || image.pixels.size() != rows * columns)
-            throw std::logic_error(
-                "tactnet: a decoder or resizer gave an image of another size than it says");
-        set.pixels.insert(set.pixels.end(), image.pixels.begin(), image.pixels.end());
-        set.labels.push_back(label);
-        set.paths.push_back(path);
-    }
-    return set;
-}
-
 } // namespace detail
 
 /// Lists the images in the subfolders of `root`. Hidden entries, files beside the subfolders and folders
@@ -241,31 +157,6 @@ list_image_folder(const std::filesystem::path& root,
             folder.files.push_back({std::move(path), label});
     return folder;
 }
-
-/// Loads all images, each of which must have `rows` x `columns` pixels. `decode(path)` gives a grey_image or
-/// throws. Throws file_error with the name of the first image of another size.
-template <class Decoder>
-    requires std::is_invocable_r_v<grey_image, Decoder&, const std::filesystem::path&> image_set
-    load_images(const image_folder& folder, std::size_t rows, std::size_t columns, Decoder decode) {
-        return detail::load_images(
-            folder, rows, columns, decode,
-            [&](const grey_image& image, const std::filesystem::path& path) -> grey_image {
-                throw file_error(path.string(), "", detail::size_text(rows, columns),
-                                 detail::size_text(image.rows, image.columns));
-            });
-    }
-
-/// The same, but `resize(image)` brings images of another size to `rows` x `columns`.
-template <class Decoder, class Resizer>
-    requires std::is_invocable_r_v<grey_image, Decoder&, const std::filesystem::path&> &&
-        std::is_invocable_r_v<grey_image, Resizer&, grey_image>
-            image_set load_images(const image_folder& folder, std::size_t rows, std::size_t columns,
-                                  Decoder decode, Resizer resize) {
-        return detail::load_images(folder, rows, columns, decode,
-                                   [&](grey_image image, const std::filesystem::path&) -> grey_image {
-                                       return resize(std::move(image));
-                                   });
-    }
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet
