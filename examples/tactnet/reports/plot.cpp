@@ -47,7 +47,7 @@ void draw(const std::filesystem::path& stem, const std::string& csv, const std::
                     "set datafile separator ','\n"
                     "{}",
                     size, size, body);
-    const drawing drawn = draw_png(text);
+    const drawn_picture drawn = draw_png(text);
     if (!drawn.picture.empty()) {
         tactnet::write_file(picture, drawn.picture);
         std::error_code ignored;
