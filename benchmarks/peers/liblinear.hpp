@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/svm/coordinate_descent.hpp>
 #include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/svm/solvers/coordinate_descent.hpp>
 
 #include <cstddef>
 #include <memory>

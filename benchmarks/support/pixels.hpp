@@ -1,6 +1,7 @@
 #pragma once
 
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 

@@ -2,7 +2,8 @@
 // image, or a folder with one subfolder of images a class, of which it shows the one with the most to see.
 
 #include <tactnet/image.hpp>
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -48,7 +48,7 @@ void run(const char* weights, const char* header) {
         labels.push_back(i / images_of_each);
     const tactnet::labelled_images images{pixels, labels, 3};
 
-    tactnet::recipe how = tactnet::recipe::standard(rows, columns);
+    tactnet::recipe how = tactnet::recipe::default_for(rows, columns);
     how.epochs = 12;
     how.augmentation = tactnet::augmentation_rule::none; // a turned bar that lies is a bar that stands
     const tactnet::data_split split = tactnet::split_data(labels, 3, tactnet::split_rule::random, 1);

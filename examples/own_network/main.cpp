@@ -61,7 +61,7 @@ int main() {
     const data_split split = split_data(data.labels, classes, split_rule::random, 1);
 
     thread_pool threads(2);
-    recipe how = recipe::standard(extents.rows, extents.columns);
+    recipe how = recipe::default_for(extents.rows, extents.columns);
     how.epochs = 12;
     trainer<own_network> training(how, views, split, 1, threads);
     while (!training.finished())

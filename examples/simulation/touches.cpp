@@ -2,7 +2,8 @@
 // with one subfolder of images a class is given; and says how alike they are.
 
 #include <tactnet/image/running_resize.hpp>
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/simulation/paper/simulate.hpp>
 

@@ -4,7 +4,7 @@
 // files. Strict on purpose: a pressure image has 8 bits a tactel, and a value that a decoder has guessed (a
 // damaged file), rescaled (16 bits) or mixed (colours) is a wrong pressure that nobody would notice.
 
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/set.hpp>
 
 #include <cstddef>
 #include <cstdint>

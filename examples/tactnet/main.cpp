@@ -5,9 +5,9 @@
 // (interrupted).
 
 #include "commands/commands.hpp"
-#include "commands/suggestion.hpp"
-#include "reports/printable.hpp"
-#include "reports/standard_streams.hpp"
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
+#include "console/suggestion.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>

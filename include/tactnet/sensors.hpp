@@ -11,6 +11,8 @@
 #include <tactnet/sensors/tekscan/binary.hpp>
 #include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>
+#include <tactnet/sensors/tekscan/binary_records.hpp>
+#include <tactnet/sensors/tekscan/frame_times.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
 #include <tactnet/sensors/tekscan/row.hpp>

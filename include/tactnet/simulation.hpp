@@ -30,11 +30,12 @@
 #include <tactnet/simulation/elasticity/layer_compliance.hpp>
 #include <tactnet/simulation/elasticity/polonsky_keer.hpp>
 #include <tactnet/simulation/elasticity/radial_kernel.hpp>
+#include <tactnet/simulation/objects/drawing.hpp>
+#include <tactnet/simulation/objects/family.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/objects/part.hpp>
 #include <tactnet/simulation/paper/bars.hpp>
 #include <tactnet/simulation/paper/bodies.hpp>
-#include <tactnet/simulation/paper/drawing.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/simulation/paper/simulate.hpp>

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 
 using namespace tactnet;
 

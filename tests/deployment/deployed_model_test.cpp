@@ -58,8 +58,7 @@ std::array<std::uint8_t, size.size()> frame(std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE(
-    "deployed_model: deployed model: the class of the logits that it gives, and those of the bare network") {
+TEST_CASE("deployed_model: the class of the logits that it gives, and those of the bare network") {
     const auto m = trained<net>(5);
     const auto recognise = deploy(m);
     const auto bare = deploy(m.network, m.normalise.mean.view().elements(), m.normalise.scale);
@@ -88,7 +87,7 @@ TEST_CASE(
     CHECK(std::count(seen.begin(), seen.end(), 40u) == 0); // not one class whatever the frame
 }
 
-TEST_CASE("deployed_model: deployed model: a broken frame is no class") {
+TEST_CASE("deployed_model: a broken frame is no class") {
     const auto recognise = deploy(trained<net>(5));
     std::array<float, size.size()> numbers{};
     CHECK(recognise(numbers));
@@ -101,7 +100,7 @@ TEST_CASE("deployed_model: deployed model: a broken frame is no class") {
     }
 }
 
-TEST_CASE("deployed_model: deployed model: outputs behind the classes are never recognised") {
+TEST_CASE("deployed_model: outputs behind the classes are never recognised") {
     auto m = trained<net>(2);
     m.network.for_each_parameter([](const parameter& p, std::span<float> values) {
         if (p.name == "fc.bias")
@@ -120,7 +119,7 @@ TEST_CASE("deployed_model: deployed model: outputs behind the classes are never 
     }
 }
 
-TEST_CASE("deployed_model: deployed model: of equal logits the first class") {
+TEST_CASE("deployed_model: of equal logits the first class") {
     auto m = trained<net>(5);
     m.network.for_each_parameter([](const parameter& p, std::span<float> values) {
         if (p.name == "fc.weight")
@@ -135,7 +134,7 @@ TEST_CASE("deployed_model: deployed model: of equal logits the first class") {
     CHECK(found->probability == 1 / (4 + std::exp(-3.0)));
 }
 
-TEST_CASE("deployed_model: deployed model: a softmax at the end is not taken twice") {
+TEST_CASE("deployed_model: a softmax at the end is not taken twice") {
     const auto logits = trained<net>(3);
     const auto probabilities = trained<ending>(3);
     const auto recognise = deploy(logits);
@@ -151,7 +150,7 @@ TEST_CASE("deployed_model: deployed model: a softmax at the end is not taken twi
     }
 }
 
-TEST_CASE("deployed_model: deployed model: names without an output and outputs without a name") {
+TEST_CASE("deployed_model: names without an output and outputs without a name") {
     CHECK_THROWS_WITH_AS(static_cast<void>(deploy(trained<net>(6))),
                          "deploy: expected a model that names 1 to 5 classes, found 6 names",
                          std::invalid_argument);
@@ -160,7 +159,7 @@ TEST_CASE("deployed_model: deployed model: names without an output and outputs w
                          std::invalid_argument);
 }
 
-TEST_CASE("deployed_model: deployed model: it is a deployed network wherever one is asked for") {
+TEST_CASE("deployed_model: it is a deployed network wherever one is asked for") {
     const auto m = trained<net>(5);
     const auto recognise = deploy(m);
     const fast_model::view_type view = recognise;
@@ -172,7 +171,7 @@ TEST_CASE("deployed_model: deployed model: it is a deployed network wherever one
     CHECK(deployed_header(recognise, says, frame(3)).find("namespace own") != std::string::npos);
 }
 
-TEST_CASE("deployed_model: deployed model: no heap, and names that outlive a move") {
+TEST_CASE("deployed_model: no heap, and names that outlive a move") {
     auto first = deploy(trained<net>(5));
     const auto counts = frame(2);
     const std::size_t before = support::allocations();

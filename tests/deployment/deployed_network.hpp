@@ -1,7 +1,7 @@
 #pragma once
 
 // What the tests of deployed networks share: networks full of numbers, frames, and the description of a
-// network that the bound of its errors is derived from (support/deployment_bound.hpp).
+// network that the bound of its errors is derived from (support/layers/deployment_bound.hpp).
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/networks/network.hpp>
@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <ostream>
 #include <span>
-#include <support/deployment_bound.hpp>
-#include <support/window_of.hpp>
+#include <support/layers/deployment_bound.hpp>
+#include <support/layers/window_of.hpp>
 #include <type_traits>
 #include <vector>
 

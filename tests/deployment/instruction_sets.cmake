@@ -14,7 +14,7 @@ function(tactnet_reduced_unit name)
 endfunction()
 
 # The reference knows no instruction set: one object for all programs.
-add_library(tactnet_deployment_bound OBJECT EXCLUDE_FROM_ALL ../support/deployment_bound.cpp)
+add_library(tactnet_deployment_bound OBJECT EXCLUDE_FROM_ALL ../support/layers/deployment_bound.cpp)
 target_link_libraries(tactnet_deployment_bound PRIVATE tactnet::tactnet tactnet_warnings)
 target_include_directories(tactnet_deployment_bound PRIVATE "${PROJECT_SOURCE_DIR}/tests")
 set_target_properties(tactnet_deployment_bound PROPERTIES CXX_EXTENSIONS OFF)
@@ -94,7 +94,7 @@ if(TACTNET_AARCH64_COMPILER AND TACTNET_AARCH64_EMULATOR AND tactnet_xsimd_folde
     file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/*.hpp")
     set(sources
         "${CMAKE_CURRENT_SOURCE_DIR}/reduced.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/reduced_main.cpp"
-        "${PROJECT_SOURCE_DIR}/tests/support/deployment_bound.cpp"
+        "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.cpp"
     )
     add_custom_command(
         OUTPUT "${program}"
@@ -105,7 +105,7 @@ if(TACTNET_AARCH64_COMPILER AND TACTNET_AARCH64_EMULATOR AND tactnet_xsimd_folde
             -o "${program}"
         DEPENDS
             ${sources} ${headers} deployed_network.hpp reduced.hpp
-            "${PROJECT_SOURCE_DIR}/tests/support/deployment_bound.hpp"
+            "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.hpp"
         VERBATIM
     )
     add_custom_target(test_deployed_aarch64 ALL DEPENDS "${program}")

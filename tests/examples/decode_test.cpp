@@ -5,9 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <string>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
-#include <support/temporary_folder.hpp>
 
 using support::run_program;
 
@@ -41,7 +41,7 @@ void refuses(const std::string& command, const std::string& sentence) {
 } // namespace
 
 TEST_SUITE("decode") {
-    TEST_CASE("the summary") {
+    TEST_CASE("decode: the summary") {
         const recording_file file(recording);
         const auto result = run_program(program + file.quoted());
         CHECK(result.status == 0);
@@ -50,7 +50,7 @@ TEST_SUITE("decode") {
                             "missing cells: 1\nunit: pascal\nseconds: 0.3\n");
     }
 
-    TEST_CASE("every frame as text") {
+    TEST_CASE("decode: every frame as text") {
         const recording_file file(recording);
         const auto result = run_program(program + " --csv" + file.quoted());
         CHECK(result.status == 0);
@@ -58,7 +58,7 @@ TEST_SUITE("decode") {
                             "frame,4,0.3\nB,5000,0\n1000,2000,255000\n");
     }
 
-    TEST_CASE("of a damaged recording the whole frames, and what is wrong") {
+    TEST_CASE("decode: of a damaged recording the whole frames, and what is wrong") {
         const recording_file file(recording.substr(0, recording.find("Frame 4") + 19));
         for (const std::string option : {"", " --csv"}) {
             const auto result = run_program(program + option + file.quoted());
@@ -70,7 +70,7 @@ TEST_SUITE("decode") {
         }
     }
 
-    TEST_CASE("warnings, and how many frames are certain, on standard error") {
+    TEST_CASE("decode: warnings, and how many frames are certain, on standard error") {
         using namespace std::string_literals;
         const std::string header =
                               "ROWS 1\nCOLS 3\nNOISE_THRESHOLD 3\nSECONDS_PER_FRAME 1\nFRAMES 3\n\xBB\xBA",
@@ -96,7 +96,7 @@ TEST_SUITE("decode") {
         CHECK(counted.error.find(": 4 more warnings\n") != std::string::npos);
     }
 
-    TEST_CASE("pictures") {
+    TEST_CASE("decode: pictures") {
         const recording_file file(recording);
         const auto picture = (file / "out.png").string();
         const auto result = run_program(program + " --picture 4 " + picture + file.quoted());
@@ -111,7 +111,7 @@ TEST_SUITE("decode") {
                 "expected a folder to write in");
     }
 
-    TEST_CASE("what cannot be read, written or understood") {
+    TEST_CASE("decode: what cannot be read, written or understood") {
         const recording_file file(recording), empty(""), other("not a recording\n");
         refuses(program + " /no/such/file", "/no/such/file: expected a file, found nothing of that name");
         refuses(program + " /", "/: expected a file, found a folder");
@@ -137,7 +137,7 @@ TEST_SUITE("decode") {
         CHECK(run_program(program + " --help").status == 0);
     }
 
-    TEST_CASE("a map says which cells have a tactel") {
+    TEST_CASE("decode: a map says which cells have a tactel") {
         using namespace std::string_literals;
         const std::string size = "ROWS 1\nCOLS 3\n";
         const recording_file binary(size + "\xBB\xBA\x01\x00\x02\x07\x08\xFF\xFF\xFF\xFF\xFF\xFE"s),
@@ -158,7 +158,7 @@ TEST_SUITE("decode") {
         refuses(program + " --map /no/such/map" + text.quoted(), "/no/such/map: expected a file");
     }
 
-    TEST_CASE("the real recording with the map of its sensor") {
+    TEST_CASE("decode: the real recording with the map of its sensor") {
         const auto recorded = support::find_data("tekscan/MySampleRecording.fsx");
         const auto map = support::find_data("tekscan/null.mp");
         if (!recorded || !map)

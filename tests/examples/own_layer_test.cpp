@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <own_layer/leaky_relu_deployed.hpp>
 #include <own_layer/network.hpp>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 #include <utility>
 
 // A layer defined outside the library goes through all that a layer of the library's own goes through.

@@ -9,8 +9,8 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
-#include <support/temporary_folder.hpp>
 #include <vector>
 
 using support::run_program;
@@ -39,7 +39,7 @@ std::vector<std::string> labels_of(const std::string& out) {
 } // namespace
 
 TEST_SUITE("stream") {
-    TEST_CASE("frames of a plain stream and of one's own device, and damage") {
+    TEST_CASE("stream: frames of a plain stream and of one's own device, and damage") {
         const support::temporary_folder folder;
         tactnet::model<network> model;
         tactnet::initialise(model.network, tactnet::he_normal{}, 3);

@@ -4,7 +4,7 @@
 // header in front, which few mutations get right. In the second form the header ends at the first byte 0xFF,
 // which is never part of text.
 
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 
 #include <algorithm>
 #include <cstddef>

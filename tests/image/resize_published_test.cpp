@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <decode_image.hpp>
 #include <filesystem>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <support/through_jpeg.hpp>
 #include <vector>
 

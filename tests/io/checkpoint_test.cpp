@@ -13,7 +13,7 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -118,7 +118,7 @@ TEST_CASE("checkpoint: stopped and resumed gives the same bits as one go, on any
         }
 }
 
-TEST_CASE("checkpoint: other settings: says which") {
+TEST_CASE("checkpoint: of other settings it says which") {
     const support::temporary_folder folder;
     const auto path = folder / "t.checkpoint";
     run first;

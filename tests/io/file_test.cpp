@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <type_traits>
 #include <vector>
 

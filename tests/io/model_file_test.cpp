@@ -13,8 +13,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <support/data_folder.hpp>
-#include <support/temporary_folder.hpp>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -216,7 +216,7 @@ TEST_CASE("model_file: as many names as outputs at most, and one at least") {
     CHECK_FALSE(std::filesystem::exists(folder / "m.safetensors"));
 }
 
-TEST_CASE("model_file: the same file without the network's type") {
+TEST_CASE("model_file: the same without the network's type") {
     const support::temporary_folder folder;
     const model<small_network> m = example();
     save_model(folder / "typed", m, {{"seed", "7"}}, images(2));
@@ -238,7 +238,7 @@ TEST_CASE("model_file: the same file without the network's type") {
         file_error);
 }
 
-TEST_CASE("model_file: a file cut short, at any byte") {
+TEST_CASE("model_file: one cut short, at any byte") {
     const support::temporary_folder folder;
     save_model(folder / "m.safetensors", example(), {}, images(1));
     const auto bytes = read_file(folder / "m.safetensors");

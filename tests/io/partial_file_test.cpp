@@ -8,7 +8,7 @@
 #include <csignal>
 #include <filesystem>
 #include <string>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>

@@ -17,8 +17,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <support/bit_flips.hpp>
-#include <support/temporary_folder.hpp>
+#include <support/files/bit_flips.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;

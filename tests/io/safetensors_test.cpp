@@ -15,8 +15,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <support/data_folder.hpp>
-#include <support/temporary_folder.hpp>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using tactnet::element_type;

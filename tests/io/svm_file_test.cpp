@@ -9,7 +9,7 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -134,7 +134,7 @@ TEST_CASE("svm_file: a machine beside other arrays; standardisation by nothing i
     }
 }
 
-TEST_CASE("svm_file: files that are not what they should be are refused in words") {
+TEST_CASE("svm_file: what is not what it should be are refused in words") {
     CHECK(error_of([](auto&, auto&) {}) == "no error");
     const auto has = [](const std::string& error, const char* part) {
         CAPTURE(error);

@@ -123,7 +123,7 @@ foreach(header IN LISTS headers)
                 problem("${place}: <${included}> is neither the library's nor the standard's, nor Eigen or xsimd")
             endif()
         elseif(line MATCHES "(random_purpose|effect_purpose) ([a-z_]+){([0-9]+)}")
-            # Two uses with one number would draw the same numbers.
+            # Two purposes with one number would draw the same numbers.
             set(taken "${CMAKE_MATCH_1}_${CMAKE_MATCH_3}")
             if(DEFINED place_of_${taken})
                 problem("${place}: the number of ${CMAKE_MATCH_2} is that of ${place_of_${taken}}")

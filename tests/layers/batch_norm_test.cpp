@@ -2,7 +2,7 @@
 #include <tactnet/runtime/random.hpp>
 
 #include <cmath>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 #include <vector>
 
 using namespace tactnet;

@@ -1,6 +1,6 @@
 #include <tactnet/layers/conv2d.hpp>
 
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 
 using namespace tactnet;
 using support::check_layer;

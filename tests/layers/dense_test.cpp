@@ -1,6 +1,6 @@
 #include <tactnet/layers/dense.hpp>
 
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 
 using namespace tactnet;
 using support::check_layer;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <support/erased_layer.hpp>
+#include <support/layers/erased.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -135,7 +135,7 @@ TEST_CASE("fused: a NaN reaches the outputs that it reaches layer by layer") {
         CHECK(broken == 1);
     }
 }
-TEST_CASE("lists: an empty batch has gradients of zero and moves no statistics") {
+TEST_CASE("fused: an empty batch has gradients of zero and moves no statistics") {
     using list = sequence<conv2d<2, 3>, batch_norm, relu, max_pool<2>, residual<conv2d<2, 3>>, dense<3>>;
     const auto layer = support::make_layer<fused<list>, double, shape{5, 4, 1}>();
     const aligned_vector<double> values(layer->parameters, 0.5);

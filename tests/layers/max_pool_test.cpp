@@ -1,7 +1,7 @@
 #include <tactnet/layers/max_pool.hpp>
 
 #include <cmath>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 
 using namespace tactnet;
 using support::check_layer;

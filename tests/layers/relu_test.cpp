@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <limits>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 
 using namespace tactnet;
 

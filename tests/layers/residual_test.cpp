@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <string>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 #include <vector>
 
 using namespace tactnet;

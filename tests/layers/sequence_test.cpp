@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -128,7 +128,7 @@ TEST_CASE("sequence: ReLU over the convolution's own output") {
     check_layer<sequence<conv2d<3, 2>, relu>, shape{4, 3, 1}>();
 }
 
-TEST_CASE("sequence: within a sequence") {
+TEST_CASE("sequence: one within another") {
     check_layer<sequence<sequence<conv2d<3, 3>, relu>, sequence<max_pool<2>, dense<4>>, softmax>,
                 shape{4, 5, 1}>();
 }

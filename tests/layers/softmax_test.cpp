@@ -1,7 +1,7 @@
 #include <tactnet/layers/softmax.hpp>
 
 #include <cmath>
-#include <support/conformance.hpp>
+#include <support/layers/conformance.hpp>
 #include <vector>
 
 using namespace tactnet;

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 using namespace tactnet;

@@ -21,44 +21,44 @@ using tactnet::philox;
 static_assert(tactnet::draw::sensor.number() == 7);
 static_assert(tactnet::draw::frame.number() == 8);
 static_assert(tactnet::draw::touch.number() == 9);
-static_assert(gain_map::random_use.number() == 0);
-static_assert(dead_tactels::random_use.number() == 1);
-static_assert(noise::random_use.number() == 2);
-static_assert(drift::random_use.number() == 3);
-static_assert(film_texture::random_use.number() == 7);
+static_assert(gain_map::purpose.number() == 0);
+static_assert(dead_tactels::purpose.number() == 1);
+static_assert(noise::purpose.number() == 2);
+static_assert(drift::purpose.number() == 3);
+static_assert(film_texture::purpose.number() == 7);
 
 /// An effect as a user writes one, with random numbers of its own.
 struct slip {
-    static constexpr auto random_use = effect_purpose::named("my_gripper/slip");
+    static constexpr auto purpose = effect_purpose::named("my_gripper/slip");
 };
 
 TEST_CASE("sensor_unit: random numbers are those of its number and the use") {
     constexpr sensor_unit unit{0x0123'4567'89AB'CDEF};
-    auto random = unit.random(noise::random_use);
+    auto random = unit.random(noise::purpose);
     for (const std::uint32_t word : philox({0, 7, 0, 2}, {0x89AB'CDEF, 0x0123'4567}))
         CHECK(random.bits() == word);
 }
 
 TEST_CASE("moment: random numbers are those of its seed, its frame and the use") {
     constexpr moment now{.seed = 0x0123'4567'89AB'CDEF, .frame = 5};
-    auto random = now.random(film_texture::random_use);
+    auto random = now.random(film_texture::purpose);
     for (const std::uint32_t word : philox({0, 8, 5, 7}, {0x89AB'CDEF, 0x0123'4567}))
         CHECK(random.bits() == word);
 }
 
 TEST_CASE("effect_purpose: every effect has numbers of its own, a user's too") {
-    const std::array uses{gain_map::random_use, dead_tactels::random_use, noise::random_use,
-                          drift::random_use,    film_texture::random_use, slip::random_use};
+    const std::array purposes{gain_map::purpose, dead_tactels::purpose, noise::purpose,
+                              drift::purpose,    film_texture::purpose, slip::purpose};
     std::set<std::uint32_t> numbers, of_sensors, of_frames;
-    for (const effect_purpose use : uses) {
-        numbers.insert(use.number());
-        of_sensors.insert(sensor_unit{}.random(use).bits());
-        of_frames.insert(moment{}.random(use).bits());
+    for (const effect_purpose purpose : purposes) {
+        numbers.insert(purpose.number());
+        of_sensors.insert(sensor_unit{}.random(purpose).bits());
+        of_frames.insert(moment{}.random(purpose).bits());
     }
-    CHECK(numbers.size() == uses.size());
-    CHECK(of_sensors.size() == uses.size());
-    CHECK(of_frames.size() == uses.size());
-    CHECK(slip::random_use.number() >= 0x8000'0000);
+    CHECK(numbers.size() == purposes.size());
+    CHECK(of_sensors.size() == purposes.size());
+    CHECK(of_frames.size() == purposes.size());
+    CHECK(slip::purpose.number() >= 0x8000'0000);
 }
 
 } // namespace

@@ -33,7 +33,7 @@ using whole = scene<array<8, 12>, contact<winkler>, tactel_average<3>, saturatio
 static_assert(plain::surface == tactnet::shape{8, 12} && plain::output == plain::tactels);
 static_assert(whole::surface == tactnet::shape{24, 36} && whole::output == tactnet::shape{8, 12});
 
-TEST_CASE("scene: a scene presses to the force that it is given") {
+TEST_CASE("scene: it presses to the force that it is given") {
     whole touch;
     tactnet::tensor<float, whole::surface> heights;
     for (std::size_t row = 0; row < whole::surface.rows; ++row)
@@ -52,7 +52,7 @@ TEST_CASE("scene: a scene presses to the force that it is given") {
     CHECK(sum * touch.sensor().tactel_area() == doctest::Approx(1).epsilon(1e-6));
 }
 
-TEST_CASE("scene: a scene with the accurate contact and a pad") {
+TEST_CASE("scene: with the accurate contact and a pad") {
     using accurate = scene<array<14, 16>, contact<bonded_layer>, elastic_pad, tactel_average<2>>;
     accurate touch({}, {}, elastic_pad{.thickness = 5e-4}, contact<bonded_layer>{{.poisson = 0.4}});
     const auto heights = support::heights_of<accurate::surface>(touch.cell(), support::sphere(0.01));
@@ -64,7 +64,7 @@ TEST_CASE("scene: a scene with the accurate contact and a pad") {
           doctest::Approx(2).epsilon(1e-3));
 }
 
-TEST_CASE("scene: a scene that goes on with another sensor is a scene of that sensor") {
+TEST_CASE("scene: one that goes on with another sensor is one of that sensor") {
     using faulty =
         scene<array<8, 12>, contact<winkler>, elastic_pad, gain_map, hysteresis, noise, dead_tactels>;
     const object ball{{rod::sphere({1e-3, 2e-3}, 0.02)}, {}};

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <sys/wait.h>
 
 namespace support {

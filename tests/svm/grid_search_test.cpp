@@ -115,7 +115,7 @@ TEST_CASE("grid_search: more than the memory allowed is refused") {
         std::invalid_argument);
 }
 
-TEST_CASE("grid_search: a grid without anything to try is refused") {
+TEST_CASE("grid_search: nothing to try is refused") {
     const support::samples s = support::blobs(20, 3, 2, 1);
     thread_pool alone;
     const auto refused = [&](const search_grid<rbf_kernel>& grid) {

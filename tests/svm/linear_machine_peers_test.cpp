@@ -16,7 +16,7 @@
 #ifdef TACTNET_TEST_IMAGES
 #include "decode_image.hpp"
 
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <support/pixels.hpp>
 #endif
 

@@ -8,7 +8,7 @@
 
 using namespace tactnet;
 
-TEST_CASE("metrics: confusion_matrix") {
+TEST_CASE("confusion_matrix: counts, and what is made of them") {
     confusion_matrix m(3), n(3);
     CHECK(std::isnan(m.accuracy()));
     m.add(0, 0);
@@ -24,7 +24,7 @@ TEST_CASE("metrics: confusion_matrix") {
     CHECK(m.classes() == 3);
 }
 
-TEST_CASE("metrics: mean_and_deviation") {
+TEST_CASE("mean_and_deviation: of samples, of one and of none") {
     const auto m = mean_and_deviation::of(std::array{2.0, 4.0, 4.0, 6.0});
     CHECK(m.mean == doctest::Approx(4));
     CHECK(m.deviation == doctest::Approx(std::sqrt(8.0 / 3)));

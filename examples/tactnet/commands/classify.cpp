@@ -1,11 +1,11 @@
 // tactnet classify: images in, a line each out.
 
 #include "commands/commands.hpp"
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
-#include "reports/printable.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
@@ -36,7 +36,7 @@ int classify(const classify_options& o) {
     const bool terminal = ::isatty(STDOUT_FILENO) == 1;
     const auto field = [&](const std::string& name) { return csv_field(terminal ? printable(name) : name); };
     tactnet::thread_pool threads;
-    const std::vector<recognition> recognised = weights.trained->recognise(pixels, threads);
+    const std::vector<scored_class> recognised = weights.trained->recognise(pixels, threads);
     for (std::size_t i = 0; i < o.images.size(); ++i) {
         const auto& [label, score] = recognised[i];
         print(fmt::format("{},{},{},{:.6f}\n", field(o.images[i]), label, field(weights.classes[label]),

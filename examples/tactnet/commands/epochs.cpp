@@ -1,10 +1,10 @@
 #include "commands/epochs.hpp"
 
+#include "console/printable.hpp"
+#include "console/progress.hpp"
+#include "console/standard_streams.hpp"
 #include "data/regular_file.hpp"
-#include "reports/printable.hpp"
-#include "reports/progress.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/safetensors.hpp>

@@ -4,15 +4,15 @@
 #include "commands/evaluate.hpp"
 
 #include "commands/commands.hpp"
-#include "commands/trainings.hpp"
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
+#include "evaluation/table.hpp"
+#include "evaluation/trainings.hpp"
 #include "files/places.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
-#include "reports/evaluation_table.hpp"
-#include "reports/printable.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>

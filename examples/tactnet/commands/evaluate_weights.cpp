@@ -2,12 +2,12 @@
 // folder.
 
 #include "commands/evaluate.hpp"
+#include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "files/places.hpp"
 #include "number_options.hpp"
 #include "reports/plot.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/text.hpp>

@@ -1,10 +1,10 @@
 // tactnet list: the networks that were compiled in, and what they cost.
 
 #include "commands/commands.hpp"
+#include "console/standard_streams.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>

@@ -2,12 +2,12 @@
 
 #include "commands/commands.hpp"
 #include "commands/scenes.hpp"
+#include "console/printable.hpp"
+#include "console/progress.hpp"
+#include "console/standard_streams.hpp"
 #include "data/regular_file.hpp"
 #include "number_options.hpp"
-#include "reports/printable.hpp"
-#include "reports/progress.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>

@@ -2,6 +2,8 @@
 
 #include "commands/commands.hpp"
 #include "commands/epochs.hpp"
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "files/places.hpp"
 #include "methods/description.hpp"
@@ -9,9 +11,7 @@
 #include "methods/weights.hpp"
 #include "number_options.hpp"
 #include "reports/plot.hpp"
-#include "reports/printable.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>

@@ -2,8 +2,9 @@
 
 // A folder of labelled images, as a training takes it.
 
-#include <tactnet/io/image_folder.hpp>
-#include <tactnet/training/labelled_images.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
+#include <tactnet/training/data/labelled_images.hpp>
 
 #include <cstddef>
 #include <filesystem>

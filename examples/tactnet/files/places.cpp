@@ -1,7 +1,7 @@
 #include "files/places.hpp"
 
+#include "console/printable.hpp"
 #include "files/try_name.hpp"
-#include "reports/printable.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 

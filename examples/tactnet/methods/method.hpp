@@ -6,9 +6,9 @@
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/networks/published_training.hpp>
+#include <tactnet/training/data/split.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>
-#include <tactnet/training/split.hpp>
 #include <tactnet/training/trainer.hpp>
 
 #include <cstddef>
@@ -36,8 +36,8 @@ struct frame_times {
     double in_batch = 0; ///< 64 frames at once
 };
 
-/// What an image was taken for.
-struct recognition {
+/// What an image was taken for. Not tactnet::recognition, whose probability not every method has.
+struct scored_class {
     std::size_t label = 0;
     /// Of a network: the probability. Of a support vector machine: the smallest decision value in favour of
     /// the class, which has no upper bound and is above 0 where no decision went against it.
@@ -54,8 +54,8 @@ public:
                                          std::span<const std::size_t> chosen,
                                          tactnet::thread_pool& threads) const = 0;
     /// Of images that are stored one after the other.
-    virtual std::vector<recognition> recognise(std::span<const std::uint8_t> images,
-                                               tactnet::thread_pool& threads) const = 0;
+    virtual std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                                tactnet::thread_pool& threads) const = 0;
     virtual void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
                       std::span<const std::uint8_t> selftest) const = 0;
 };

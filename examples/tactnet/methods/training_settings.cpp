@@ -87,8 +87,8 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--epochs, --batch, --rate, --input, --augmentation, --start: expected a network, "
                         "found {}, which is not trained by epochs",
                         what.name));
-    tactnet::recipe r =
-        s.recipe == "published" ? published_recipe(what) : tactnet::recipe::standard(what.rows, what.columns);
+    tactnet::recipe r = s.recipe == "published" ? published_recipe(what)
+                                                : tactnet::recipe::default_for(what.rows, what.columns);
     if (s.epochs)
         r.epochs = *s.epochs;
     if (s.batch)

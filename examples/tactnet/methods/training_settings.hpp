@@ -4,8 +4,8 @@
 
 #include "methods/method.hpp"
 
+#include <tactnet/training/data/split.hpp>
 #include <tactnet/training/recipe.hpp>
-#include <tactnet/training/split.hpp>
 
 #include <cstddef>
 #include <optional>

@@ -1,11 +1,11 @@
 #include "methods/weights.hpp"
 
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "data/regular_file.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
-#include "reports/printable.hpp"
-#include "reports/standard_streams.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>

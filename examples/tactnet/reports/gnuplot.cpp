@@ -114,10 +114,10 @@ std::string first_line(std::string_view words) {
     return "";
 }
 
-drawing no_drawing(std::string problem) {
+drawn_picture no_drawing(std::string problem) {
     return {{}, std::move(problem)};
 }
-drawing not_run(int error) {
+drawn_picture not_run(int error) {
     return no_drawing(error == ENOENT ? "gnuplot was not found"
                                       : fmt::format("gnuplot could not be run ('{}')",
                                                     std::generic_category().message(error)));
@@ -125,7 +125,7 @@ drawing not_run(int error) {
 
 } // namespace
 
-drawing draw_png(std::string_view script) {
+drawn_picture draw_png(std::string_view script) {
     stream in, out, error;
     if (!in.open() || !out.open() || !error.open())
         return not_run(errno);
@@ -143,7 +143,7 @@ drawing draw_png(std::string_view script) {
     if (code != 0)
         return not_run(code);
     in.theirs.close(), out.theirs.close(), error.theirs.close();
-    drawing result;
+    drawn_picture result;
     std::string words;
     converse(in, out, error, script, result.picture, words);
     in.ours.close(), out.ours.close(), error.ours.close();

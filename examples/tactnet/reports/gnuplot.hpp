@@ -4,7 +4,7 @@
 #include <string_view>
 
 /// What gnuplot made of a script.
-struct drawing {
+struct drawn_picture {
     std::string picture; ///< a whole PNG file, or nothing
     std::string problem; ///< why there is nothing
 };
@@ -12,4 +12,4 @@ struct drawing {
 /// Runs gnuplot, which reads the script from its standard input and writes to its standard output: it opens
 /// no file by a name, so no name can be taken for a command. The script sets a terminal for PNG and no
 /// output.
-drawing draw_png(std::string_view script);
+drawn_picture draw_png(std::string_view script);

@@ -1,10 +1,10 @@
 #include "reports/plot.hpp"
 
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/gnuplot.hpp"
-#include "reports/printable.hpp"
 #include "reports/report.hpp"
-#include "reports/standard_streams.hpp"
 
 #include <tactnet/io/file.hpp>
 
@@ -47,7 +47,7 @@ void draw(const std::filesystem::path& stem, const std::string& csv, const std::
                     "set datafile separator ','\n"
                     "{}",
                     size, size, body);
-    const drawing drawn = draw_png(text);
+    const drawn_picture drawn = draw_png(text);
     if (!drawn.picture.empty()) {
         tactnet::write_file(picture, drawn.picture);
         std::error_code ignored;

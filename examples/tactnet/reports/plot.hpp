@@ -3,9 +3,9 @@
 // Pictures, drawn by gnuplot if it is installed. Data go into a CSV file that stays; where there is no
 // gnuplot the script stays beside it, and a message says how to draw it later.
 
+#include <tactnet/training/data/split.hpp>
+#include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
-#include <tactnet/training/progress.hpp>
-#include <tactnet/training/split.hpp>
 
 #include <filesystem>
 #include <span>

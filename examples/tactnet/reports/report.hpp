@@ -2,8 +2,8 @@
 
 // Results as text: tables for people, CSV and JSON lines for programs.
 
+#include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
-#include <tactnet/training/progress.hpp>
 
 #include <cstddef>
 #include <filesystem>

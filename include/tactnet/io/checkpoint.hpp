@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/checksum.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/text.hpp>
 
 #include <algorithm>

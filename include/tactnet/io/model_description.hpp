@@ -2,8 +2,8 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/json_scanner.hpp>
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/io/text.hpp>
 
 #include <charconv>

@@ -5,7 +5,7 @@
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>

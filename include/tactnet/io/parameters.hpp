@@ -3,7 +3,7 @@
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/tensor/shape.hpp>
 

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/checksum.hpp>
-#include <tactnet/io/element_type.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/safetensors_header.hpp>
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors/element_type.hpp>
+#include <tactnet/io/safetensors/header.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 
 #include <algorithm>
 #include <cmath>

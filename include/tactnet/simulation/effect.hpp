@@ -35,17 +35,17 @@ enum class stage : std::uint8_t {
 };
 
 /// Whose random numbers: each effect draws from streams of its own, so that a scene with one effect more
-/// draws the same numbers for all others. An effect declares its use itself, your own by a name:
+/// draws the same numbers for all others. An effect declares its purpose itself, your own by a name:
 ///
-///     static constexpr auto random_use = effect_purpose::named("my_gripper/slip");
+///     static constexpr auto purpose = effect_purpose::named("my_gripper/slip");
 using effect_purpose = numbered_purpose<struct sensor_unit>;
 
 /// One sensor of a make: what varies from one to the next is drawn from its number.
 struct sensor_unit {
     std::uint64_t number = 1;
 
-    [[nodiscard]] constexpr random_stream random(effect_purpose use) const {
-        return {number, draw::sensor, 0, use.number()};
+    [[nodiscard]] constexpr random_stream random(effect_purpose purpose) const {
+        return {number, draw::sensor, 0, purpose.number()};
     }
 };
 
@@ -62,8 +62,8 @@ struct moment {
     double seconds = 0;      ///< since the touch began
     double celsius = 22;     ///< of the sensor
 
-    [[nodiscard]] constexpr random_stream random(effect_purpose use) const {
-        return {seed, draw::frame, frame, use.number()};
+    [[nodiscard]] constexpr random_stream random(effect_purpose purpose) const {
+        return {seed, draw::frame, frame, purpose.number()};
     }
 };
 

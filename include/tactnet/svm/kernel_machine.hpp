@@ -3,8 +3,8 @@
 #include <tactnet/kernels/rows/weighted.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/kernel_space.hpp>
-#include <tactnet/svm/kernels.hpp>
+#include <tactnet/svm/kernel/functions.hpp>
+#include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>
 #include <tactnet/svm/standardisation.hpp>

@@ -2,8 +2,8 @@
 
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/folds.hpp>
+#include <tactnet/svm/kernel/samples.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
-#include <tactnet/svm/kernel_samples.hpp>
 #include <tactnet/svm/multiclass.hpp>
 
 #include <algorithm>

@@ -2,9 +2,9 @@
 
 #include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/svm/coordinate_descent.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/multiclass.hpp>
+#include <tactnet/svm/solvers/coordinate_descent.hpp>
 #include <tactnet/svm/standardisation.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/svm/dual_solver.hpp>
 #include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -3,10 +3,10 @@
 #include <tactnet/networks/normalisation.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/training/labelled_images.hpp>
+#include <tactnet/training/data/labelled_images.hpp>
+#include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/loss.hpp>
 #include <tactnet/training/metrics.hpp>
-#include <tactnet/training/sample_batch.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/layers/layer.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <variant>
+#include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -40,6 +43,19 @@ struct optimiser_state {
         steps = 0;
     }
 };
+
+namespace detail {
+
+/// One for weights, zero for all else that is learnt, up to a whole vector: what weight decay applies to.
+inline aligned_vector<float> decay_mask(const std::vector<parameter>& parameters, std::size_t size) {
+    aligned_vector<float> mask(size, 0.0f);
+    for (const parameter& p : parameters)
+        if (p.what == role::weight)
+            std::fill_n(mask.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size, 1.0f);
+    return mask;
+}
+
+} // namespace detail
 
 /// One step over flat arrays, each as long as whole vectors (see padded_size). `decayed` is one for weights
 /// and zero for all else. `rate` is the learning rate of this step.

@@ -52,7 +52,7 @@ struct recipe {
 
     /// The recipe that did best on the paper's images. Against the paper's: images vary in size and pressure
     /// too, AdamW on small batches with one cycle of the learning rate, smoothed labels, averaged parameters.
-    [[nodiscard]] static recipe standard(std::size_t rows, std::size_t columns) {
+    [[nodiscard]] static recipe default_for(std::size_t rows, std::size_t columns) {
         recipe r;
         const double tactel = std::min(static_cast<double>(rows) / 28, static_cast<double>(columns) / 50);
         r.ranges = {.reflect_rows = 0.5,

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/training/trainable_network.hpp>
-#include <tactnet/training/training_loop.hpp>
+#include <tactnet/training/loop/loop.hpp>
+#include <tactnet/training/loop/trainable_network.hpp>
 
 #include <algorithm>
 #include <memory>

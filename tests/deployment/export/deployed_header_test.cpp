@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <deployment/header_export/networks.hpp>
+#include <deployment/export/networks.hpp>
 #include <span>
 #include <stdexcept>
 #include <string>

@@ -108,8 +108,7 @@ constexpr sliding_window over(shape input, extent kernel, extent stride = 1) {
 
 } // namespace
 
-TEST_CASE(
-    "convolution: convolution step: groups whose filters fill vectors, and groups whose filters do not") {
+TEST_CASE("convolution_step: groups whose filters fill vectors, and groups whose filters do not") {
     // Two groups of 16 → 32, by taps with a stride, and by tiles; three of 5 → 3, joined with zeros between.
     CHECK(errors_of_step<frame_convolution{
               .window = over({6, 9, 32}, 5, 2), .filters = 64, .input_stride = 32, .groups = 2}>(1)
@@ -138,7 +137,7 @@ TEST_CASE(
               .good());
 }
 
-TEST_CASE("convolution: convolution step: groups need no more weights than they have where they are computed "
+TEST_CASE("convolution_step: groups need no more weights than they have where they are computed "
           "one by one") {
     using grouped = step_of<frame_convolution{
         .window = over({6, 9, 32}, 5, 2), .filters = 64, .input_stride = 32, .groups = 2}>;
@@ -148,7 +147,7 @@ TEST_CASE("convolution: convolution step: groups need no more weights than they 
     CHECK(grouped::packed < joined::packed);
 }
 
-TEST_CASE("convolution: convolution step: two outputs side by side in one wider map, without a copy") {
+TEST_CASE("convolution_step: two outputs side by side in one wider map, without a copy") {
     constexpr shape input{6, 5, 16};
     constexpr std::size_t stride = 64;
     // The expand layers of a fire module (Iandola et al., 2016): 1 × 1 and 3 × 3 over the same input.
@@ -196,7 +195,7 @@ TEST_CASE("convolution: convolution step: two outputs side by side in one wider 
               .good());
 }
 
-TEST_CASE("convolution: convolution step: where an output would reach into the next pixel it does not fit") {
+TEST_CASE("convolution_step: where an output would reach into the next pixel it does not fit") {
     constexpr frame_convolution fits{
         .window = over({3, 3, 4}, 1), .filters = 16, .input_stride = 16, .map_stride = 32, .map_offset = 16};
     constexpr frame_convolution reaches{

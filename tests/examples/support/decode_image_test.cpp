@@ -1,5 +1,6 @@
 #include <tactnet/io/file.hpp>
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
 
 #include <doctest/doctest.h>
 
@@ -18,8 +19,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <support/data_folder.hpp>
-#include <support/temporary_folder.hpp>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using tactnet::file_error;
@@ -146,7 +147,7 @@ void check_equal(const tactnet::grey_image& image, std::size_t rows, std::size_t
 } // namespace
 
 TEST_SUITE("examples/decode_image") {
-    TEST_CASE("JPEG: grey, grey in colour, progressive") {
+    TEST_CASE("decode_image: JPEG, grey, grey in colour, progressive") {
         decoder decode;
         const samples pixels = gradient(28, 50);
         check_close(decode(make_jpeg(28, 50, JCS_GRAYSCALE, 1, pixels)), 28, 50, pixels);
@@ -155,7 +156,7 @@ TEST_SUITE("examples/decode_image") {
         check_close(decode(make_jpeg(1, 1, JCS_GRAYSCALE, 1, {9})), 1, 1, {9});
     }
 
-    TEST_CASE("JPEG: what is not a grey image") {
+    TEST_CASE("decode_image: JPEG that is not a grey image") {
         decoder decode;
         samples colours = repeated(gradient(8, 8), 3);
         for (std::size_t i = 0; i < colours.size(); i += 3)
@@ -168,7 +169,7 @@ TEST_SUITE("examples/decode_image") {
               "JPEG data: expected 1 to 8192 rows and as many columns, found 1 rows and 8193 columns");
     }
 
-    TEST_CASE("JPEG: a file cut short anywhere is an error") {
+    TEST_CASE("decode_image: JPEG cut short anywhere is an error") {
         decoder decode;
         for (const bool progressive : {false, true}) {
             const samples file = make_jpeg(28, 50, JCS_GRAYSCALE, 1, gradient(28, 50), progressive);
@@ -179,7 +180,7 @@ TEST_SUITE("examples/decode_image") {
         }
     }
 
-    TEST_CASE("JPEG: guesses of the decoder are errors") {
+    TEST_CASE("decode_image: guesses of the JPEG decoder are errors") {
         decoder decode;
         samples file = make_jpeg(28, 50, JCS_GRAYSCALE, 1, gradient(28, 50));
         // A marker in the middle of the pixels: libjpeg would fill up the rest with grey.
@@ -189,7 +190,7 @@ TEST_SUITE("examples/decode_image") {
             decode.error(file).starts_with("JPEG data: expected an intact image, found 'Corrupt JPEG data"));
     }
 
-    TEST_CASE("JPEG and PNG: any single damaged byte is an image or an error") {
+    TEST_CASE("decode_image: any single damaged byte, of JPEG and PNG, is an image or an error") {
         decoder decode;
         for (const samples& file : {make_jpeg(9, 10, JCS_GRAYSCALE, 1, gradient(9, 10), true),
                                     make_png(9, 10, 8, PNG_COLOR_TYPE_GRAY, gradient(9, 10))})
@@ -201,7 +202,7 @@ TEST_SUITE("examples/decode_image") {
                 }
     }
 
-    TEST_CASE("PNG: every way to write 8-bit greys gives the very values") {
+    TEST_CASE("decode_image: PNG, every way to write 8-bit greys gives the very values") {
         decoder decode;
         const samples pixels = gradient(28, 50);
         check_equal(decode(make_png(28, 50, 8, PNG_COLOR_TYPE_GRAY, pixels)), 28, 50, pixels);
@@ -235,7 +236,7 @@ TEST_SUITE("examples/decode_image") {
               "pixel in row 0, column 2: expected a grey image, found red 1, green 2, blue 3");
     }
 
-    TEST_CASE("PNG: what is not an opaque image of 8-bit greys") {
+    TEST_CASE("decode_image: PNG that is not an opaque image of 8-bit greys") {
         decoder decode;
         CHECK(decode.error(make_png(2, 2, 16, PNG_COLOR_TYPE_GRAY, samples(8))) ==
               "PNG data: expected 8 bits per channel, found 16");
@@ -257,7 +258,7 @@ TEST_SUITE("examples/decode_image") {
               "PNG data: expected 1 to 8192 rows and as many columns, found 8193 rows and 1 columns");
     }
 
-    TEST_CASE("PNG: a file cut short or changed anywhere is an error") {
+    TEST_CASE("decode_image: PNG cut short or changed anywhere is an error") {
         decoder decode;
         const samples file = make_png(28, 50, 8, PNG_COLOR_TYPE_GRAY, gradient(28, 50));
         CHECK(decode.error(file) == "no error");
@@ -272,7 +273,7 @@ TEST_SUITE("examples/decode_image") {
               "PNG data: expected an intact image, found 'the file ends too early'");
     }
 
-    TEST_CASE("what is no image") {
+    TEST_CASE("decode_image: what is no image") {
         decoder decode;
         CHECK(decode.error({}) == "expected a JPEG or PNG image, found an empty file");
         CHECK(decode.error({'G', 'I', 'F', '8', '9', 'a', 1, 2, 3}) ==
@@ -283,7 +284,7 @@ TEST_SUITE("examples/decode_image") {
         CHECK_THROWS_AS(decode_image(folder / "missing.png"), file_error);
     }
 
-    TEST_CASE("grey values written as PNG are read again") {
+    TEST_CASE("write_png: grey values are read again") {
         const support::temporary_folder folder;
         samples all(256);
         for (std::size_t i = 0; i < all.size(); ++i)
@@ -296,7 +297,7 @@ TEST_SUITE("examples/decode_image") {
         CHECK_FALSE(std::filesystem::exists(folder / "x.png"));
     }
 
-    TEST_CASE("the real recordings") {
+    TEST_CASE("decode_image: the real recordings") {
         const auto root = support::find_data("tactile_images");
         if (!root)
             return;

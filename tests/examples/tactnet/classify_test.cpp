@@ -6,13 +6,13 @@
 
 #include <limits>
 #include <string>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 using namespace support;
 
 TEST_SUITE("program") {
-    TEST_CASE("bad weight files") {
+    TEST_CASE("classify: bad weight files") {
         const workshop shop;
         REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
         const std::string image = (shop.data() / "left" / "image0.png").string();
@@ -71,7 +71,7 @@ TEST_SUITE("program") {
                      "data: expected the images that net was trained on");
     }
 
-    TEST_CASE("the published TactNet-4 on real images") {
+    TEST_CASE("classify: the published TactNet-4 on real images") {
         const auto weights = support::find_data("published_tactnet4_14x25.safetensors");
         const auto images = support::find_data("tactile_images");
         if (!weights || !images)

@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 namespace {
@@ -75,7 +75,7 @@ std::vector<recipe> variations() {
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("a stopped training is not gone on with when any field of its recipe differs") {
+    TEST_CASE("description: a stopped training is not gone on with when any field of its recipe differs") {
         const support::temporary_folder folder;
         const auto file = folder / "checkpoint";
         training t;
@@ -92,7 +92,7 @@ TEST_SUITE("program") {
         }
     }
 
-    TEST_CASE("a checkpoint from before shears were said is of a training without any") {
+    TEST_CASE("description: a checkpoint from before shears were said is of a training without any") {
         const auto ranges = [](double shear) {
             recipe r;
             r.ranges = {.reflect_rows = 0.5, .reflect_columns = 0.5, .translation = 3, .rotation = 10};

@@ -16,7 +16,7 @@
 using namespace support;
 
 TEST_SUITE("program") {
-    TEST_CASE("evaluate keeps what is done") {
+    TEST_CASE("evaluate: what is done is kept") {
         const workshop shop;
         const auto evaluate = [&](std::vector<std::string> more) {
             std::vector<std::string> all{"evaluate",
@@ -119,7 +119,7 @@ TEST_SUITE("program") {
               std::string::npos);
     }
 
-    TEST_CASE("evaluate takes support vector machines, on the same splits") {
+    TEST_CASE("evaluate: support vector machines, on the same splits") {
         const workshop shop;
         const auto evaluate = [&](std::vector<std::string> more) {
             std::vector<std::string> all{"evaluate", "--data",   shop.data().string(),
@@ -175,7 +175,7 @@ TEST_SUITE("program") {
     }
 
 #if !defined(__SANITIZE_ADDRESS__) // which takes more addresses than any limit
-    TEST_CASE("evaluate goes on with fewer threads where the system refuses some") {
+    TEST_CASE("evaluate: goes on with fewer threads where the system refuses some") {
         const workshop shop;
         // A stack of 4 GiB for each thread, of 2 GiB in all.
         const auto limited =
@@ -193,7 +193,7 @@ TEST_SUITE("program") {
     }
 #endif
 
-    TEST_CASE("several evaluations share a folder of results") {
+    TEST_CASE("evaluate: several share a folder of results") {
         const workshop shop;
         const auto arguments = [&](const char* seed, const char* splits, const char* results) {
             return std::vector<std::string>{"evaluate",  "--data",    shop.data().string(),

@@ -36,7 +36,7 @@ void wait_for_first_epoch(const workshop& shop) {
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("messages that cannot be shown are dropped") {
+    TEST_CASE("faults: messages that cannot be shown are dropped") {
         const workshop shop;
         for (const char* end : {"2>/dev/full", "2>&-", "2>&- >&-", "2> >(true)"}) {
             CAPTURE(end);
@@ -56,7 +56,7 @@ TEST_SUITE("program") {
         }
     }
 
-    TEST_CASE("results that cannot be printed are no success") {
+    TEST_CASE("faults: results that cannot be printed are no success") {
         const workshop shop;
         REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
         const std::string image = " '" + (shop.data() / "left" / "image0.png").string() + "'";
@@ -80,7 +80,7 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "other.checkpoint"));
     }
 
-    TEST_CASE("one file under two names is refused") {
+    TEST_CASE("faults: one file under two names is refused") {
         const workshop shop;
         REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
         const std::string kept = text_of(shop / "net");
@@ -124,7 +124,7 @@ TEST_SUITE("program") {
                 "--weights and --results: expected different files");
     }
 
-    TEST_CASE("nothing is written among the images") {
+    TEST_CASE("faults: nothing is written among the images") {
         const workshop shop;
         for (const char* output : {"left/net", "new/net", "left/image0.png"})
             shop.refuses(shop.train_arguments({"--output", (shop.data() / output).string()}),
@@ -137,7 +137,7 @@ TEST_SUITE("program") {
         CHECK(shop.train({"--epochs", "1", "--output", (shop.data() / "net").string()}).status == 0);
     }
 
-    TEST_CASE("names are tried before the work") {
+    TEST_CASE("faults: names are tried before the work") {
         const workshop shop;
         const auto refuses = [&](const std::string& output, const std::string& sentence) {
             // By its first word of progress a training would tell that it has begun.
@@ -154,7 +154,7 @@ TEST_SUITE("program") {
         CHECK(fs::exists("/dev/null"));
     }
 
-    TEST_CASE("a checkpoint that cannot be written does not end a training") {
+    TEST_CASE("faults: a checkpoint that cannot be written does not end a training") {
         const workshop shop;
         // In blocks of 512 bytes: enough for the weights, not for a checkpoint with three times as much.
         const program_result trained =
@@ -174,7 +174,7 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "full"));
     }
 
-    TEST_CASE("a training whose results cannot be written is kept") {
+    TEST_CASE("faults: a training whose results cannot be written is kept") {
         const workshop shop;
         // What the weights need is taken away while the training runs.
         const auto arguments = [&](std::vector<std::string> more) {
@@ -194,7 +194,7 @@ TEST_SUITE("program") {
         CHECK(text_of(shop / "out" / "net") == text_of(shop / "whole"));
     }
 
-    TEST_CASE("a closed terminal leaves a checkpoint") {
+    TEST_CASE("faults: a closed terminal leaves a checkpoint") {
         const workshop shop;
         const pid_t child = shop.start(shop.train_arguments({"--epochs", "100000", "--output", "net"}));
         wait_for_first_epoch(shop);
@@ -205,7 +205,7 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "net.checkpoint"));
     }
 
-    TEST_CASE("what a killed program left half-written goes with the next run") {
+    TEST_CASE("faults: what a killed program left half-written goes with the next run") {
         const workshop shop;
         const std::string name = ".tactnet-17-0.partial";
         fs::create_directories(shop / "results");
@@ -233,7 +233,7 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "made" / "rock" / name));
     }
 
-    TEST_CASE("evaluations in one folder share the work") {
+    TEST_CASE("faults: evaluations in one folder share the work") {
         const workshop shop;
         const std::vector<std::string> arguments{"evaluate",  "--data",    shop.data().string(),
                                                  "--method",  "tactnet4",  "--rows",
@@ -258,7 +258,7 @@ TEST_SUITE("program") {
         CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12);
     }
 
-    TEST_CASE("slips in commands, options and numbers are told in few words") {
+    TEST_CASE("faults: slips in commands, options and numbers are told in few words") {
         const workshop shop;
         shop.refuses({"trian", "--output", "net"}, "There is no 'trian'; did you mean 'train'?");
         shop.refuses({"clasify"}, "did you mean 'classify'?");

@@ -6,9 +6,9 @@
 
 #include <doctest/doctest.h>
 
+#include <console/printable.hpp>
 #include <cstdlib>
 #include <reports/plot.hpp>
-#include <reports/printable.hpp>
 #include <string>
 #include <string_view>
 #include <sys/stat.h>
@@ -86,7 +86,7 @@ TEST_SUITE("program") {
         CHECK(printable(std::string_view("\0", 1)) == "\\x00");
     }
 
-    TEST_CASE("names are no commands of gnuplot or a shell, and keep their pictures") {
+    TEST_CASE("names: no commands of gnuplot or a shell, and they keep their pictures") {
         if (std::system("gnuplot --version >/dev/null 2>&1") != 0) {
             MESSAGE("skipped: there is no gnuplot");
             return;
@@ -116,7 +116,7 @@ TEST_SUITE("program") {
         fs::current_path(before);
     }
 
-    TEST_CASE("pictures are whole or not there, and it is said why") {
+    TEST_CASE("names: pictures are whole or not there, and it is said why") {
         const workshop shop;
         const auto train = [&](const std::string& script) {
             const own_gnuplot fake(shop.work() / "bin", script);
@@ -158,7 +158,7 @@ TEST_SUITE("program") {
         CHECK_MESSAGE(error.find("drawn") == std::string::npos, error);
     }
 
-    TEST_CASE("hostile names are printed so that a terminal shows them") {
+    TEST_CASE("names: hostile ones are printed so that a terminal shows them") {
         const workshop shop;
         const std::string hostile = "\x1B[2J\nok", shown = "\\x1b[2J\\x0aok";
         shop.refuses({"train", "--data", hostile, "--output", "net", "--method", "svm-linear", "--rows", "7",
@@ -190,7 +190,7 @@ TEST_SUITE("program") {
         shop.refuses({"classify", "--weights", "says", "x.png"}, shown);
     }
 
-    TEST_CASE("pipes are not waited for") {
+    TEST_CASE("names: pipes are not waited for") {
         const workshop shop;
         REQUIRE(shop.train({"--network", "svm-linear", "--output", "net"}).status == 0);
         const fs::path image = shop.data() / "left" / "image0.png";

@@ -13,7 +13,7 @@
 using namespace support;
 
 TEST_SUITE("program") {
-    TEST_CASE("numbers: what counts as one") {
+    TEST_CASE("number_options: what counts as a number") {
         constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
         CHECK(whole_number_of("0") == 0);
         CHECK(whole_number_of("+7") == 7);
@@ -37,7 +37,7 @@ TEST_SUITE("program") {
         CHECK(!is_share(std::numeric_limits<double>::quiet_NaN()));
     }
 
-    TEST_CASE("numbers that mean nothing are refused, for every option of every command") {
+    TEST_CASE("number_options: numbers that mean nothing are refused, for every option of every command") {
         const workshop shop;
         const std::string data = shop.data().string();
         const std::vector<std::string> train = shop.train_arguments({"--output", "net"}),
@@ -112,7 +112,7 @@ TEST_SUITE("program") {
             "classes");
     }
 
-    TEST_CASE("evaluate --weights: a split in the metadata that means nothing is refused") {
+    TEST_CASE("evaluate: a split in the metadata of --weights that means nothing is refused") {
         const workshop shop;
         REQUIRE(shop.train({"--network", "svm-linear", "--output", "net"}).status == 0);
         const auto says = [&](const char* key, const char* value, const std::string& sentence) {

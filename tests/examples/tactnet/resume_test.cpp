@@ -13,7 +13,7 @@
 using namespace support;
 
 TEST_SUITE("program") {
-    TEST_CASE("stopped by Ctrl-C and resumed: the same bits as in one go") {
+    TEST_CASE("resume: stopped by Ctrl-C and resumed, the same bits as in one go") {
         const workshop shop;
         constexpr const char* epochs = "1500";
         const pid_t child = shop.start(shop.train_arguments({"--epochs", epochs, "--output", "net"}));
@@ -57,7 +57,7 @@ TEST_SUITE("program") {
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
     }
 
-    TEST_CASE("a stopped training that started from a weight file goes on from that one only") {
+    TEST_CASE("resume: what started from a weight file goes on from that one only") {
         const workshop shop;
         REQUIRE(shop.train({"--epochs", "1", "--output", "first"}).status == 0);
         REQUIRE(shop.train({"--epochs", "1", "--seed", "6", "--output", "other"}).status == 0);

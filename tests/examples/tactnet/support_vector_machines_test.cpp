@@ -7,7 +7,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
-#include <methods/support_vector_machine.hpp>
+#include <methods/support_vector_machines/machine.hpp>
 #include <span>
 #include <string>
 #include <sys/mman.h>
@@ -60,12 +60,12 @@ support_vector_machine machine_of(tactnet::multiclass scheme, const std::vector<
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("support vector machines: the score is the smallest value in favour of the class") {
+    TEST_CASE("support_vector_machine: the score is the smallest value in favour of the class") {
         using tactnet::multiclass;
         const auto decides = [](const support_vector_machine& machine, const std::vector<double>& values,
                                 std::size_t label, double score) {
             const last_numbers last(values);
-            const recognition found = machine.decide(last.values());
+            const scored_class found = machine.decide(last.values());
             CHECK(found.label == label);
             CHECK(found.score == score);
         };
@@ -82,7 +82,7 @@ TEST_SUITE("program") {
         CHECK_THROWS(two.decide(std::vector{std::numeric_limits<double>::quiet_NaN()}));
     }
 
-    TEST_CASE("support vector machines of two classes, from outside") {
+    TEST_CASE("support_vector_machine: of two classes, from outside") {
         const workshop shop;
         fs::remove_all(shop.data() / "right");
         for (const char* name : {"svm-linear", "svm-rbf"}) {
@@ -99,7 +99,7 @@ TEST_SUITE("program") {
         }
     }
 
-    TEST_CASE("support vector machines: train, evaluate the file, classify") {
+    TEST_CASE("support_vector_machine: trained, the file is evaluated and classifies") {
         const workshop shop;
         write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));
         for (const std::string name : {"svm-linear", "svm-rbf", "surf-svm"}) {
@@ -187,7 +187,7 @@ TEST_SUITE("program") {
                      "data: dense SURF: found nothing to describe");
     }
 
-    TEST_CASE("support vector machines: bad weight files") {
+    TEST_CASE("support_vector_machine: bad weight files") {
         const workshop shop;
         for (const char* name : {"svm-linear", "svm-rbf", "surf-svm"})
             REQUIRE(shop.train({"--network", name, "--output", name}).status == 0);

@@ -27,7 +27,7 @@ void write_deep_png(const fs::path& path) {
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("train, evaluate the file, classify") {
+    TEST_CASE("train: the file is evaluated and classifies") {
         const workshop shop;
         const outcome trained = shop.train({"--epochs", "15", "--output", "out/net.safetensors"});
         REQUIRE_MESSAGE(trained.status == 0, trained.error);
@@ -82,7 +82,7 @@ TEST_SUITE("program") {
               0);
     }
 
-    TEST_CASE("same seed, same bits; another seed, others; any number of threads") {
+    TEST_CASE("train: same seed, same bits; another seed, others; any number of threads") {
         const workshop shop;
         REQUIRE(shop.train({"--epochs", "4", "--output", "a"}).status == 0);
         REQUIRE(shop.train({"--epochs", "4", "--output", "b", "--threads", "3"}).status == 0);
@@ -96,7 +96,7 @@ TEST_SUITE("program") {
                           .status == 0);
     }
 
-    TEST_CASE("a training starts from a weight file") {
+    TEST_CASE("train: it starts from a weight file") {
         const workshop shop;
         REQUIRE(shop.train({"--output", "first.safetensors"}).status == 0);
         const auto again = [&](const std::vector<std::string>& more) {
@@ -143,7 +143,7 @@ TEST_SUITE("program") {
                      "the 3 classes of the images");
     }
 
-    TEST_CASE("diverging training: says so, writes nothing") {
+    TEST_CASE("train: one that diverges says so and writes nothing") {
         const workshop shop;
         const outcome result =
             shop.train({"--epochs", "30", "--rate", "1e30", "--recipe", "published", "--output", "net"});
@@ -152,7 +152,7 @@ TEST_SUITE("program") {
         CHECK(shop.everything().empty());
     }
 
-    TEST_CASE("bad images") {
+    TEST_CASE("train: bad images") {
         const workshop shop;
         const auto refuses = [&](const std::string& sentence) {
             shop.refuses(shop.train_arguments({"--epochs", "1", "--output", "net"}), sentence);
@@ -183,7 +183,7 @@ TEST_SUITE("program") {
         refuses("data: expected a folder with one subfolder a class, found nothing of that name");
     }
 
-    TEST_CASE("bad arguments") {
+    TEST_CASE("train: bad arguments") {
         const workshop shop;
         const auto refuses = [&](const std::vector<std::string>& more, const std::string& sentence) {
             shop.refuses(shop.train_arguments(more), sentence);

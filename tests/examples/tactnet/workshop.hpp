@@ -3,7 +3,7 @@
 // The program `tactnet` from outside: files in, files and exit status out.
 
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>
@@ -18,8 +18,8 @@
 #include <spawn.h>
 #include <sstream>
 #include <string>
+#include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
-#include <support/temporary_folder.hpp>
 #include <sys/wait.h>
 #include <type_traits>
 #include <unistd.h>

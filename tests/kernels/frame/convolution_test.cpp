@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <support/deployment_bound.hpp>
 #include <support/guarded_map.hpp>
-#include <support/window_of.hpp>
+#include <support/layers/deployment_bound.hpp>
+#include <support/layers/window_of.hpp>
 #include <type_traits>
 #include <vector>
 

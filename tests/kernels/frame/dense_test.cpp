@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <support/deployment_bound.hpp>
 #include <support/guarded_map.hpp>
+#include <support/layers/deployment_bound.hpp>
 #include <vector>
 
 using namespace tactnet;

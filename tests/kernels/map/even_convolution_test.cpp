@@ -56,7 +56,7 @@ double error_in_roundings() {
     return worst / (std::numeric_limits<double>::epsilon() * influence * std::sqrt(squares));
 }
 
-TEST_CASE("even_convolution: the fast convolution is the sum written out") {
+TEST_CASE("even_convolution: the fast one is the sum written out") {
     CHECK(error_in_roundings<shape{28, 50}>() < 20);
     CHECK(error_in_roundings<shape{1, 1}>() < 20);
     CHECK(error_in_roundings<shape{1, 9}>() < 20);

@@ -49,7 +49,7 @@ void compare(extent reach) {
         }
 }
 
-TEST_CASE("even_stencil: a stencil is the sum written out") {
+TEST_CASE("even_stencil: it is the sum written out") {
     compare<shape{28, 50}>(3);
     compare<shape{28, 50}>({27, 49});
     compare<shape{28, 50}>(0);

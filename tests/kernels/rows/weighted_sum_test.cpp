@@ -35,7 +35,7 @@ TEST_CASE("weighted_sum: against plain loops") {
     compare_sums<208>();
 }
 
-TEST_CASE("weighted_sum: length_of and scale_values: of whole vectors") {
+TEST_CASE("weighted_sum: lengths, and values scaled, of whole vectors") {
     aligned_vector<float> values(80);
     for (std::size_t i = 0; i < 64; ++i)
         values[i] = i % 2 == 0 ? 3.0f : -4.0f; // 32 × 25 = 800 = 2 × 20²

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 #include <support/allocations.hpp>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 using sensors_test::bytes_of;

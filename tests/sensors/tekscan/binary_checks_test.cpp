@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <string>
 #include <support/allocations.hpp>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 using sensors_test::bytes_of;

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <utility>
 #include <vector>
 

@@ -7,7 +7,7 @@
 
 #include <string>
 #include <string_view>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 using sensors_test::bytes_of;
@@ -57,7 +57,7 @@ TEST_CASE("tekscan_map: the cells that exist, in lines of any length") {
         CHECK(decode(text.substr(0, size)).status == decode_status::damaged);
 }
 
-TEST_CASE("tekscan_map: maps that make no sense") {
+TEST_CASE("tekscan_map: those that make no sense") {
     const auto error = [](const std::string& places) { return decode(header + places + "@@\n").error; };
     CHECK(error("0,1,2,3,4\n").find("expected 6 places, found 5 before '@@'") != std::string::npos);
     CHECK(error("0,1,2,3,4,5,6\n").find("line 10: expected 6 places, found more") != std::string::npos);
@@ -71,7 +71,7 @@ TEST_CASE("tekscan_map: maps that make no sense") {
           "byte 0, line 1: expected a line 'ROWS' in the header, found none");
 }
 
-TEST_CASE("tekscan_map: the real map") {
+TEST_CASE("tekscan_map: the real one") {
     const auto path = support::find_data("tekscan/null.mp");
     if (!path)
         return;

@@ -83,7 +83,7 @@ TEST_CASE("weiss_packet: frames of a WTS: plain cells, whole packet under the ch
     CHECK(found.description.format == "Weiss WTS");
 }
 
-TEST_CASE("weiss_packet: the largest packet") {
+TEST_CASE("weiss_packet: the largest") {
     constexpr std::size_t cells = (0xFFFF - 5) / 2;
     bytes payload(5 + 2 * cells, 0);
     payload.back() = 1;
@@ -123,7 +123,7 @@ TEST_CASE("weiss_packet: a stream may be joined anywhere; answers to commands ar
     }
 }
 
-TEST_CASE("weiss_packet: a damaged packet is told, and costs no other frame") {
+TEST_CASE("weiss_packet: a damaged one is told, and costs no other frame") {
     const bytes good = packet(0, plain, 0);
     for (std::size_t at = 6; at < good.size(); ++at) {
         bytes bad = good;

@@ -78,7 +78,7 @@ TEST_CASE("bonded_layer: a row of waves sinks as the compliance of its length sa
         }
 }
 
-TEST_CASE("bonded_layer: a thick layer is a half space") {
+TEST_CASE("bonded_layer: a thick one is a half space") {
     const double cell = 1e-3;
     for (const double poisson : {0.0, 0.3, 0.5}) {
         const layer_influence endless(std::numeric_limits<double>::infinity(), poisson, cell),
@@ -100,7 +100,7 @@ TEST_CASE("bonded_layer: a thick layer is a half space") {
     CHECK(peak_of(layer.pressures) == doctest::Approx(peak_of(half.pressures)).epsilon(1e-3));
 }
 
-TEST_CASE("bonded_layer: a thin layer that can be squeezed is a bed of springs") {
+TEST_CASE("bonded_layer: a thin one that can be squeezed is a bed of springs") {
     constexpr shape size{48, 48};
     const double cell = 1e-3, young = 1e5, poisson = 0.3, thickness = 1e-4;
     const double squeezed = (1 - poisson) * young / ((1 + poisson) * (1 - 2 * poisson));
@@ -118,7 +118,7 @@ TEST_CASE("bonded_layer: a thin layer that can be squeezed is a bed of springs")
 }
 
 TEST_CASE(
-    "bonded_layer: an incompressible layer is stiffer than one that can be squeezed, the thinner the more") {
+    "bonded_layer: an incompressible one is stiffer than one that can be squeezed, the thinner the more") {
     constexpr shape size{32, 32};
     const auto heights = heights_of<size>(1e-3, support::sphere(0.05));
     const auto depth = [&](double poisson, double thickness) {

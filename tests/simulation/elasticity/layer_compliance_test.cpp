@@ -103,7 +103,7 @@ TEST_CASE("layer_compliance: compliance and transfer of a layer are those of one
         }
 }
 
-TEST_CASE("layer_compliance: a thin layer is a bed of springs, an incompressible one is stiffer by far") {
+TEST_CASE("layer_compliance: thin, it is that of a bed of springs, an incompressible one is stiffer by far") {
     const double x = 1e-5;
     for (const double poisson : {-0.5, 0.0, 0.3, 0.49})
         CHECK(layer_compliance(x, poisson) ==

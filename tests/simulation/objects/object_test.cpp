@@ -27,8 +27,7 @@ tactnet::tensor<float, size> laid(const object& body, const pose& at) {
     return heights;
 }
 
-TEST_CASE(
-    "object: an object lies where its pose says: x along the columns, y along the rows, turned from x to y") {
+TEST_CASE("object: it lies where its pose says: x along the columns, y along the rows, turned from x to y") {
     const object ball{{rod::sphere({5e-3, 0}, 1.6e-3)}, {}};
     CHECK(laid(ball, {})(10, 20) == 0);
     CHECK(laid(ball, {.position = {2e-3, -3e-3}})(7, 22) == 0);
@@ -37,7 +36,7 @@ TEST_CASE(
     CHECK(std::isinf(laid(ball, {})(10, 23)));
 }
 
-TEST_CASE("object: a slope raises an object along x and y, from where it lies") {
+TEST_CASE("object: a slope raises it along x and y, from where it lies") {
     const object face{{plate{.centre = {}, .half_length = 1, .half_width = 1}}, {}};
     const auto heights = laid(face, {.position = {1e-3, 0}, .angle = 1, .slope = {0.1, -0.2}});
     CHECK(heights(10, 16) == metres(0));

@@ -1,7 +1,7 @@
 // Simulated images beside the real ones, class by class: how much of the array shows anything, and how much.
 // Needs the paper's images.
 
-#include <tactnet/io/image_folder.hpp>
+#include <tactnet/io/images/folder.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/simulation/paper/simulate.hpp>
 
@@ -9,7 +9,7 @@
 
 #include <decode_image.hpp>
 #include <string>
-#include <support/data_folder.hpp>
+#include <support/files/data_folder.hpp>
 #include <vector>
 
 namespace {

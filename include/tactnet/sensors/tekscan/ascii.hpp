@@ -3,6 +3,7 @@
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/text.hpp>
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/tekscan/frame_times.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/tekscan/row.hpp>
 #include <tactnet/sensors/tekscan/text.hpp>
@@ -109,7 +110,7 @@ private:
                            "number " + std::to_string(found->number));
         frame_ = *found;
         if (!announced_)
-            first_ = frame_;
+            times_.begin(frame_);
         announced_ = open_ = true;
         return true;
     }
@@ -174,7 +175,8 @@ private:
                                std::to_string(cell % description().columns + 1));
         }
         matching_sums_ += checks_sum() ? 1 : 0;
-        give(sink, announced_ ? frame_.number : 1, seconds());
+        give(sink, announced_ ? frame_.number : 1,
+             times_.seconds(frame_, frames(), description().seconds_per_frame));
         row_ = 0;
         sum_ = 0;
         open_ = false;
@@ -215,23 +217,6 @@ private:
         return std::abs(sum_ - *frame_.raw_sum) <= 0.5 + 0.05 * static_cast<double>(pressed);
     }
 
-    [[nodiscard]] std::optional<double> seconds() {
-        const auto each = description().seconds_per_frame;
-        if (!frame_.stamp) {
-            if (!each)
-                return std::nullopt;
-            return static_cast<double>(frame_.number - first_.number) * *each;
-        }
-        if (frame_.stamp_unit)
-            return *frame_.stamp * *frame_.stamp_unit;
-        // Between seconds and milliseconds lies a factor of 1000; what is beyond its middle is milliseconds.
-        const std::uint64_t steps = frame_.number - (frames() > 0 ? first_.number : 1);
-        const double since = *frame_.stamp - (frames() > 0 ? first_.stamp.value_or(0) : 0);
-        if (!plain_stamp_unit_ && since > 0 && steps > 0 && each.value_or(0) > 0)
-            plain_stamp_unit_ = since / (static_cast<double>(steps) * *each) > std::sqrt(1000.0) ? 1e-3 : 1.0;
-        return *frame_.stamp * plain_stamp_unit_.value_or(1);
-    }
-
     /// False, so that no more lines are read.
     bool fail_at(const text_line& line, std::size_t column, std::string expected, std::string found) {
         const bool in_header = header_.next() == tekscan_header::part::header;
@@ -242,7 +227,8 @@ private:
 
     line_splitter lines_;
     tekscan_header header_;
-    tekscan_frame_line frame_, first_;
+    tekscan_frame_line frame_;
+    tekscan_frame_times times_;
     text_line last_; ///< where the last line ended
     std::vector<std::uint8_t> exists_;
     std::uint64_t matching_sums_ = 0;
@@ -251,7 +237,6 @@ private:
     bool cut_ = false;       ///< the last row may lack digits
     bool open_ = false;      ///< a frame has begun
     bool announced_ = false; ///< by a line 'Frame'
-    std::optional<double> plain_stamp_unit_;
 };
 
 } // namespace TACTNET_ARCH

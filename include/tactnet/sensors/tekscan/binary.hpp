@@ -5,6 +5,7 @@
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>
+#include <tactnet/sensors/tekscan/binary_records.hpp>
 
 #include <algorithm>
 #include <array>
@@ -194,41 +195,19 @@ private:
     }
 
     void record_length(std::uint16_t value) {
-        const std::size_t wanted = tag_ == records::frame_number   ? 4
-                                   : tag_ == records::microseconds ? 8
-                                                                   : value;
+        const std::size_t wanted = records::bytes_of(tag_).value_or(value);
         if (value != wanted)
             return fail_at(number_byte_,
                            "a record " + std::to_string(tag_) + " of " + std::to_string(wanted) + " bytes",
                            std::to_string(value));
         records_.announce(tag_, value);
-        count_ = length_ = value;
-        gathered_ = 0;
-        part_ = count_ > 0 ? part::data : part::tag;
-    }
-
-    /// Whether the record is one that is understood. A time of day of another length is passed over, as are
-    /// records with unknown tags.
-    [[nodiscard]] bool known() const noexcept {
-        return tag_ == records::frame_number || tag_ == records::microseconds ||
-               (tag_ == records::time_of_day && length_ == 8);
+        part_ = value > 0 ? part::data : part::tag;
     }
 
     std::size_t take_record(std::span<const std::byte> bytes) {
-        const std::size_t taken = std::min(bytes.size(), count_);
-        if (known())
-            std::copy_n(bytes.begin(), taken, small_.begin() + static_cast<std::ptrdiff_t>(gathered_));
-        gathered_ += taken;
-        count_ -= taken;
-        if (count_ > 0)
-            return taken;
-        if (tag_ == records::frame_number)
-            records_.number = little_endian<std::uint32_t>(small_);
-        else if (known())
-            (tag_ == records::microseconds ? records_.time : records_.day_time) =
-                little_endian<std::uint64_t>(small_);
-        gathered_ = 0;
-        part_ = part::tag;
+        const std::size_t taken = records_.take(bytes);
+        if (records_.whole())
+            part_ = part::tag;
         return taken;
     }
 
@@ -284,8 +263,8 @@ private:
     std::uint64_t header_warnings_ = 0;
     part part_ = part::header;
     std::size_t byte_ = 0, number_byte_ = 0; ///< of what comes next, and of the number that is read
-    std::array<std::byte, 8> small_{};       ///< a number that arrives in pieces
-    std::size_t gathered_ = 0, cell_ = 0, count_ = 0, length_ = 0;
+    std::array<std::byte, 2> small_{};       ///< a number that arrives in pieces
+    std::size_t gathered_ = 0, cell_ = 0, count_ = 0;
     std::uint16_t tag_ = 0;
     bool in_frame_ = false; ///< between the first run of a frame and its end
     std::uint64_t first_number_ = 0, last_number_ = 0;

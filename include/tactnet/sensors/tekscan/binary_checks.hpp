@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/frame.hpp>
+#include <tactnet/sensors/tekscan/binary_records.hpp>
 #include <tactnet/sensors/warning.hpp>
 
 #include <algorithm>
@@ -26,27 +27,6 @@
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
-
-/// What stands in the records of one frame.
-class tekscan_binary_records {
-public:
-    /// Tags: the frame's number (4 bytes), the time since the start in microseconds (8), and the time of day
-    /// in units of 100 ns since 1601 (8).
-    static constexpr std::uint16_t frame_number = 1, microseconds = 2, time_of_day = 16;
-
-    std::optional<std::uint64_t> number, time, day_time;
-
-    /// A record begins.
-    void announce(std::uint16_t tag, std::uint16_t length) noexcept {
-        for (const unsigned value : {unsigned{tag}, unsigned{length}})
-            layout_ = (layout_ ^ value) * 1099511628211U;
-    }
-    /// Equal for frames with the same tags and lengths in the same order, and else hardly ever.
-    [[nodiscard]] std::uint64_t layout() const noexcept { return layout_; }
-
-private:
-    std::uint64_t layout_ = 14695981039346656037U; ///< a hash (FNV-1a), so that any number of them fits
-};
 
 /// Compares a recording with what real writers do, and warns. Uses no heap.
 class tekscan_binary_checks {

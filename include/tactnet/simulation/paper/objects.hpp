@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/simulation/objects/family.hpp>
 #include <tactnet/simulation/paper/bars.hpp>
 #include <tactnet/simulation/paper/bodies.hpp>
 #include <tactnet/simulation/paper/solids.hpp>
@@ -8,17 +9,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
-
-/// A kind of object: each draw is another one of its kind, in another pose, pressed with another force.
-struct object_family {
-    std::string_view name;
-    touch (*draw)(drawing&);
-};
 
 /// The 22 classes of the paper, in the order of their names.
 inline constexpr std::array<object_family, 22> paper_objects{{

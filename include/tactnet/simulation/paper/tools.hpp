@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/simulation/paper/drawing.hpp>
+#include <tactnet/simulation/objects/drawing.hpp>
 
 #include <array>
 #include <cmath>

@@ -49,7 +49,7 @@ TEST_CASE("texture: one part stays with the sensor, the other changes from frame
     CHECK(!std::ranges::equal(textured({0, 20}, 1e4f, 1, 0), textured({0, 20}, 1e4f, 1, 1)));
 }
 
-TEST_CASE("texture: no texture changes no bit, where nothing presses nothing is felt, and no reading is "
+TEST_CASE("texture: none changes no bit, where nothing presses nothing is felt, and no reading is "
           "below zero") {
     map values;
     for (std::size_t i = 0; i < map::size(); ++i)

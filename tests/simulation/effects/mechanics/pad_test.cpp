@@ -95,7 +95,7 @@ TEST_CASE("pad: an even pressure stays what it is, but at the rim of the array f
     CHECK(film(0, 0) < film(14, 0));
 }
 
-TEST_CASE("pad: a pad of no thickness changes no bit") {
+TEST_CASE("pad: one of no thickness changes no bit") {
     map pressures = pressed_cell(3, 4, 123.456f);
     pressures(5, 6) = NAN, pressures(7, 8) = -1, pressures(9, 10) = INFINITY;
     for (const double thickness : {0.0, -1.0, 1e-10, std::numeric_limits<double>::quiet_NaN()}) {

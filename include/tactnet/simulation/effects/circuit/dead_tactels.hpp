@@ -16,7 +16,7 @@ namespace simulation {
 /// sensor. What is dead at one probability is also dead at a greater one.
 struct dead_tactels {
     static constexpr stage place = stage::circuit;
-    static constexpr effect_purpose random_use{1};
+    static constexpr effect_purpose purpose{1};
 
     struct tactel {
         std::size_t row, column;
@@ -39,7 +39,7 @@ struct dead_tactels {
             for (const std::size_t given : effect.columns)
                 kill(0, Shape.rows, inside(given, Shape.columns, "column"), 1);
 
-            random_stream random = where.unit.random(random_use);
+            random_stream random = where.unit.random(purpose);
             for (std::size_t y = 0; y < Shape.rows; ++y)
                 if (random.uniform() < effect.row)
                     kill(y, 1, 0, Shape.columns);

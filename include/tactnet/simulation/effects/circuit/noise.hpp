@@ -21,7 +21,7 @@ namespace simulation {
 /// instruction set: as in kernels/simd/normal_numbers.hpp, nothing is added to a rounded product.
 struct noise {
     static constexpr stage place = stage::circuit;
-    static constexpr effect_purpose random_use{2};
+    static constexpr effect_purpose purpose{2};
 
     /// Pascals; half a count of the paper's converter. Chosen: its images are single frames, which do not
     /// show how much the same touch varies.
@@ -46,7 +46,7 @@ struct noise {
             if (none_)
                 return;
             constexpr std::size_t group = kernels::normal_numbers::group_size;
-            const kernels::normal_numbers random(now.random(random_use));
+            const kernels::normal_numbers random(now.random(purpose));
             alignas(64) std::array<float, group> numbers, values{};
             for (std::size_t first = 0; first < Shape.size(); first += group) {
                 float* const from = pressures.data() + first;

@@ -14,7 +14,7 @@ namespace simulation {
 /// that is normal over the sensors' numbers. Never below zero.
 struct drift {
     static constexpr stage place = stage::film;
-    static constexpr effect_purpose random_use{3};
+    static constexpr effect_purpose purpose{3};
 
     /// Share per second, the standard deviation over sensors; 0 or less is none. Chosen: 5 % an hour.
     double deviation = 0.05 / 3600;
@@ -26,7 +26,7 @@ struct drift {
             if (!(effect.deviation > 0))
                 return;
             alignas(64) std::array<float, kernels::normal_numbers::group_size> numbers;
-            kernels::normal_numbers(where.unit.random(random_use)).group(0, numbers.data());
+            kernels::normal_numbers(where.unit.random(purpose)).group(0, numbers.data());
             rate_ = effect.deviation * static_cast<double>(numbers[0]);
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {

@@ -19,7 +19,7 @@ namespace simulation {
 /// no correlation of neighbours.
 struct gain_map {
     static constexpr stage place = stage::film;
-    static constexpr effect_purpose random_use{0};
+    static constexpr effect_purpose purpose{0};
 
     double deviation = 0.30; ///< relative standard deviation; 0 or less is none
 
@@ -32,7 +32,7 @@ struct gain_map {
                 return;
             // Of the logarithm, so that the gain itself has this deviation and the mean one.
             const double variance = std::log1p(std::min(effect.deviation * effect.deviation, most_variance));
-            kernels::normal_numbers(where.unit.random(random_use))
+            kernels::normal_numbers(where.unit.random(purpose))
                 .each(Shape.size(), [&](std::size_t tactel, float number) {
                     gains_[tactel] = static_cast<float>(
                         std::exp(std::sqrt(variance) * static_cast<double>(number) - variance / 2));

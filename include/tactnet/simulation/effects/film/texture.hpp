@@ -18,7 +18,7 @@ namespace simulation {
 /// other 2.0 √count).
 struct film_texture {
     static constexpr stage place = stage::film;
-    static constexpr effect_purpose random_use{7};
+    static constexpr effect_purpose purpose{7};
 
     double fixed = 20.2;   ///< √Pa, of one sensor
     double varying = 23.1; ///< √Pa, from touch to touch
@@ -29,18 +29,17 @@ struct film_texture {
         bound(const film_texture& effect, const mounting& where)
             : varying_(static_cast<float>(effect.varying)) {
             const auto deviation = static_cast<float>(effect.fixed);
-            kernels::normal_numbers(where.unit.random(random_use))
+            kernels::normal_numbers(where.unit.random(purpose))
                 .each(Shape.size(),
                       [&](std::size_t i, float normal) { fixed_.data()[i] = deviation * normal; });
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
-            kernels::normal_numbers(now.random(random_use))
-                .each(Shape.size(), [&](std::size_t i, float normal) {
-                    float& pressure = pressures.data()[i];
-                    const float texture = fixed_.data()[i] + varying_ * normal;
-                    const float textured = pressure + texture * std::sqrt(pressure > 0 ? pressure : 0);
-                    pressure = textured < 0 ? 0 : textured; // NaN stays
-                });
+            kernels::normal_numbers(now.random(purpose)).each(Shape.size(), [&](std::size_t i, float normal) {
+                float& pressure = pressures.data()[i];
+                const float texture = fixed_.data()[i] + varying_ * normal;
+                const float textured = pressure + texture * std::sqrt(pressure > 0 ? pressure : 0);
+                pressure = textured < 0 ? 0 : textured; // NaN stays
+            });
         }
 
     private:

@@ -1,0 +1,42 @@
+#include "console/progress.hpp"
+
+#include "console/standard_streams.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unistd.h>
+
+progress::progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+
+void progress::show(const std::string& text, bool final) {
+    const double now = watch_.seconds();
+    if (now < next_ && !final)
+        return;
+    next_ = now + (terminal_ ? 0.1 : 5.0);
+    if (!terminal_) {
+        tell("{}\n", text);
+        return;
+    }
+    tell("\r{:<{}}", text, width_);
+    width_ = std::max(width_, text.size());
+    open_ = true;
+    if (final)
+        end_line();
+}
+
+void progress::end_line() {
+    if (open_)
+        show("\n");
+    open_ = false;
+}
+
+std::string duration_text(double seconds) {
+    const auto whole = static_cast<long long>(std::llround(std::max(seconds, 0.0)));
+    if (whole < 60)
+        return fmt::format("{} s", whole);
+    if (whole < 3600)
+        return fmt::format("{} min {} s", whole / 60, whole % 60);
+    return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}

@@ -1,0 +1,83 @@
+#include "evaluation/table.hpp"
+
+#include "methods/training_settings.hpp"
+#include "reports/report.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <utility>
+
+namespace {
+
+std::string percent(const tactnet::mean_and_deviation& m) {
+    return fmt::format("{:.2f} ± {:.2f}", 100 * m.mean, 100 * m.deviation);
+}
+
+nlohmann::ordered_json json_of(const evaluation_row& s) {
+    nlohmann::ordered_json json{{"network", s.what->name},
+                                {"rows", s.what->rows},
+                                {"columns", s.what->columns},
+                                {"recipe", s.recipe},
+                                {"splits", s.splits}};
+    for (const auto& [rule, accuracy] : s.accuracies) {
+        json[fmt::format("{}_accuracy", name_of(rule))] = accuracy.mean;
+        json[fmt::format("{}_deviation", name_of(rule))] = accuracy.deviation;
+    }
+    json["parameters"] = s.costs.parameters;
+    json["multiply_adds"] = s.costs.multiply_adds;
+    json["multiply_adds_on_pixels"] = s.costs.multiply_adds_on_pixels;
+    json["bytes"] = s.costs.parameter_bytes;
+    json["activation_bytes"] = s.costs.activation_bytes;
+    json["microseconds"] = s.times.alone;
+    json["microseconds_in_batch"] = s.times.in_batch;
+    json["training_seconds"] = s.seconds.mean;
+    return json;
+}
+
+} // namespace
+
+std::string table_of(const std::vector<evaluation_row>& rows) {
+    std::vector<std::vector<std::string>> cells;
+    for (const evaluation_row& s : rows) {
+        std::vector<std::string> head{"method", "size"},
+            line{s.what->name, fmt::format("{}x{}", s.what->rows, s.what->columns)};
+        for (const auto& [rule, accuracy] : s.accuracies) {
+            head.push_back(fmt::format("{}, %", name_of(rule)));
+            line.push_back(percent(accuracy));
+        }
+        head.insert(head.end(), {"parameters", "multiply-adds", "on pixels", "bytes", "µs/frame", "µs in 64",
+                                 "training, s"});
+        line.insert(line.end(),
+                    {grouped(s.costs.parameters), grouped(s.costs.multiply_adds),
+                     grouped(s.costs.multiply_adds_on_pixels), grouped(s.costs.parameter_bytes),
+                     fmt::format("{:.1f}", s.times.alone), fmt::format("{:.1f}", s.times.in_batch),
+                     fmt::format("{:.1f}", s.seconds.mean)});
+        if (cells.empty())
+            cells.push_back(std::move(head));
+        cells.push_back(std::move(line));
+    }
+    return table(cells);
+}
+
+std::string json_lines_of(const std::vector<evaluation_row>& rows) {
+    std::string lines;
+    for (const evaluation_row& s : rows)
+        lines += json_of(s).dump() + '\n';
+    return lines;
+}
+
+std::string csv_of(const std::vector<evaluation_row>& rows) {
+    std::string text;
+    for (const evaluation_row& s : rows) {
+        std::string head, line;
+        const nlohmann::ordered_json cells = json_of(s);
+        for (const auto& [key, value] : cells.items()) {
+            head += (head.empty() ? "" : ",") + key;
+            line += (line.empty() ? "" : ",") +
+                    (value.is_string() ? csv_field(value.get<std::string>()) : value.dump());
+        }
+        text += (text.empty() ? head + '\n' : "") + line + '\n';
+    }
+    return text;
+}

@@ -1,0 +1,173 @@
+#include "evaluation/trainings.hpp"
+
+#include "console/progress.hpp"
+#include "console/standard_streams.hpp"
+#include "evaluation/task_queue.hpp"
+#include "methods/weights.hpp"
+
+#include <tactnet/training/loop/loop.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <exception>
+#include <interrupt.hpp>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <stopwatch.hpp>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace {
+
+/// On one thread. Nothing if it was interrupted.
+std::optional<training_result> run(const task& t) {
+    const image_data& data = *t.of->data;
+    const std::vector<std::string>& classes = data.images.classes;
+    tactnet::thread_pool alone;
+    const auto training = t.of->what->train(
+        recipe_for(*t.of->what, t.of->training), data.view(),
+        tactnet::split_data(data.images.labels, classes.size(), t.rule, t.seed, t.of->training.shares),
+        t.seed, alone);
+    start(*training, t.of->start.get());
+    const stopwatch watch;
+    while (!training->finished()) {
+        if (interrupted())
+            return std::nullopt;
+        training->advance();
+    }
+    training_result result;
+    result.seconds = watch.seconds();
+    const auto best = training->best(classes);
+    result.settings = t.settings;
+    result.confusion = best->evaluate(data.view(), training->split().test, alone).confusion;
+    result.validation_accuracy =
+        best->evaluate(data.view(), training->split().validation, alone).confusion.accuracy();
+    const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
+    result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
+    const std::size_t images =
+        by_epochs != nullptr ? by_epochs->images_per_epoch() : training->split().training.size();
+    result.images_per_second = static_cast<double>(images * result.epochs) / result.seconds;
+    return result;
+}
+
+std::string title_of(const task& t) {
+    return fmt::format("{} {}x{}, {} split {}", t.of->what->name, t.of->what->rows, t.of->what->columns,
+                       name_of(t.rule), t.seed);
+}
+
+/// What the workers share.
+class side_by_side {
+public:
+    side_by_side(const std::vector<task>& tasks, result_list& results)
+        : all_(tasks.size()), results_(results), queue_(tasks, results) {}
+
+    /// One worker, until nothing is left, a training has failed, or someone interrupts.
+    void work() noexcept {
+        try {
+            for (const task* mine = nullptr; (mine = next()) != nullptr;)
+                if (!do_one(*mine))
+                    return;
+        } catch (...) { // also what goes wrong while an error is put into words: no memory
+            fail(std::current_exception());
+        }
+    }
+    /// Says that fewer work than were asked for.
+    void tell_refused(std::size_t granted, std::size_t wanted) {
+        const std::lock_guard lock(mutex_);
+        line_.end_line();
+        tell("the system refuses more threads: {} trainings at a time in place of {}\n", granted, wanted);
+    }
+    void end() {
+        line_.end_line();
+        if (failure_)
+            std::rethrow_exception(failure_);
+    }
+
+private:
+    /// Nothing when there is nothing more to do. Waits while other programs do all that is left.
+    const task* next() {
+        while (!failed_ && !interrupted()) {
+            {
+                const std::lock_guard lock(mutex_);
+                const task* mine = nullptr;
+                const task_queue::answer answer = queue_.ask(mine);
+                if (answer != task_queue::answer::wait)
+                    return answer == task_queue::answer::work ? mine : nullptr;
+                if (!std::exchange(told_, true)) {
+                    line_.end_line();
+                    tell("waiting for {} trainings that other programs do in this folder of results\n",
+                         queue_.left());
+                }
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        }
+        return nullptr;
+    }
+    /// False if it was interrupted.
+    bool do_one(const task& t) {
+        try {
+            auto result = run(t);
+            if (result)
+                keep(t, std::move(*result));
+            return result.has_value();
+        } catch (const tactnet::training_diverged& error) {
+            throw tactnet::training_diverged(title_of(t) + ": " + error.what());
+        }
+    }
+    void keep(const task& t, training_result result) {
+        const std::lock_guard lock(mutex_);
+        const double accuracy = result.confusion.accuracy();
+        results_.add(std::move(result));
+        queue_.done(t);
+        ++done_;
+        const std::size_t done = done_ + queue_.from_others();
+        const double left = watch_.seconds() / static_cast<double>(done_) * static_cast<double>(all_ - done);
+        line_.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {} left", done, all_, title_of(t),
+                               100 * accuracy, duration_text(left)),
+                   done == all_);
+    }
+    void fail(std::exception_ptr failure) noexcept {
+        const std::lock_guard lock(mutex_);
+        if (!failed_.exchange(true))
+            failure_ = std::move(failure);
+    }
+
+    const std::size_t all_;
+    std::atomic<bool> failed_{false};
+    stopwatch watch_;
+    std::mutex mutex_; ///< of what follows
+    result_list& results_;
+    task_queue queue_;
+    bool told_ = false; ///< that it waits
+    std::exception_ptr failure_;
+    std::size_t done_ = 0;
+    progress line_;
+};
+
+} // namespace
+
+bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results) {
+    side_by_side shared(tasks, results);
+    {
+        const std::size_t wanted = std::min(jobs, tasks.size());
+        std::vector<std::jthread> workers; // which end before this does, whatever is thrown
+        try {
+            while (workers.size() + 1 < wanted)
+                workers.emplace_back([&] { shared.work(); });
+        } catch (const std::system_error&) { // the results do not depend on how many there are
+            shared.tell_refused(workers.size() + 1, wanted);
+        } catch (const std::bad_alloc&) {
+            shared.tell_refused(workers.size() + 1, wanted);
+        }
+        shared.work();
+    }
+    shared.end();
+    return !interrupted();
+}

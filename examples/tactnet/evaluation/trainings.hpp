@@ -1,0 +1,32 @@
+#pragma once
+
+// The trainings of an evaluation, many at once.
+
+#include "data/image_data.hpp"
+#include "evaluation/results.hpp"
+#include "methods/method.hpp"
+#include "methods/training_settings.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+/// A method with the images of its size.
+struct candidate {
+    const method* what;
+    training_settings training;
+    const image_data* data;
+    std::shared_ptr<const trained_method> start{};
+};
+
+/// One training to do.
+struct task {
+    const candidate* of;
+    tactnet::split_rule rule;
+    std::uint64_t seed;
+    tactnet::file_metadata settings;
+};
+
+/// Runs the tasks side by side, each on one thread; results are kept as they come. False if interrupted.
+bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results);

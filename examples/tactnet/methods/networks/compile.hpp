@@ -1,0 +1,56 @@
+#pragma once
+
+// Compiles a network for the program. Included by the generated units only.
+
+#include "methods/networks/compiled.hpp"
+
+#include <tactnet/deployment.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/io/parameters.hpp>
+#include <tactnet/training/loop/trainable_network.hpp>
+
+#include <utility>
+
+template <class Network>
+class deployed_network final : public any_deployed {
+public:
+    explicit deployed_network(tactnet::deployed<Network> own) : own_(std::move(own)) {}
+
+    bool recognise(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
+                   std::span<float> outputs) const override {
+        return own_(threads, frames, outputs) == tactnet::frame_status::recognised;
+    }
+    std::string header(const tactnet::header_description& says,
+                       std::span<const std::uint8_t> frame) const override {
+        return tactnet::deployed_header(own_, says, frame.first<Network::input_shape.size()>());
+    }
+
+private:
+    tactnet::deployed<Network> own_;
+};
+
+template <class Network>
+class network_code final : public compiled_network {
+    static constexpr tactnet::shape input = Network::input_shape;
+    using trainable = tactnet::trainable_network<Network>;
+
+public:
+    network_code()
+        : compiled_network(input.rows, input.columns, Network::outputs,
+                           {Network::parameters, Network::multiply_adds, Network::multiply_adds_on_pixels,
+                            Network::parameter_bytes, Network::activation_bytes}) {}
+
+    std::unique_ptr<tactnet::trainable> make() const override { return std::make_unique<trainable>(); }
+    std::unique_ptr<any_deployed> deploy(const any_model& model) const override {
+        return std::make_unique<deployed_network<Network>>(tactnet::deploy(
+            network_of(model), std::span(model.mean).template first<input.size()>(), model.scale));
+    }
+    std::vector<tactnet::shape> dense_inputs() const override {
+        return tactnet::detail::dense_inputs<Network>::of();
+    }
+
+private:
+    static const Network& network_of(const any_model& model) {
+        return static_cast<const trainable&>(*model.network).network();
+    }
+};

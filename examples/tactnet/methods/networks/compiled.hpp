@@ -1,0 +1,56 @@
+#pragma once
+
+// All of a network that is compiled for its type and size, as virtual functions. The program knows networks
+// by this alone, so that everything else is compiled once. See compile.hpp for the template behind it.
+
+#include "methods/method.hpp"
+
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/training/loop/trainable.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+/// A network of any type, with all that it takes to recognise an image.
+struct any_model {
+    std::unique_ptr<tactnet::trainable> network;
+    std::vector<float> mean;
+    float scale = 1;
+    std::vector<std::string> classes;
+};
+
+/// The fastest form of a network, see tactnet::deploy.
+class any_deployed {
+public:
+    virtual ~any_deployed() = default;
+    /// As many rows of outputs as frames, for frames one after the other. False for outputs that are not
+    /// finite.
+    virtual bool recognise(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
+                           std::span<float> outputs) const = 0;
+    /// See tactnet::deployed_header.
+    virtual std::string header(const tactnet::header_description& says,
+                               std::span<const std::uint8_t> frame) const = 0;
+};
+
+class compiled_network {
+public:
+    virtual ~compiled_network() = default;
+
+    const std::size_t rows, columns, outputs;
+    /// With all outputs.
+    const method_costs costs;
+
+    virtual std::unique_ptr<tactnet::trainable> make() const = 0;
+    /// Throws std::invalid_argument for parameters that cannot be deployed.
+    virtual std::unique_ptr<any_deployed> deploy(const any_model& model) const = 0;
+    /// Of the layers that flatten their input, for weight files: see tactnet::stored_arrays.
+    virtual std::vector<tactnet::shape> dense_inputs() const = 0;
+
+protected:
+    compiled_network(std::size_t rows_, std::size_t columns_, std::size_t outputs_, method_costs costs_)
+        : rows(rows_), columns(columns_), outputs(outputs_), costs(costs_) {}
+};

@@ -1,0 +1,228 @@
+#include "methods/networks/method.hpp"
+
+#include "methods/description.hpp"
+
+#include <tactnet/io/checkpoint.hpp>
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/networks/recognition.hpp>
+#include <tactnet/training/loop/loop.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+#include <stopwatch.hpp>
+#include <utility>
+
+namespace {
+
+/// Of images one after the other: a row for each, with one number a class.
+std::vector<float> logits_of(const any_model& model, std::span<const std::uint8_t> images) {
+    const std::size_t size = model.mean.size(), count = tactnet::detail::count_images(images.size(), size);
+    tactnet::thread_pool alone;
+    tactnet::sample_batch in(size, count), out(model.network->outputs(), count);
+    std::vector<float> image(size), result;
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t e = 0; e < size; ++e)
+            image[e] = (static_cast<float>(images[i * size + e]) - model.mean[e]) * model.scale;
+        in.set(i, image);
+    }
+    const auto space = model.network->make_workspace();
+    model.network->prepare(alone, *space);
+    model.network->logits(alone, *space, in, out);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < model.classes.size(); ++c)
+            result.push_back(out(i, c));
+    return result;
+}
+
+tactnet::stored_arrays stored_arrays_of(const compiled_network& code, const tactnet::trainable& network) {
+    return tactnet::detail::make_stored_arrays(network.describe(), code.outputs, code.dense_inputs());
+}
+
+/// The values of each array, in order.
+std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
+    std::vector<std::span<float>> arrays;
+    for (const tactnet::parameter& p : network.describe())
+        arrays.push_back(
+            (tactnet::learnable(p.what) ? network.learnable_values() : network.running_statistics())
+                .subspan(p.offset, p.size));
+    return arrays;
+}
+
+any_model load_model(const compiled_network& code, const tactnet::safetensors& file,
+                     std::optional<double> epsilon) {
+    any_model model{code.make(), {}, 1, {}};
+    const tactnet::shape input = model.network->input_shape();
+    tactnet::stored_model stored =
+        tactnet::read_model(file, input, stored_arrays_of(code, *model.network), epsilon);
+    model.network->epsilon() = stored.epsilon;
+    const auto arrays = arrays_of(*model.network);
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+        std::ranges::fill(arrays[i], 0.0f); // rows of outputs that stand for no class
+        std::ranges::copy(stored.arrays[i], arrays[i].begin());
+    }
+    model.mean = std::move(stored.mean);
+    model.mean.resize(input.size());
+    model.scale = stored.scale;
+    model.classes = std::move(stored.classes);
+    tactnet::check_selftest(file, input, model.classes.size(),
+                            [&](std::span<const std::uint8_t> images) { return logits_of(model, images); });
+    return model;
+}
+
+class own_trained_network final : public trained_network {
+public:
+    own_trained_network(const compiled_network& code, any_model model)
+        : code_(code), model_(std::move(model)) {}
+
+    tactnet::trainable& network() const { return *model_.network; }
+    const std::vector<std::string>& classes() const override { return model_.classes; }
+    tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
+                                 tactnet::thread_pool& threads) const override {
+        return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads);
+    }
+    std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        tactnet::thread_pool& threads) const override {
+        const auto deployed = code_.deploy(model_);
+        const std::size_t count = images.size() / (code_.rows * code_.columns);
+        std::vector<float> logits(count * code_.outputs);
+        if (!deployed->recognise(threads, images, logits))
+            throw std::runtime_error(
+                "expected finite logits, found some that are not: the weights are broken");
+        std::vector<scored_class> result;
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto found = tactnet::likeliest(
+                std::span<const float>(logits).subspan(i * code_.outputs, classes().size()));
+            result.push_back({found.value().index, found.value().probability});
+        }
+        return result;
+    }
+    void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
+              std::span<const std::uint8_t> selftest) const override {
+        tactnet::model_parts parts{.input = model_.network->input_shape(),
+                                   .arrays = stored_arrays_of(code_, *model_.network),
+                                   .values = {},
+                                   .epsilon = model_.network->epsilon(),
+                                   .mean = model_.mean,
+                                   .scale = model_.scale,
+                                   .classes = model_.classes};
+        for (const std::span<float> values : arrays_of(*model_.network))
+            parts.values.push_back(values);
+        tactnet::save_model(path, parts, metadata, selftest,
+                            [&](std::span<const std::uint8_t> images) { return logits_of(model_, images); });
+    }
+    std::string header(const tactnet::header_description& says,
+                       std::span<const std::uint8_t> frame) const override {
+        return code_.deploy(model_)->header(says, frame);
+    }
+
+private:
+    const compiled_network& code_;
+    any_model model_;
+};
+
+class own_network_training final : public network_training {
+public:
+    own_network_training(const compiled_network& code, const tactnet::recipe& recipe,
+                         const tactnet::labelled_images& images, tactnet::data_split split,
+                         std::uint64_t seed, tactnet::thread_pool& threads)
+        : code_(code), loop_(code.make(), recipe, images, std::move(split), seed, threads) {}
+
+    bool finished() const override { return loop_.finished(); }
+    void advance() override { loop_.run_epoch(); }
+    const std::vector<tactnet::epoch_report>& history() const override { return loop_.history(); }
+    std::size_t images_per_epoch() const override { return loop_.images_per_epoch(); }
+    void start_from(const trained_method& other) override {
+        tactnet::trainable& from = dynamic_cast<const own_trained_network&>(other).network();
+        loop_.start_from(from.learnable_values(), from.running_statistics());
+    }
+    const tactnet::data_split& split() const override { return loop_.split(); }
+    void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
+        tactnet::save_checkpoint(path, loop_, settings);
+    }
+    void load_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
+        tactnet::load_checkpoint(path, loop_, settings);
+    }
+    std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
+        return std::make_unique<own_trained_network>(
+            code_,
+            any_model{
+                loop_.best().copy(), {loop_.mean().begin(), loop_.mean().end()}, loop_.scale(), classes});
+    }
+
+private:
+    const compiled_network& code_;
+    tactnet::training_loop loop_;
+};
+
+class network_method final : public method {
+public:
+    network_method(std::string_view network, std::unique_ptr<compiled_network> code,
+                   std::optional<tactnet::published_training> training)
+        : method(network, code->rows, code->columns, code->outputs, training), code_(std::move(code)) {}
+
+    bool is_network() const override { return true; }
+    tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
+        return describe_recipe(recipe);
+    }
+
+    method_costs costs(std::size_t classes) const override {
+        // Outputs that stand for no class are no part of the network. The weights of the dense layer that
+        // gives the logits stand before its biases, the last array of all.
+        const auto arrays = code_->make()->describe();
+        const std::size_t spare = code_->outputs - classes, inputs = arrays[arrays.size() - 2].fan_in;
+        method_costs c = code_->costs;
+        c.parameters -= spare * (inputs + 1);
+        c.multiply_adds -= spare * inputs;
+        c.multiply_adds_on_pixels -= spare * inputs;
+        c.parameter_bytes -= spare * (inputs + 1) * sizeof(float);
+        c.activation_bytes -= spare * sizeof(float);
+        return c;
+    }
+
+    frame_times time_frames() const override {
+        any_model model{code_->make(), std::vector<float>(rows * columns), 1, {}};
+        const auto parameters = model.network->describe();
+        const auto arrays = arrays_of(*model.network);
+        std::uint32_t index = 0;
+        for (std::size_t i = 0; i < arrays.size(); ++i)
+            tactnet::detail::initialise(parameters[i], arrays[i], tactnet::he_normal{}, 0, index);
+        return {time(model, 1), time(model, 64)};
+    }
+
+    std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
+                                        tactnet::data_split split, std::uint64_t seed,
+                                        tactnet::thread_pool& threads) const override {
+        return std::make_unique<own_network_training>(*code_, recipe, images, std::move(split), seed,
+                                                      threads);
+    }
+
+    std::unique_ptr<trained_method> load(const tactnet::safetensors& file,
+                                         std::optional<double> epsilon) const override {
+        return std::make_unique<own_trained_network>(*code_, load_model(*code_, file, epsilon));
+    }
+
+private:
+    double time(const any_model& model, std::size_t batch) const {
+        tactnet::thread_pool alone;
+        const auto deployed = code_->deploy(model);
+        std::vector<std::uint8_t> frames(batch * rows * columns);
+        std::vector<float> logits(batch * code_->outputs);
+        for (std::size_t e = 0; e < frames.size(); ++e)
+            frames[e] = static_cast<std::uint8_t>(e * 37 % 64);
+        bool good = true;
+        const double microseconds =
+            median_microseconds([&] { good = deployed->recognise(alone, frames, logits) && good; });
+        if (!good)
+            throw std::runtime_error("expected finite logits of the frames that are timed");
+        return microseconds / static_cast<double>(batch);
+    }
+
+    std::unique_ptr<compiled_network> code_;
+};
+
+} // namespace
+
+std::unique_ptr<method> make_network_method(std::string_view name, std::unique_ptr<compiled_network> code,
+                                            std::optional<tactnet::published_training> published) {
+    return std::make_unique<network_method>(name, std::move(code), published);
+}

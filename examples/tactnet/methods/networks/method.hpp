@@ -1,0 +1,14 @@
+#pragma once
+
+// Networks among the program's methods.
+
+#include "methods/method.hpp"
+#include "methods/networks/compiled.hpp"
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+/// `published`: how the network was trained where it was published, if it was.
+std::unique_ptr<method> make_network_method(std::string_view name, std::unique_ptr<compiled_network> code,
+                                            std::optional<tactnet::published_training> published);

@@ -1,0 +1,49 @@
+#include "methods/support_vector_machines/recipe.hpp"
+
+#include <tactnet/features/surf_words.hpp>
+
+#include <fmt/format.h>
+
+namespace {
+
+tactnet::file_metadata own_settings(const linear_options& o) {
+    return {{"kernel", "linear"},
+            {"multiclass", "one versus rest"},
+            {"loss", o.solver.loss == tactnet::linear_loss::hinge ? "hinge" : "squared hinge"},
+            {"bias", fmt::to_string(o.bias)},
+            {"solver_seed", fmt::to_string(o.solver.seed)}};
+}
+tactnet::file_metadata own_settings(const rbf_options& o) {
+    return {
+        {"kernel", "rbf"},
+        {"multiclass",
+         o.scheme == tactnet::multiclass::one_versus_one ? "one versus one" : "one versus rest"},
+        {"gamma_rule", o.kernel.gamma ? fmt::to_string(*o.kernel.gamma) : "scale"},
+        {"shrinking", fmt::to_string(o.solver.shrinking)},
+        {"cache_bytes", fmt::to_string(o.solver.cache_bytes)}, // rows that are computed apart round otherwise
+    };
+}
+
+} // namespace
+
+tactnet::file_metadata svm_recipe::describe() const {
+    return std::visit(
+        [](const auto& o) {
+            tactnet::file_metadata text = own_settings(o);
+            text["cost"] = fmt::to_string(o.cost);
+            text["standardise"] = fmt::to_string(o.standardise);
+            text["tolerance"] = fmt::to_string(o.solver.tolerance);
+            text["iteration_limit"] = fmt::to_string(o.solver.iteration_limit);
+            return text;
+        },
+        options);
+}
+
+const std::array<svm_recipe, 3>& svm_recipes() {
+    static const std::array<svm_recipe, 3> all{{
+        {"svm-linear", linear_options{.cost = 1}, 1.0f / 255},
+        {"svm-rbf", rbf_options{.cost = 10}, 1},
+        {"surf-svm", linear_options{.cost = tactnet::surf_settings{}.cost}, 0},
+    }};
+    return all;
+}

@@ -1,0 +1,162 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors/element_type.hpp>
+#include <tactnet/io/safetensors/header.hpp>
+#include <tactnet/io/text.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+// Writes safetensors files. The same content gives the same bytes, whatever the order it was added in:
+// tensors stand by falling element size and then by name, so that each is aligned to its elements. Every file
+// carries a checksum over all of it in its metadata, where other programs pass over it.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Collects tensors and text, then writes them as one file, all or nothing.
+class safetensors_writer {
+public:
+    /// Text that goes with the tensors. Keys and values must be UTF-8. The checksum is not for the caller to
+    /// give: what stands under its key is passed over.
+    file_metadata metadata;
+
+    /// Adds a copy of `values`, row-major. Throws std::invalid_argument when the name is taken, reserved
+    /// (`__metadata__`) or not UTF-8, or when the number of values is not the product of the extents.
+    void add(std::string name, std::vector<std::size_t> extents, std::span<const float> values) {
+        add_values(std::move(name), std::move(extents), values);
+    }
+    void add(std::string name, std::vector<std::size_t> extents, std::span<const double> values) {
+        add_values(std::move(name), std::move(extents), values);
+    }
+    void add(std::string name, std::vector<std::size_t> extents, std::span<const std::uint8_t> values) {
+        add_values(std::move(name), std::move(extents), values);
+    }
+    void add(std::string name, std::vector<std::size_t> extents, std::span<const std::int64_t> values) {
+        add_values(std::move(name), std::move(extents), values);
+    }
+
+    /// The same for any element type, as little-endian bytes.
+    void add(std::string name, element_type type, std::vector<std::size_t> extents,
+             std::span<const std::byte> bytes) {
+        std::size_t needed = 0;
+        if (name == "__metadata__" || !is_utf8(name))
+            throw std::invalid_argument("tactnet: a tensor cannot be named " + in_quotes(name));
+        if (!detail::tensor_bytes(type, extents, needed) || needed != bytes.size())
+            throw std::invalid_argument("tactnet: " + detail::tensor_place(name) + " of " +
+                                        std::string(element_type_name(type)) + " " + shape_text(extents) +
+                                        " cannot hold " + std::to_string(bytes.size()) + " bytes");
+        stored tensor{type, std::move(extents), std::vector<std::byte>(bytes.begin(), bytes.end())};
+        const auto [place, is_new] = tensors_.emplace(std::move(name), std::move(tensor));
+        if (!is_new)
+            throw std::invalid_argument("tactnet: there are two tensors named " + in_quotes(place->first));
+    }
+
+    /// Writes the file; what was there before stays until the new one is complete.
+    /// Throws file_error, and std::invalid_argument for metadata that are not UTF-8 or look like a checksum.
+    void write(const std::filesystem::path& path) const {
+        const std::vector<std::byte> head = header_bytes();
+        std::vector<std::span<const std::byte>> pieces{head};
+        for (const item* tensor : ordered())
+            pieces.emplace_back(tensor->second.bytes);
+        write_file(path, pieces);
+    }
+
+    /// The content of the file that `write` makes.
+    std::vector<std::byte> to_bytes() const {
+        std::vector<std::byte> bytes = header_bytes();
+        for (const item* tensor : ordered())
+            bytes.insert(bytes.end(), tensor->second.bytes.begin(), tensor->second.bytes.end());
+        return bytes;
+    }
+
+private:
+    struct stored {
+        element_type type;
+        std::vector<std::size_t> extents;
+        std::vector<std::byte> bytes;
+    };
+    using item = std::pair<const std::string, stored>;
+
+    template <storable T>
+    void add_values(std::string name, std::vector<std::size_t> extents, std::span<const T> values) {
+        add(std::move(name), element_type_of<T>(), std::move(extents), std::as_bytes(values));
+    }
+
+    std::vector<const item*> ordered() const {
+        std::vector<const item*> order;
+        order.reserve(tensors_.size());
+        for (const item& tensor : tensors_)
+            order.push_back(&tensor);
+        std::stable_sort(order.begin(), order.end(), [](const item* a, const item* b) {
+            return element_size(a->second.type) > element_size(b->second.type);
+        });
+        return order;
+    }
+
+    std::vector<std::byte> header_bytes() const {
+        std::string json = "{";
+        const auto separate = [&] { json += json.back() == '{' ? "" : ","; };
+        json += "\"__metadata__\":{" + json_string(safetensors_checksum_key) + ":" +
+                json_string(checksum_text(0));
+        const std::size_t digits = sizeof(std::uint64_t) + json.size() - 1 - checksum_digits;
+        for (const auto& [key, value] : metadata) {
+            if (key == safetensors_checksum_key)
+                continue;
+            if (value.starts_with(checksum_mark))
+                throw std::invalid_argument("tactnet: the metadata " + in_quotes(key) +
+                                            " cannot begin as a checksum does, " + in_quotes(value));
+            separate();
+            json += json_string(key) + ":" + json_string(value);
+        }
+        json += '}';
+        std::size_t begin = 0;
+        for (const item* tensor : ordered()) {
+            const auto& [name, value] = *tensor;
+            separate();
+            json += json_string(name) + ":{\"dtype\":\"" + std::string(element_type_name(value.type)) +
+                    "\",\"shape\":[";
+            for (std::size_t i = 0; i < value.extents.size(); ++i)
+                json += (i == 0 ? "" : ",") + std::to_string(value.extents[i]);
+            const std::size_t end = begin + value.bytes.size();
+            json += "],\"data_offsets\":[" + std::to_string(begin) + "," + std::to_string(end) + "]}";
+            begin = end;
+        }
+        json += '}';
+        // Spaces up to a multiple of eight align the data for those who map the file into memory.
+        json.resize((json.size() + 7) / 8 * 8, ' ');
+        if (json.size() > safetensors_header_limit)
+            throw std::invalid_argument("tactnet: the header would be longer than the format allows");
+
+        const auto length = static_cast<std::uint64_t>(json.size());
+        std::vector<std::byte> bytes(sizeof(length) + json.size());
+        std::memcpy(bytes.data(), &length, sizeof(length));
+        std::memcpy(bytes.data() + sizeof(length), json.data(), json.size());
+        xxh64 sum;
+        sum.update(bytes);
+        for (const item* tensor : ordered())
+            sum.update(tensor->second.bytes);
+        const std::string text = checksum_text(sum.digest());
+        std::memcpy(bytes.data() + digits, text.data() + checksum_mark.size(), checksum_digits);
+        return bytes;
+    }
+
+    std::map<std::string, stored, std::less<>> tensors_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/sensors/byte_order.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// What stands in the records of one frame of a binary recording, which may arrive in any pieces.
+class tekscan_binary_records {
+public:
+    /// Tags: the frame's number (4 bytes), the time since the start in microseconds (8), and the time of day
+    /// in units of 100 ns since 1601 (8).
+    static constexpr std::uint16_t frame_number = 1, microseconds = 2, time_of_day = 16;
+
+    std::optional<std::uint64_t> number, time, day_time;
+
+    /// Bytes of a record that must have so many.
+    [[nodiscard]] static std::optional<std::size_t> bytes_of(std::uint16_t tag) noexcept {
+        return tag == frame_number   ? std::optional<std::size_t>(4)
+               : tag == microseconds ? std::optional<std::size_t>(8)
+                                     : std::nullopt;
+    }
+
+    /// A record begins, of `bytes_of(tag)` bytes where that says so.
+    void announce(std::uint16_t tag, std::uint16_t length) noexcept {
+        for (const unsigned value : {unsigned{tag}, unsigned{length}})
+            layout_ = (layout_ ^ value) * 1099511628211U;
+        tag_ = tag;
+        length_ = length;
+        taken_ = 0;
+    }
+    /// Takes bytes of the record that was announced, and returns how many are its own. A time of day of
+    /// another length is passed over, as are records with unknown tags.
+    std::size_t take(std::span<const std::byte> bytes) noexcept {
+        const std::size_t taken = std::min(bytes.size(), length_ - taken_);
+        const bool known =
+            tag_ == frame_number || tag_ == microseconds || (tag_ == time_of_day && length_ == 8);
+        if (known)
+            std::copy_n(bytes.begin(), taken, data_.begin() + static_cast<std::ptrdiff_t>(taken_));
+        taken_ += taken;
+        if (!known || !whole())
+            return taken;
+        if (tag_ == frame_number)
+            number = little_endian<std::uint32_t>(data_);
+        else
+            (tag_ == microseconds ? time : day_time) = little_endian<std::uint64_t>(data_);
+        return taken;
+    }
+    [[nodiscard]] bool whole() const noexcept { return taken_ == length_; }
+
+    /// Equal for frames with the same tags and lengths in the same order, and else hardly ever.
+    [[nodiscard]] std::uint64_t layout() const noexcept { return layout_; }
+
+private:
+    std::uint64_t layout_ = 14695981039346656037U; ///< a hash (FNV-1a), so that any number of them fits
+    std::array<std::byte, 8> data_{};
+    std::size_t length_ = 0, taken_ = 0; ///< of the record that is read
+    std::uint16_t tag_ = 0;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

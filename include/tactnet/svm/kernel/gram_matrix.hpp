@@ -1,0 +1,123 @@
+#pragma once
+
+#include <tactnet/kernels/rows/packed.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/svm/kernel/functions.hpp>
+#include <tactnet/svm/kernel/space.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+// The rows of a kernel matrix, for a solver that works on some of the samples: out of the whole matrix, which
+// is found in one product and serves all problems over the same samples, or found one by one where it is too
+// large.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A kernel of all pairs of samples.
+class gram_matrix {
+public:
+    /// Bytes that the matrix of so many samples takes.
+    [[nodiscard]] static double bytes(std::size_t samples) {
+        return static_cast<double>(samples) * static_cast<double>(padded(samples)) * sizeof(float);
+    }
+
+    /// Products or squared distances of all pairs: half of them, and the other half mirrored.
+    template <svm_kernel Kernel>
+    [[nodiscard]] static gram_matrix measured(const placed_rows& rows, const kernel_columns<Kernel>& columns,
+                                              thread_pool& threads) {
+        const std::size_t n = columns.size();
+        gram_matrix gram(n);
+        constexpr std::size_t width = kernels::packed_rows::panel_width;
+        threads.on_each_thread([&](thread_pool::share part) {
+            for (std::size_t panel = part.index; panel * width < n; panel += part.threads) {
+                const std::size_t first = panel * width;
+                columns.measure_panel(first, rows, first, n - first, gram.row(first) + first, gram.stride_);
+                for (std::size_t i = first + width; i < n; ++i)
+                    for (std::size_t j = first; j < first + width; ++j)
+                        gram.row(j)[i] = gram.row(i)[j];
+            }
+        });
+        return gram;
+    }
+    /// The kernel's values, of a matrix as `measured`.
+    template <svm_kernel Kernel>
+    void apply(const Kernel& kernel, double unit, thread_pool& threads) {
+        threads.for_each(size_, [&](std::size_t i) { kernel.apply(row(i), stride_, unit); });
+    }
+
+    [[nodiscard]] std::size_t size() const { return size_; }
+    [[nodiscard]] const float* row(std::size_t index) const { return values_.data() + index * stride_; }
+
+private:
+    explicit gram_matrix(std::size_t samples)
+        : size_(samples), stride_(padded(samples)), values_(samples * stride_) {}
+
+    [[nodiscard]] static std::size_t padded(std::size_t samples) {
+        constexpr std::size_t width = kernels::packed_rows::panel_width;
+        return (samples + width - 1) / width * width;
+    }
+    [[nodiscard]] float* row(std::size_t index) { return values_.data() + index * stride_; }
+
+    std::size_t size_, stride_;
+    aligned_vector<float> values_;
+};
+
+/// Rows out of a whole matrix.
+class stored_kernel_rows {
+public:
+    explicit stored_kernel_rows(const gram_matrix& gram) : gram_(&gram) {}
+
+    /// From here on rows hold the values with these samples, which must outlive the selection.
+    void select(std::span<const std::size_t> samples) { samples_ = samples; }
+    void fill(std::size_t sample, float* out) {
+        const float* row = gram_->row(sample);
+        for (std::size_t k = 0; k < samples_.size(); ++k)
+            out[k] = row[samples_[k]];
+    }
+    [[nodiscard]] double diagonal(std::size_t sample) const { return double{gram_->row(sample)[sample]}; }
+
+private:
+    const gram_matrix* gram_;
+    std::span<const std::size_t> samples_;
+};
+
+/// Rows found one by one.
+template <svm_kernel Kernel>
+class computed_kernel_rows {
+public:
+    computed_kernel_rows(const placed_rows& rows, const kernel_space<Kernel>& space, const Kernel& kernel)
+        : rows_(&rows), space_(&space), kernel_(kernel) {}
+
+    void select(std::span<const std::size_t> samples) {
+        columns_ = kernel_columns<Kernel>(*rows_, samples, space_->scale());
+        scratch_.resize(columns_.padded_size());
+    }
+    void fill(std::size_t sample, float* out) {
+        columns_.measure(*rows_, sample, 1, scratch_.data(), scratch_.size());
+        kernel_.apply(scratch_.data(), scratch_.size(), space_->unit());
+        std::copy_n(scratch_.begin(), columns_.size(), out);
+    }
+    [[nodiscard]] double diagonal(std::size_t sample) const {
+        if constexpr (Kernel::of_distance)
+            return 1;
+        double norm = 0;
+        for (const float value : rows_->original.row(sample))
+            norm += double{value} * double{value};
+        return norm;
+    }
+
+private:
+    const placed_rows* rows_;
+    const kernel_space<Kernel>* space_;
+    Kernel kernel_;
+    kernel_columns<Kernel> columns_;
+    aligned_vector<float> scratch_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

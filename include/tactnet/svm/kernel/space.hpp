@@ -1,0 +1,191 @@
+#pragma once
+
+#include <tactnet/kernels/rows/packed.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/svm/kernel/functions.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+// Products or squared distances of many samples at once. ‖x − y‖² = ‖x‖² + ‖y‖² − 2 x·y is one matrix
+// product, but cancels where the samples lie far from the origin, or close to each other. So distances are
+// taken around the middle of the samples and in a unit of their size, and close pairs are measured once more
+// directly.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Samples as a kernel space holds them.
+struct placed_rows {
+    feature_rows<> original;
+    aligned_vector<float> moved; ///< centred and in units; empty for kernels of products
+    aligned_vector<float> norms; ///< ‖·‖² of the moved rows
+    [[nodiscard]] const float* row(std::size_t index) const {
+        return (moved.empty() ? original.values().data() : moved.data()) + index * original.features();
+    }
+    [[nodiscard]] float norm(std::size_t index) const { return norms.empty() ? 0.0F : norms[index]; }
+};
+
+/// Origin and unit of length for samples near some given ones.
+template <svm_kernel Kernel>
+class kernel_space {
+public:
+    kernel_space() = default;
+    /// Throws std::invalid_argument when the products of the samples do not fit into float.
+    explicit kernel_space(feature_rows<> samples) {
+        if constexpr (Kernel::of_distance)
+            centre_on(samples);
+        else
+            check_products(samples);
+    }
+
+    /// The square of the unit of length: what distances are multiplied with to be those of the features.
+    [[nodiscard]] double unit() const { return 1 / (double{scale_} * double{scale_}); }
+    [[nodiscard]] float scale() const { return scale_; }
+
+    /// The rows must outlive the result.
+    [[nodiscard]] placed_rows place(feature_rows<> rows) const {
+        placed_rows result{rows, {}, {}};
+        if constexpr (Kernel::of_distance) {
+            const std::size_t features = rows.features();
+            result.moved.resize(rows.size() * features);
+            result.norms.resize(rows.size());
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                const float* from = rows.values().data() + i * features;
+                float* to = result.moved.data() + i * features;
+                double norm = 0;
+                for (std::size_t f = 0; f < features; ++f) {
+                    to[f] = std::clamp((from[f] - centre_[f]) * scale_, -farthest, farthest);
+                    norm += double{to[f]} * double{to[f]};
+                }
+                result.norms[i] = static_cast<float>(norm);
+            }
+        }
+        return result;
+    }
+
+private:
+    /// Beyond this many times the extent of the samples a row is as good as at infinity; squares of it still
+    /// add up within float.
+    static constexpr float farthest = 0x1p50F;
+
+    void centre_on(feature_rows<> samples) {
+        const std::size_t features = samples.features();
+        std::vector<double> sums(features);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const float* row = samples.values().data() + i * features;
+            for (std::size_t f = 0; f < features; ++f)
+                sums[f] += double{row[f]};
+        }
+        for (const double sum : sums)
+            centre_.push_back(static_cast<float>(sum / static_cast<double>(samples.size())));
+        double extent = 0;
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const float* row = samples.values().data() + i * features;
+            for (std::size_t f = 0; f < features; ++f)
+                extent = std::max(extent, std::abs(double{row[f]} - double{centre_[f]}));
+        }
+        // A power of two, so that nothing is rounded by it.
+        if (extent > 0)
+            scale_ = static_cast<float>(std::exp2(std::clamp(-std::ceil(std::log2(extent)), -126.0, 126.0)));
+    }
+    static void check_products(feature_rows<> samples) {
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            double norm = 0;
+            for (const float value : samples.row(i))
+                norm += double{value} * double{value};
+            if (norm > double{std::numeric_limits<float>::max()})
+                throw std::invalid_argument("features: row " + std::to_string(i) +
+                                            ": expected squares that add up within float, found " +
+                                            std::to_string(norm) + "; standardise the features");
+        }
+    }
+
+    std::vector<float> centre_;
+    float scale_ = 1;
+};
+
+/// Some of the placed samples, packed to be multiplied with others.
+template <svm_kernel Kernel>
+class kernel_columns {
+public:
+    kernel_columns() = default;
+    kernel_columns(const placed_rows& rows, std::span<const std::size_t> samples, float scale)
+        : packed_(samples.size(), rows.original.features(),
+                  [&](std::size_t i) { return rows.row(samples[i]); }),
+          norms_(packed_.padded_rows()),
+          scale_(scale) {
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            norms_[i] = rows.norm(samples[i]);
+            if constexpr (Kernel::of_distance)
+                originals_.push_back(rows.original.row(samples[i]).data());
+        }
+    }
+    [[nodiscard]] std::size_t size() const { return packed_.rows(); }
+    /// The length of a row of results, in whole panels.
+    [[nodiscard]] std::size_t padded_size() const { return packed_.padded_rows(); }
+
+    /// out[i][j]: product or squared distance of row `first` + i and column j. Bit-exact for a row
+    /// whatever the rows beside it; for a pair of samples whichever is the row.
+    void measure(const placed_rows& rows, std::size_t first, std::size_t count, float* out,
+                 std::size_t stride) const {
+        for (std::size_t column = 0; column < size(); column += kernels::packed_rows::panel_width)
+            measure_panel(column, rows, first, count, out + column, stride);
+    }
+    /// The columns of one panel alone, to the beginning of `out`.
+    void measure_panel(std::size_t column, const placed_rows& rows, std::size_t first, std::size_t count,
+                       float* out, std::size_t stride) const {
+        const std::size_t features = packed_.features();
+        packed_.panel_products(column, rows.row(first), count, features, out, stride);
+        if constexpr (Kernel::of_distance)
+            for (std::size_t i = 0; i < count; ++i)
+                to_distances(column, rows, first + i, out + i * stride);
+    }
+
+private:
+    /// Pairs whose distance is below this part of the norms that it is the difference of.
+    static constexpr float close = 0x1p-6F;
+
+    void to_distances(std::size_t column, const placed_rows& rows, std::size_t row, float* products) const {
+        using v = kernels::vector<float>;
+        const v own(rows.norm(row)), minus_two(-2.0F), zero(0.0F), limit(close);
+        for (std::size_t j = 0; j < kernels::packed_rows::panel_width; j += kernels::lanes<float>) {
+            const v both = own + kernels::load(norms_.data() + column + j);
+            const v distance = kernels::multiply_add(minus_two, kernels::load(products + j), both);
+            kernels::store(products + j, distance);
+            if (kernels::any_of<float>(distance < limit * both))
+                measure_close(column + j, rows, row, products + j);
+        }
+    }
+    void measure_close(std::size_t column, const placed_rows& rows, std::size_t row, float* distances) const {
+        const float* a = rows.original.row(row).data();
+        const std::size_t end = std::min(column + kernels::lanes<float>, size());
+        for (std::size_t j = column; j < end; ++j)
+            if (distances[j - column] < close * (rows.norm(row) + norms_[j]))
+                distances[j - column] = squared_distance(a, originals_[j]);
+    }
+    [[nodiscard]] float squared_distance(const float* a, const float* b) const {
+        double sum = 0;
+        for (std::size_t f = 0; f < packed_.features(); ++f) {
+            const double d = (double{a[f]} - double{b[f]}) * double{scale_};
+            sum += d * d;
+        }
+        return static_cast<float>(sum);
+    }
+
+    kernels::packed_rows packed_;
+    aligned_vector<float> norms_;
+    std::vector<const float*> originals_;
+    float scale_ = 1;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <tactnet/image/augmentation.hpp>
+#include <tactnet/training/loop/trainable.hpp>
+#include <tactnet/training/recipe.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// What each epoch of a training shows: which images, in what order and batches, and how they are varied. All
+/// of it is a function of (seed, epoch, image), so that any of it can be made again.
+class epoch_images {
+public:
+    /// `chosen` must name an image of those that the network takes. The pixels must outlive this.
+    epoch_images(const recipe& how, const trainable& network, const labelled_images& images,
+                 std::vector<std::size_t> chosen, std::uint64_t seed, thread_pool& threads)
+        : transform_(network.image_transformer()),
+          pixels_(network.input_shape().size()),
+          rule_(how.augmentation),
+          ranges_(how.ranges),
+          images_(images),
+          chosen_(std::move(chosen)),
+          seed_(seed),
+          batch_(how.batch == 0 ? chosen_.size() : std::min(how.batch, size())) {
+        if (rule_ != augmentation_rule::sixfold)
+            return;
+        sixfold_.resize(size() * pixels_);
+        threads.for_each(size(), [&](std::size_t place) {
+            const std::size_t copy = place % 6;
+            const image_transform t = copy == 0 ? image_transform{} : drawn(place, copy);
+            transform_(t, image(place), sixfold_.data() + place * pixels_);
+        });
+    }
+
+    /// Images of an epoch. Each has a place, whatever their order.
+    [[nodiscard]] std::size_t size() const { return chosen_.size() * copies(); }
+    [[nodiscard]] std::size_t steps() const { return (size() + batch_ - 1) / batch_; }
+
+    /// The places in the order of an epoch.
+    [[nodiscard]] std::vector<std::size_t> order(std::size_t epoch) const {
+        std::vector<std::size_t> places(size());
+        std::iota(places.begin(), places.end(), std::size_t{0});
+        if (steps() > 1)
+            random_stream(seed_, draw::order, static_cast<std::uint32_t>(epoch)).shuffle(places);
+        return places;
+    }
+    /// One step's part of them. Batches of equal size, so that none is left with a handful of images for its
+    /// batch norms.
+    [[nodiscard]] std::span<const std::size_t> batch(std::size_t step,
+                                                     std::span<const std::size_t> order) const {
+        const std::size_t first = order.size() * step / steps(), last = order.size() * (step + 1) / steps();
+        return order.subspan(first, last - first);
+    }
+
+    [[nodiscard]] std::size_t label(std::size_t place) const { return images_.labels[image_at(place)]; }
+    /// The image at a place, varied as it is in that epoch, in counts.
+    void make(std::size_t place, std::size_t epoch, std::span<float> to) const {
+        if (rule_ == augmentation_rule::sixfold) {
+            std::copy_n(sixfold_.data() + place * pixels_, pixels_, to.data());
+            return;
+        }
+        const image_transform t =
+            rule_ == augmentation_rule::each_epoch ? drawn(place, epoch) : image_transform{};
+        transform_(t, image(place), to.data());
+    }
+
+private:
+    [[nodiscard]] std::size_t copies() const { return rule_ == augmentation_rule::sixfold ? 6 : 1; }
+    [[nodiscard]] std::size_t image_at(std::size_t place) const { return chosen_[place / copies()]; }
+    [[nodiscard]] const std::uint8_t* image(std::size_t place) const {
+        return images_.pixels.data() + image_at(place) * pixels_;
+    }
+    [[nodiscard]] image_transform drawn(std::size_t place, std::size_t time) const {
+        random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(time),
+                             static_cast<std::uint32_t>(image_at(place)));
+        return image_transform::draw(ranges_, random);
+    }
+
+    trainable::transformer transform_;
+    std::size_t pixels_;
+    augmentation_rule rule_;
+    augmentation_ranges ranges_;
+    labelled_images images_;
+    std::vector<std::size_t> chosen_;
+    std::uint64_t seed_;
+    std::size_t batch_;
+    std::vector<float> sixfold_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,252 @@
+#pragma once
+
+#include <tactnet/training/data/input_batch.hpp>
+#include <tactnet/training/data/split.hpp>
+#include <tactnet/training/early_stopping.hpp>
+#include <tactnet/training/loop/divergence.hpp>
+#include <tactnet/training/loop/epoch_images.hpp>
+#include <tactnet/training/loop/progress.hpp>
+#include <tactnet/training/loop/trainable.hpp>
+#include <tactnet/training/recipe.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// Moves a running mean towards the latest values, by their share.
+inline void blend(std::span<float> mean, std::span<const float> latest, float share) {
+    for (std::size_t i = 0; i < mean.size(); ++i)
+        mean[i] += share * (latest[i] - mean[i]);
+}
+
+} // namespace detail
+
+/// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
+/// sums have a fixed order: the same seed gives the same bits on any number of threads, in one go or in
+/// several (see for_each_state).
+/// The network is one of any type: `trainer` is for one of a type that is known.
+class training_loop {
+public:
+    /// The images must outlive the training.
+    training_loop(std::unique_ptr<trainable> network, const recipe& how, const labelled_images& images,
+                  data_split split, std::uint64_t seed, thread_pool& threads)
+        : network_(std::move(network)),
+          how_(checked(how, images, split)),
+          images_(images),
+          split_(std::move(split)),
+          seed_(seed),
+          threads_(threads),
+          shown_(how, *network_, images, split_.training, seed, threads),
+          stopping_(how.patience),
+          space_(network_->make_workspace()),
+          in_(network_->input_shape().size(), threads),
+          out_(network_->outputs()),
+          out_gradient_(network_->outputs()) {
+        network_->epsilon() = how.epsilon;
+        if (how.input == input_rule::subtract_mean)
+            in_.subtract_mean(images_, split_.training);
+        else
+            in_.scale_by(1.0f / 255);
+        const std::size_t size = network_->learnable_values().size();
+        optimiser_.resize(size);
+        gradients_.assign(size, 0);
+        const std::vector<parameter> parameters = network_->describe();
+        decayed_ = detail::decay_mask(parameters, size);
+        std::uint32_t index = 0;
+        for (const parameter& p : parameters)
+            detail::initialise(
+                p,
+                (learnable(p.what) ? network_->learnable_values() : network_->running_statistics())
+                    .subspan(p.offset, p.size),
+                how.initialisation, seed, index);
+        averaged_ = network_->copy();
+        best_ = network_->copy();
+    }
+
+    [[nodiscard]] bool finished() const { return progress_.stopped || history().size() >= how_.epochs; }
+    [[nodiscard]] const std::vector<epoch_report>& history() const { return progress_.history; }
+    [[nodiscard]] std::size_t images_per_epoch() const { return shown_.size(); }
+    /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
+    /// where there are no validation images.
+    [[nodiscard]] const trainable& best() const { return split_.validation.empty() ? candidate() : *best_; }
+    [[nodiscard]] const trainable& latest() const { return candidate(); }
+    /// Inputs are (count − mean) × scale.
+    [[nodiscard]] std::span<const float> mean() const { return in_.mean(); }
+    [[nodiscard]] float scale() const { return in_.scale(); }
+    [[nodiscard]] const data_split& split() const { return split_; }
+
+    /// Begins with the parameters and statistics of another network, for example one that was trained on
+    /// simulated images, in place of random ones. Throws std::logic_error after the first epoch.
+    void start_from(std::span<const float> values, std::span<const float> statistics,
+                    std::optional<double> momentum = std::nullopt) {
+        if (!history().empty())
+            throw std::logic_error("trainer: a training that has begun cannot start from another network");
+        for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
+            each->take(values, statistics);
+        if (momentum)
+            for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
+                each->momentum() = *momentum;
+    }
+
+    /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
+    /// that leaves numbers which are not finite, or when the validation loss is not.
+    const epoch_report& run_epoch() {
+        const std::size_t epoch = history().size();
+        const std::vector<std::size_t> order = shown_.order(epoch);
+        epoch_report report{.epoch = epoch + 1};
+        for (std::size_t step = 0; step < shown_.steps(); ++step) {
+            const double when =
+                static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(shown_.steps());
+            report.rate = rate_at(how_.schedule, how_.rate, when, static_cast<double>(how_.epochs));
+            const std::span<const std::size_t> places = shown_.batch(step, order);
+            const double loss = take(places, epoch, report.rate);
+            detail::check_loss(loss, report, "step " + std::to_string(step + 1));
+            report.loss += loss * static_cast<double>(places.size()) / static_cast<double>(order.size());
+        }
+        detail::check_parameters(network_->learnable_values(), report);
+        detail::check_parameters(network_->running_statistics(), report);
+        if ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs) {
+            if (how_.remeasure_statistics)
+                remeasure_statistics(how_.averaging > 0 ? *averaged_ : *network_);
+            if (!split_.validation.empty())
+                validate(report);
+        }
+        progress_.history.push_back(report);
+        return history().back();
+    }
+
+    /// visit(name, span of float or double) for all that a resumed training needs; after writing to them,
+    /// `restore`.
+    template <class Visit>
+    void for_each_state(Visit&& visit) {
+        visit("values", network_->learnable_values());
+        visit("statistics", network_->running_statistics());
+        visit("optimiser.first", std::span<float>(optimiser_.first));
+        visit("optimiser.second", std::span<float>(optimiser_.second));
+        visit("averaged.values", averaged_->learnable_values());
+        visit("averaged.statistics", averaged_->running_statistics());
+        visit("best.values", best_->learnable_values());
+        visit("best.statistics", best_->running_statistics());
+    }
+    /// The numbers beside the arrays.
+    [[nodiscard]] std::vector<double> progress() const {
+        training_progress p = progress_;
+        p.steps = optimiser_.steps;
+        p.smallest_loss = stopping_.smallest(), p.waited = stopping_.waited();
+        return p.numbers();
+    }
+    /// Throws std::invalid_argument, and changes nothing, for numbers that no training with this recipe has.
+    void restore(std::span<const double> numbers) {
+        progress_ = training_progress::from(numbers, how_.epochs, shown_.steps());
+        optimiser_.steps = progress_.steps;
+        stopping_.restore(progress_.smallest_loss, progress_.waited);
+    }
+
+private:
+    [[nodiscard]] trainable& candidate() const { return how_.averaging > 0 ? *averaged_ : *network_; }
+
+    const recipe& checked(const recipe& how, const labelled_images& images, const data_split& split) const {
+        check_images(images, network_->input_shape(), network_->outputs());
+        if (how.validate_every == 0)
+            throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
+        if (split.training.empty())
+            throw std::invalid_argument("trainer: the training part of the split holds no image");
+        return how;
+    }
+
+    /// One step; returns the mean loss before it.
+    double take(std::span<const std::size_t> places, std::size_t epoch, double rate) {
+        const std::size_t count = places.size();
+        in_.fill(count, [&](std::size_t i, std::span<float> image) { shown_.make(places[i], epoch, image); });
+        out_.resize(count), out_gradient_.resize(count);
+        std::vector<std::size_t> labels(count);
+        for (std::size_t i = 0; i < count; ++i)
+            labels[i] = shown_.label(places[i]);
+
+        const auto step = static_cast<std::uint32_t>(optimiser_.steps);
+        network_->prepare(threads_, *space_);
+        network_->forward(threads_, *space_, in_.samples(), out_, seed_, step);
+        const double loss = detail::softmax_cross_entropy<float>({count, out_.size(), sample_batch::lanes},
+                                                                 out_.data(), labels, images_.classes,
+                                                                 how_.label_smoothing, out_gradient_.data());
+        network_->backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
+        take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_,
+                         decayed_);
+        if (how_.averaging > 0)
+            average();
+        return loss;
+    }
+
+    void average() {
+        const auto steps = static_cast<double>(optimiser_.steps);
+        const auto past = static_cast<float>(std::min(how_.averaging, (1 + steps) / (10 + steps)));
+        detail::blend(averaged_->learnable_values(), network_->learnable_values(), 1 - past);
+        detail::blend(averaged_->running_statistics(), network_->running_statistics(), 1 - past);
+    }
+
+    /// Statistics of the network that is to be validated, anew from the training images as they are: the mean
+    /// of what batches of them give, each counted by its images. Not from the images as they were varied:
+    /// shifted and turned ones have empty corners, and other moments than those that are to be recognised.
+    void remeasure_statistics(trainable& network) {
+        const std::span<const std::size_t> images = split_.training;
+        const std::size_t most = how_.batch == 0 ? images.size() : std::min(how_.batch, images.size());
+        const std::size_t batches = (images.size() + most - 1) / most;
+        const double momentum = network.momentum();
+        network.prepare(threads_, *space_);
+        for (std::size_t batch = 0; batch < batches; ++batch) {
+            const std::size_t first = images.size() * batch / batches,
+                              last = images.size() * (batch + 1) / batches;
+            network.momentum() = static_cast<double>(last - first) / static_cast<double>(last);
+            in_.fill(last - first, [&](std::size_t i, std::span<float> image) {
+                std::copy_n(images_.pixels.data() + images[first + i] * image.size(), image.size(),
+                            image.data());
+            });
+            out_.resize(last - first);
+            network.forward(threads_, *space_, in_.samples(), out_, seed_,
+                            static_cast<std::uint32_t>(optimiser_.steps + batch));
+        }
+        network.momentum() = momentum;
+    }
+
+    void validate(epoch_report& report) {
+        const evaluation result =
+            evaluate(candidate(), mean(), scale(), images_, split_.validation, threads_);
+        detail::check_loss(result.loss, report, "validation");
+        report.validation_loss = result.loss;
+        report.validation_accuracy = result.confusion.accuracy();
+        if (progress_.validated(result.loss))
+            best_->take(candidate());
+        progress_.stopped = stopping_.check(result.loss);
+    }
+
+    std::unique_ptr<trainable> network_, averaged_, best_;
+    recipe how_;
+    labelled_images images_;
+    data_split split_;
+    std::uint64_t seed_;
+    thread_pool& threads_;
+    epoch_images shown_;
+    early_stopping stopping_;
+    optimiser_state<float> optimiser_;
+    aligned_vector<float> gradients_, decayed_;
+    training_progress progress_;
+    std::unique_ptr<trainable::workspace> space_;
+    input_batch in_;
+    sample_batch out_, out_gradient_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <tactnet/image/augmentation.hpp>
+#include <tactnet/layers/layer.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/training/data/sample_batch.hpp>
+#include <tactnet/training/evaluate.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A network as a training sees it, whatever its type: arrays and a handful of calls. What is written over
+/// this is compiled once for all networks. See trainable_network.hpp.
+class trainable {
+public:
+    /// Memory on a batch's way, which only the network that made it understands.
+    class workspace {
+    public:
+        virtual ~workspace() = default;
+    };
+    /// Writes what an image of counts looks like after a transformation.
+    using transformer = void (*)(const image_transform&, const std::uint8_t* from, float* to);
+
+    virtual ~trainable() = default;
+    [[nodiscard]] virtual std::unique_ptr<trainable> copy() const = 0;
+
+    [[nodiscard]] virtual shape input_shape() const = 0;
+    [[nodiscard]] virtual std::size_t outputs() const = 0;
+    [[nodiscard]] virtual transformer image_transformer() const = 0;
+    /// As basic_network has them.
+    [[nodiscard]] virtual std::vector<parameter> describe() const = 0;
+    [[nodiscard]] virtual std::span<float> learnable_values() = 0;
+    [[nodiscard]] virtual std::span<float> running_statistics() = 0;
+    [[nodiscard]] virtual double& epsilon() = 0;
+    [[nodiscard]] virtual double& momentum() = 0;
+
+    [[nodiscard]] virtual std::unique_ptr<workspace> make_workspace() const = 0;
+    virtual void prepare(thread_pool& threads, workspace& space) const = 0;
+    virtual void forward(thread_pool& threads, workspace& space, const sample_batch& in, sample_batch& out,
+                         std::uint64_t seed, std::uint32_t step) = 0;
+    virtual void backward(thread_pool& threads, workspace& space, const sample_batch& in,
+                          const sample_batch& out, const sample_batch& out_gradient,
+                          std::span<float> gradients, std::uint64_t seed, std::uint32_t step) const = 0;
+
+    /// With running statistics.
+    virtual void logits(thread_pool& threads, workspace& space, const sample_batch& in,
+                        sample_batch& out) const = 0;
+
+    /// Takes the arrays of a network of the same type. Throws std::invalid_argument for arrays of other
+    /// sizes.
+    void take(std::span<const float> values, std::span<const float> statistics) {
+        if (values.size() != learnable_values().size() || statistics.size() != running_statistics().size())
+            throw std::invalid_argument("trainable: expected " + std::to_string(learnable_values().size()) +
+                                        " parameters and " + std::to_string(running_statistics().size()) +
+                                        " running statistics, found " + std::to_string(values.size()) +
+                                        " and " + std::to_string(statistics.size()));
+        std::copy(values.begin(), values.end(), learnable_values().begin());
+        std::copy(statistics.begin(), statistics.end(), running_statistics().begin());
+    }
+    void take(trainable& other) { take(other.learnable_values(), other.running_statistics()); }
+
+protected:
+    trainable() = default;
+    trainable(const trainable&) = default;
+    trainable& operator=(const trainable&) = default;
+};
+
+/// As for a network whose type is known: inputs are (count − mean) × scale, with a mean for each pixel.
+[[nodiscard]] inline evaluation evaluate(const trainable& network, std::span<const float> mean, float scale,
+                                         const labelled_images& images, std::span<const std::size_t> chosen,
+                                         thread_pool& threads) {
+    check_images(images, network.input_shape(), network.outputs());
+    const auto space = network.make_workspace();
+    network.prepare(threads, *space);
+    return detail::evaluate(
+        mean, scale, network.outputs(), images, chosen,
+        [&](const sample_batch& in, sample_batch& out) { network.logits(threads, *space, in, out); });
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,149 @@
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/images/folder.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
+#include <vector>
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <sys/stat.h>
+#endif
+
+using tactnet::file_error;
+using tactnet::list_image_folder;
+
+namespace {
+
+void touch(const std::filesystem::path& path, std::string_view text = "") {
+    std::filesystem::create_directories(path.parent_path());
+    tactnet::write_file(path, text);
+}
+
+std::string error_of(const std::filesystem::path& root) {
+    try {
+        list_image_folder(root);
+    } catch (const file_error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+} // namespace
+
+TEST_CASE("image_folder: classes by their bytes, files in natural order, everything else passed over") {
+    const support::temporary_folder folder;
+    for (const char* name : {"b/b10.jpg", "b/b2.JPG", "b/b1.jpeg", "a/x.png", "B/q.PnG", "b/notes.txt",
+                             "b/.b0.jpg", "b/inner/b3.jpg", "readme.jpg", ".hidden/x.jpg", "b/noextension"})
+        touch(folder / name);
+    const auto listed = list_image_folder(folder.path());
+    CHECK(listed.root == folder.path());
+    CHECK(listed.classes == std::vector<std::string>{"B", "a", "b"});
+    std::vector<std::string> names;
+    for (const auto& [path, label] : listed.files) {
+        CHECK(path.parent_path().filename().string() == listed.classes.at(label));
+        names.push_back(path.filename().string());
+    }
+    CHECK(names == std::vector<std::string>{"q.PnG", "x.png", "b1.jpeg", "b2.JPG", "b10.jpg"});
+
+    constexpr std::array<std::string_view, 1> only_text{".txt"};
+    CHECK_THROWS_AS(list_image_folder(folder.path(), only_text), file_error);
+}
+
+TEST_CASE("image_folder: a folder that is no set of images: each has its sentence") {
+    const support::temporary_folder folder;
+    const auto root = folder / "root";
+    const std::string name = root.string();
+    CHECK(error_of(root) ==
+          name + ": expected a folder with one subfolder a class, found nothing of that name");
+    touch(root);
+    CHECK(error_of(root) == name + ": expected a folder with one subfolder a class, found a file");
+    std::filesystem::remove(root);
+    std::filesystem::create_directory(root);
+    CHECK(error_of(root) == name + ": expected one subfolder a class, found an empty folder");
+    touch(root / "a.jpg");
+    touch(root / "b.jpg");
+    CHECK(error_of(root) == name + ": expected one subfolder a class, found 2 files and no subfolder");
+    touch(root / "key" / "1.jpg");
+    CHECK(error_of(root) == name + ": expected at least two classes, a subfolder each, found only 'key'");
+    std::filesystem::create_directory(root / "pen");
+    CHECK(error_of(root) ==
+          (root / "pen").string() +
+              ": expected at least one image (.jpg, .jpeg, .png) for this class, found an empty folder");
+    touch(root / "pen" / "1.gif");
+    CHECK(error_of(root) == (root / "pen").string() + ": expected at least one image (.jpg, .jpeg, .png) "
+                                                      "for this class, found none among 1 entries");
+    touch(root / "pen" / "1.png");
+    CHECK(error_of(root) == "no error");
+#if defined(__linux__)
+    touch(root / "caf\xE9" / "1.png");
+    CHECK(error_of(root) == name + ": subfolder 'caf\\xe9': expected a name in UTF-8, found other bytes");
+#endif
+}
+
+#if defined(__unix__) || defined(__APPLE__)
+TEST_CASE("image_folder: links are followed, those to nothing are told") {
+    const support::temporary_folder folder;
+    const auto root = folder / "root";
+    touch(folder / "elsewhere" / "pens" / "1.png");
+    touch(folder / "elsewhere" / "2.png");
+    touch(root / "key" / "1.png");
+    std::filesystem::create_directory_symlink(folder / "elsewhere" / "pens", root / "pen");
+    std::filesystem::create_symlink("../../elsewhere/2.png", root / "key" / "2.png");
+    const auto listed = list_image_folder(root);
+    CHECK(listed.classes == std::vector<std::string>{"key", "pen"});
+    CHECK(listed.files.size() == 3);
+
+    std::filesystem::create_symlink("gone", root / "key" / "notes.txt"); // would be passed over in any case
+    std::filesystem::create_symlink("gone", root / ".hidden");
+    CHECK(error_of(root) == "no error");
+    std::filesystem::create_symlink("gone/tube", root / "tube");
+    CHECK(error_of(root) == (root / "tube").string() +
+                                ": expected a link to something that is there, found one to 'gone/tube'");
+    std::filesystem::remove(root / "tube");
+    std::filesystem::create_symlink("gone", root / "key" / "3.png");
+    CHECK(error_of(root) == (root / "key" / "3.png").string() +
+                                ": expected a link to something that is there, found one to 'gone'");
+    std::filesystem::remove(root / "key" / "3.png");
+    std::filesystem::create_symlink("circle", root / "circle");
+    CHECK(error_of(root).starts_with((root / "circle").string() + ": expected a folder or a file, found '"));
+}
+
+TEST_CASE("image_folder: pipes, sockets and devices are no images") {
+    const support::temporary_folder folder;
+    touch(folder / "key" / "1.png");
+    touch(folder / "pen" / "1.png");
+    REQUIRE(mkfifo((folder / "pen" / "pipe").c_str(), 0600) == 0);
+    REQUIRE(mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
+    CHECK(error_of(folder.path()) == "no error"); // nobody would open them
+    REQUIRE(mkfifo((folder / "pen" / "2.png").c_str(), 0600) == 0);
+    CHECK(error_of(folder.path()) ==
+          (folder / "pen" / "2.png").string() + ": expected a regular file, found a named pipe");
+    std::filesystem::remove(folder / "pen" / "2.png");
+    std::filesystem::create_symlink("/dev/zero", folder / "pen" / "2.png");
+    CHECK(error_of(folder.path()) ==
+          (folder / "pen" / "2.png").string() + ": expected a regular file, found a device");
+}
+#endif
+
+TEST_CASE("image_folder: the real recordings") {
+    const auto root = support::find_data("tactile_images");
+    if (!root)
+        return;
+    const auto listed = list_image_folder(*root);
+    CHECK(listed.classes.size() == 22);
+    CHECK(listed.classes.front() == "adhesive");
+    CHECK(listed.classes.back() == "tube");
+    REQUIRE(listed.files.size() == 1100);
+    for (std::size_t i = 0; i < listed.files.size(); ++i) {
+        CHECK(listed.files[i].label == i / 50);
+        const std::string number = std::to_string(i % 50 + 1) + ".jpg";
+        CHECK(listed.files[i].path.filename().string().ends_with(number));
+    }
+}

@@ -1,0 +1,48 @@
+#pragma once
+
+// What must hold of every layer, as one check: check_layer<conv2d<8, 5>, shape{28, 50, 1}>().
+//
+//  - costs and shapes: as in the reference, and as the described arrays add up
+//  - results: inference and training within the derived bound of the reference, in single and in double
+//  precision
+//  - gradients: in double against finite differences; of single layers also within the derived bound, in both
+//  - the same bits in any batch, at any place of it, with any number of threads, and in a memory used before,
+//  even
+//    for something broken
+//  - in place where the layer says so; its output is not read where it does not say so
+//  - no heap in the second inference of a size
+//
+// Programs that use it link conformance.cpp, reference.cpp and allocations.cpp.
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <support/layers/erased.hpp>
+#include <support/layers/reference_of.hpp>
+
+namespace support {
+
+struct conformance_options {
+    double low = -2, high = 2; ///< range of the inputs
+    double epsilon = 1e-5;
+    /// Random in training: the reference then says nothing of training.
+    bool random = false;
+};
+
+struct conformance_subject {
+    layer_maker<float> make_float;
+    layer_maker<double> make_double;
+    const reference_layer& reference;
+    conformance_options options;
+};
+
+void check_conformance(const conformance_subject& subject);
+
+template <class Spec, tactnet::shape Input>
+void check_layer(const conformance_options& options = {}) {
+    const reference_pointer reference = reference_of<Spec>::on({Input.channels, Input.rows, Input.columns});
+    check_conformance(
+        {&make_layer<Spec, float, Input>, &make_layer<Spec, double, Input>, *reference, options});
+}
+
+} // namespace support

@@ -1,0 +1,384 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <support/layers/deployment_bound.hpp>
+
+namespace support {
+
+namespace {
+
+using kind = described_layer::kind;
+
+constexpr double roundoff = unit_roundoff<float> * (1 + 0x1p-20);
+
+/// γ(count)
+double roundings(double count) {
+    return accumulated(roundoff, count);
+}
+
+double magnitude(const rounded& b) {
+    return std::abs(b.value) + b.error;
+}
+double square(double x) {
+    return x * x;
+}
+
+/// Magnitudes of all terms that go through the tiles of one convolution, for each output, from those of the
+/// input.
+class tile_magnitudes {
+public:
+    tile_magnitudes(const reference_window& window, std::size_t filters, std::span<const double> weights,
+                    std::span<const double> in)
+        : window_(window), side_(window.kernel_rows + 1) {
+        const std::size_t channels = window.input.channels, rows = window.output_rows(),
+                          columns = window.output_columns(), elements = side_ * side_;
+        std::vector<double> kernels(filters * channels * elements);
+        for (std::size_t k = 0; k < filters * channels; ++k)
+            transform_kernel(weights.data() + k * window.kernel_rows * window.kernel_columns,
+                             kernels.data() + k * elements);
+        sizes.assign(filters * rows * columns, 0);
+        std::vector<double> tile(channels * elements), products(elements);
+        for (std::size_t y = 0; y < rows; y += 2)
+            for (std::size_t x = 0; x < columns; x += 2) {
+                for (std::size_t c = 0; c < channels; ++c)
+                    transform_input(in, c, y, x, tile.data() + c * elements);
+                for (std::size_t f = 0; f < filters; ++f) {
+                    std::fill(products.begin(), products.end(), 0.0);
+                    for (std::size_t c = 0; c < channels; ++c)
+                        for (std::size_t e = 0; e < elements; ++e)
+                            products[e] +=
+                                kernels[(f * channels + c) * elements + e] * tile[c * elements + e];
+                    for (std::size_t i = 0; i < 4; ++i)
+                        if (y + i / 2 < rows && x + i % 2 < columns)
+                            sizes[(f * rows + y + i / 2) * columns + x + i % 2] =
+                                output(products, i / 2, i % 2);
+                }
+            }
+    }
+
+    std::vector<double> sizes;
+
+private:
+    // |G|, |B|ᵀ and |A|ᵀ, line by line.
+    [[nodiscard]] double g(std::size_t line, std::size_t at) const {
+        static constexpr double of3[4][3] = {{1, 0, 0}, {.5, .5, .5}, {.5, .5, .5}, {0, 0, 1}};
+        static constexpr double of2[3][2] = {{1, 0}, {1, 1}, {0, 1}};
+        return side_ == 4 ? of3[line][at] : of2[line][at];
+    }
+    [[nodiscard]] double b(std::size_t line, std::size_t at) const {
+        static constexpr double of3[4][4] = {{1, 0, 1, 0}, {0, 1, 1, 0}, {0, 1, 1, 0}, {0, 1, 0, 1}};
+        static constexpr double of2[3][3] = {{1, 1, 0}, {0, 1, 0}, {0, 1, 1}};
+        return side_ == 4 ? of3[line][at] : of2[line][at];
+    }
+    [[nodiscard]] double a(std::size_t line, std::size_t at) const {
+        static constexpr double of3[2][4] = {{1, 1, 1, 0}, {0, 1, 1, 1}};
+        static constexpr double of2[2][3] = {{1, 1, 0}, {0, 1, 1}};
+        return side_ == 4 ? of3[line][at] : of2[line][at];
+    }
+    void transform_kernel(const double* kernel, double* to) const {
+        const std::size_t k = side_ - 1;
+        for (std::size_t y = 0; y < side_; ++y)
+            for (std::size_t x = 0; x < side_; ++x) {
+                double sum = 0;
+                for (std::size_t i = 0; i < k * k; ++i)
+                    sum += g(y, i / k) * std::abs(kernel[i]) * g(x, i % k);
+                to[y * side_ + x] = sum;
+            }
+    }
+    void transform_input(std::span<const double> in, std::size_t channel, std::size_t row, std::size_t column,
+                         double* to) const {
+        std::array<double, 16> d{};
+        for (std::size_t i = 0; i < side_ * side_; ++i) {
+            const std::size_t y = row + i / side_, x = column + i % side_; // counted with the padding
+            if (y >= window_.top && y < window_.top + window_.input.rows && x >= window_.left &&
+                x < window_.left + window_.input.columns)
+                d[i] = in[(channel * window_.input.rows + y - window_.top) * window_.input.columns + x -
+                          window_.left];
+        }
+        for (std::size_t y = 0; y < side_; ++y)
+            for (std::size_t x = 0; x < side_; ++x) {
+                double sum = 0;
+                for (std::size_t i = 0; i < side_ * side_; ++i)
+                    sum += b(y, i / side_) * d[i] * b(x, i % side_);
+                to[y * side_ + x] = sum;
+            }
+    }
+    [[nodiscard]] double output(const std::vector<double>& products, std::size_t y, std::size_t x) const {
+        double sum = 0;
+        for (std::size_t i = 0; i < side_ * side_; ++i)
+            sum += a(y, i / side_) * products[i] * a(x, i % side_);
+        return sum;
+    }
+
+    reference_window window_;
+    std::size_t side_;
+};
+
+/// A batch norm as factor and offset in double, for folding.
+struct norm {
+    std::span<const float> scale, shift, mean, variance;
+    double epsilon;
+
+    [[nodiscard]] double factor(std::size_t c) const {
+        return static_cast<double>(scale[c]) / std::sqrt(static_cast<double>(variance[c]) + epsilon);
+    }
+    /// The error is what double precision leaves where large numbers cancel, and one rounding.
+    [[nodiscard]] rounded shifted(std::size_t c, double bias) const {
+        const double m = static_cast<double>(mean[c]), s = static_cast<double>(shift[c]);
+        const double value = (bias - m) * factor(c) + s;
+        const double inside = 0x1p-50 * ((std::abs(bias) + std::abs(m)) * std::abs(factor(c)) + std::abs(s));
+        return {value, inside + roundings(1) * std::abs(value), inside + roundoff * std::abs(value)};
+    }
+};
+
+/// Hands out the parameters in order while a frame passes.
+class frame_walk {
+public:
+    explicit frame_walk(const described_parameters& parameters) : left_(parameters) {}
+
+    rounded_map through(const std::vector<described_layer>& layers, rounded_map x,
+                        const rounded_map* added = nullptr) {
+        for (std::size_t i = 0; i < layers.size(); ++i) {
+            const described_layer& layer = layers[i];
+            switch (layer.what) {
+            case kind::convolution: {
+                const std::size_t taps =
+                    layer.window.input.channels * layer.window.kernel_rows * layer.window.kernel_columns;
+                const std::span<const float> w = take_values(layer.filters * taps),
+                                             b = take_values(layer.filters);
+                std::size_t behind = i + 1;
+                while (behind < layers.size() && layers[behind].what == kind::dropout)
+                    ++behind;
+                std::vector<double> weights(w.begin(), w.end());
+                std::vector<rounded> biases(layer.filters);
+                std::optional<norm> folded;
+                if (behind < layers.size() && layers[behind].what == kind::norm)
+                    folded = take_norm(layer.filters), i = behind;
+                for (std::size_t f = 0; f < layer.filters; ++f) {
+                    biases[f].value = static_cast<double>(b[f]);
+                    if (folded) {
+                        biases[f] = folded->shifted(f, static_cast<double>(b[f]));
+                        for (std::size_t t = 0; t < taps; ++t)
+                            weights[f * taps + t] *= folded->factor(f);
+                    }
+                }
+                // The sum of a residual block is taken in the last convolution of its main branch.
+                x = bounded_convolution(layer.window, layer.filters, weights, biases, x,
+                                        i + 1 == layers.size() ? added : nullptr, layer.tiled);
+                break;
+            }
+            case kind::dense: {
+                const std::span<const float> w = take_values(layer.filters * x.size()),
+                                             b = take_values(layer.filters);
+                const std::vector<double> weights(w.begin(), w.end());
+                std::vector<rounded> biases(layer.filters);
+                for (std::size_t f = 0; f < layer.filters; ++f)
+                    biases[f].value = static_cast<double>(b[f]);
+                x = bounded_convolution(layer.window, layer.filters, weights, biases, x, nullptr, false);
+                break;
+            }
+            case kind::norm: {
+                const norm n = take_norm(layer.filters);
+                const std::size_t area = x.size() / layer.filters;
+                for (std::size_t e = 0; e < x.size(); ++e) {
+                    const double factor = n.factor(e / area);
+                    const rounded offset = n.shifted(e / area, 0);
+                    const double size = std::abs(factor) * magnitude(x[e]) + magnitude(offset);
+                    x[e] = {x[e].value * factor + offset.value,
+                            std::abs(factor) * x[e].error + offset.error + roundings(3) * size,
+                            std::hypot(factor * x[e].deviation, offset.deviation,
+                                       std::sqrt(3) * roundoff * size)};
+                }
+                break;
+            }
+            case kind::relu:
+                x = bounded_relu(std::move(x));
+                break;
+            case kind::pool:
+                x = bounded_max_pool(layer.window, x);
+                break;
+            case kind::softmax:
+                x = softmax(x, layer.filters);
+                break;
+            case kind::dropout:
+                break;
+            case kind::list:
+                x = through(layer.inner, std::move(x));
+                break;
+            case kind::residual:
+                x = residual(layer, x);
+                break;
+            case kind::own:
+                x = layer.own(std::move(x), take_values(layer.own_values));
+                break;
+            }
+        }
+        return x;
+    }
+
+private:
+    std::span<const float> take_values(std::size_t count) { return take(left_.values, count); }
+    static std::span<const float> take(std::span<const float>& from, std::size_t count) {
+        if (count > from.size())
+            throw std::logic_error("frame_walk: the layers have more parameters than there are");
+        const std::span<const float> taken = from.first(count);
+        from = from.subspan(count);
+        return taken;
+    }
+    norm take_norm(std::size_t channels) {
+        const auto scale = take_values(channels), shift = take_values(channels);
+        const auto mean = take(left_.statistics, channels), variance = take(left_.statistics, channels);
+        return {scale, shift, mean, variance, left_.epsilon};
+    }
+    /// The skip's parameters lie behind those of the main branch, which needs its result.
+    rounded_map residual(const described_layer& block, const rounded_map& x) {
+        frame_walk main = *this;
+        pass_over(block.inner);
+        const rounded_map skip = through(block.skip, x);
+        return main.through(block.inner, x, &skip);
+    }
+    void pass_over(const std::vector<described_layer>& layers) {
+        for (const described_layer& layer : layers)
+            switch (layer.what) {
+            case kind::convolution:
+            case kind::dense:
+                take_values(layer.filters * (layer.window.input.channels * layer.window.kernel_rows *
+                                                 layer.window.kernel_columns +
+                                             1));
+                break;
+            case kind::norm:
+                take_norm(layer.filters);
+                break;
+            case kind::own:
+                take_values(layer.own_values);
+                break;
+            case kind::list:
+            case kind::residual:
+                pass_over(layer.inner);
+                pass_over(layer.skip);
+                break;
+            default:
+                break;
+            }
+    }
+    /// Inputs off by e, and their distance d to the largest rounded: each exponential is off by a factor
+    /// within exp(±(e + e of the largest + u |d|)), the sum of them by as much; exponentials are right to one
+    /// unit in the last place (2 u), the quotient is rounded. What is below the smallest normal number may be
+    /// lost.
+    static rounded_map softmax(const rounded_map& x, std::size_t channels) {
+        rounded_map out(x.size());
+        const std::size_t area = x.size() / channels;
+        for (std::size_t p = 0; p < area; ++p) {
+            double largest = x[p].value, smallest = x[p].value, wrong = 0, off = 0, sum = 0;
+            for (std::size_t e = p; e < x.size(); e += area) {
+                largest = std::max(largest, x[e].value), smallest = std::min(smallest, x[e].value);
+                wrong = std::max(wrong, x[e].error), off = std::max(off, x[e].deviation);
+            }
+            for (std::size_t e = p; e < x.size(); e += area)
+                sum += std::exp(x[e].value - largest);
+            const double spread = largest - smallest + 2 * wrong;
+            for (std::size_t e = p; e < x.size(); e += area) {
+                out[e].value = std::exp(x[e].value - largest) / sum;
+                const double lost = static_cast<double>(std::numeric_limits<float>::min());
+                out[e].error =
+                    out[e].value * (std::expm1(4 * wrong + 2 * roundings(1) * spread) + roundings(6)) + lost;
+                out[e].deviation =
+                    out[e].value * (std::expm1(4 * off + 2 * roundoff * spread) + std::sqrt(6) * roundoff) +
+                    lost;
+            }
+        }
+        return out;
+    }
+
+    described_parameters left_;
+};
+
+} // namespace
+
+rounded_map bounded_convolution(const reference_window& window, std::size_t filters,
+                                std::span<const double> weights, std::span<const rounded> biases,
+                                const rounded_map& in, const rounded_map* added, bool tiled) {
+    const std::size_t area = window.output_rows() * window.output_columns(),
+                      taps = window.kernel_rows * window.kernel_columns, channels = window.input.channels;
+    rounded_map out(filters * area);
+    // Of all terms of an output, with what their inputs are wrong by, and without.
+    std::vector<double> most_sizes(out.size()), sizes(out.size());
+    for (std::size_t f = 0; f < filters; ++f)
+        for (std::size_t c = 0; c < channels; ++c)
+            window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t tap) {
+                const double w = weights[(f * channels + c) * taps + tap];
+                const rounded& x = in[c * window.input.area() + from];
+                rounded& y = out[f * area + to];
+                y.value += w * x.value;
+                y.error += std::abs(w) * x.error;
+                y.deviation += square(w * x.deviation);
+                most_sizes[f * area + to] += std::abs(w) * magnitude(x);
+                sizes[f * area + to] += std::abs(w * x.value);
+            });
+    double count = static_cast<double>(channels * taps) + 3;
+    if (tiled) {
+        std::vector<double> most(in.size()), values(in.size());
+        for (std::size_t i = 0; i < in.size(); ++i)
+            most[i] = magnitude(in[i]), values[i] = std::abs(in[i].value);
+        most_sizes = tile_magnitudes(window, filters, weights, most).sizes;
+        sizes = tile_magnitudes(window, filters, weights, values).sizes;
+        count = static_cast<double>(channels) + 11;
+    }
+    for (std::size_t o = 0; o < out.size(); ++o) {
+        const rounded& bias = biases[o / area];
+        const rounded skip = added ? (*added)[o] : rounded{};
+        out[o].value += bias.value + skip.value;
+        out[o].error +=
+            bias.error + skip.error + roundings(count) * (most_sizes[o] + magnitude(bias) + magnitude(skip));
+        out[o].deviation =
+            std::sqrt(out[o].deviation + square(bias.deviation) + square(skip.deviation) +
+                      count * square(roundoff * (sizes[o] + std::abs(bias.value) + std::abs(skip.value))));
+    }
+    return out;
+}
+
+rounded_map bounded_max_pool(const reference_window& window, const rounded_map& in) {
+    const std::size_t area = window.output_rows() * window.output_columns();
+    rounded_map out(window.input.channels * area, {-std::numeric_limits<double>::infinity(), 0, 0});
+    for (std::size_t c = 0; c < window.input.channels; ++c)
+        window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) {
+            rounded& y = out[c * area + to];
+            const rounded& x = in[c * window.input.area() + from];
+            y = {std::max(y.value, x.value), std::max(y.error, x.error), std::max(y.deviation, x.deviation)};
+        });
+    return out;
+}
+
+rounded rounded_once(rounded exact) {
+    exact.error += roundings(1) * magnitude(exact);
+    exact.deviation = std::hypot(exact.deviation, roundoff * exact.value);
+    return exact;
+}
+
+rounded_map bounded_relu(rounded_map in) {
+    for (rounded& b : in)
+        b.value = std::max(b.value, 0.0);
+    return in;
+}
+
+rounded_map bounded_input(std::span<const float> counts, std::span<const float> mean, float scale) {
+    rounded_map in(counts.size());
+    for (std::size_t i = 0; i < in.size(); ++i) {
+        const double m = mean.empty() ? 0 : static_cast<double>(mean[i]);
+        in[i].value = (static_cast<double>(counts[i]) - m) * static_cast<double>(scale);
+        // Taking away nothing and multiplying by one do not round.
+        const double size = m == 0 && scale == 1 ? 0 : std::abs(in[i].value);
+        in[i].error = roundings(2) * size, in[i].deviation = std::sqrt(2) * roundoff * size;
+    }
+    return in;
+}
+
+rounded_map bounded_outputs(const std::vector<described_layer>& layers,
+                            const described_parameters& parameters, const rounded_map& in) {
+    return frame_walk(parameters).through(layers, in);
+}
+
+} // namespace support

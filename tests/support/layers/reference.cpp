@@ -1,0 +1,460 @@
+#include <algorithm>
+#include <cmath>
+#include <support/layers/reference.hpp>
+#include <utility>
+
+namespace support {
+
+reference_window reference_window::same(extents3 input, std::size_t kernel_rows, std::size_t kernel_columns,
+                                        std::size_t stride_rows, std::size_t stride_columns) {
+    const auto missing = [](std::size_t size, std::size_t kernel, std::size_t stride) -> std::size_t {
+        std::size_t outputs = 0;
+        while (outputs * stride < size)
+            ++outputs;
+        const std::size_t needed = (outputs - 1) * stride + kernel;
+        return needed > size ? needed - size : 0;
+    };
+    const std::size_t rows = missing(input.rows, kernel_rows, stride_rows);
+    const std::size_t columns = missing(input.columns, kernel_columns, stride_columns);
+    return {input,    kernel_rows,     kernel_columns, stride_rows,          stride_columns,
+            rows / 2, rows - rows / 2, columns / 2,    columns - columns / 2};
+}
+
+namespace {
+
+double magnitude(const bounded& b) {
+    return std::abs(b.value) + b.error;
+}
+
+class convolution final : public reference_layer {
+public:
+    convolution(const reference_window& window, std::size_t filters) : window_(window) {
+        input = window.input;
+        output = {filters, window.output_rows(), window.output_columns()};
+        taps_ = window.kernel_rows * window.kernel_columns;
+        weights_ = filters * input.channels * taps_;
+        parameters = weights_ + filters;
+        multiply_adds = output.size() * input.channels * taps_;
+        for_each_product([&](std::size_t, std::size_t, std::size_t) { ++multiply_adds_on_pixels; });
+    }
+
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples out(in.size(), sample(output.size()));
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            std::vector<double> sizes(output.size());
+            for (std::size_t o = 0; o < output.size(); ++o) {
+                out[s][o].value = call.values[weights_ + o / output.area()];
+                sizes[o] = std::abs(out[s][o].value);
+            }
+            for_each_product([&](std::size_t o, std::size_t i, std::size_t w) {
+                out[s][o].value += call.values[w] * in[s][i].value;
+                out[s][o].error += std::abs(call.values[w]) * in[s][i].error;
+                sizes[o] += std::abs(call.values[w]) * magnitude(in[s][i]);
+            });
+            for (std::size_t o = 0; o < output.size(); ++o)
+                out[s][o].error += accumulated(call.roundoff, terms() + 1) * sizes[o];
+        }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        reference_gradients g{samples(in.size(), sample(input.size())), sample(parameters)};
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            for_each_product([&](std::size_t o, std::size_t i, std::size_t w) {
+                const double dy = out_gradient[s][o].value;
+                g.input[s][i].value += call.values[w] * dy;
+                g.input[s][i].error += std::abs(call.values[w] * dy);
+                g.values[w].value += in[s][i].value * dy;
+                g.values[w].error += std::abs(in[s][i].value * dy);
+            });
+            for (std::size_t o = 0; o < output.size(); ++o) {
+                g.values[weights_ + o / output.area()].value += out_gradient[s][o].value;
+                g.values[weights_ + o / output.area()].error += std::abs(out_gradient[s][o].value);
+            }
+        }
+        // Up to here `error` is the sum of magnitudes.
+        for (sample& each : g.input)
+            for (bounded& b : each)
+                b.error *= accumulated(call.roundoff,
+                                       static_cast<double>(output.channels * std::min(taps_, output.area())));
+        for (bounded& b : g.values)
+            b.error *= accumulated(call.roundoff, static_cast<double>(in.size() * output.area() + 1));
+        return g;
+    }
+
+private:
+    [[nodiscard]] double terms() const { return static_cast<double>(input.channels * taps_); }
+
+    template <class Body>
+    void for_each_product(Body&& body) const {
+        for (std::size_t filter = 0; filter < output.channels; ++filter)
+            for (std::size_t channel = 0; channel < input.channels; ++channel)
+                window_.for_each_tap([&](std::size_t to, std::size_t from, std::size_t tap) {
+                    body(filter * output.area() + to, channel * input.area() + from,
+                         (filter * input.channels + channel) * taps_ + tap);
+                });
+    }
+
+    reference_window window_;
+    std::size_t taps_, weights_;
+};
+
+class batch_norm final : public reference_layer {
+public:
+    explicit batch_norm(extents3 size) {
+        input = output = size;
+        parameters = statistics = 2 * size.channels;
+    }
+
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples out(in.size(), sample(output.size()));
+        for (std::size_t c = 0; c < input.channels; ++c) {
+            const statistic m = call.training
+                                    ? of_batch(call, in, c)
+                                    : statistic{{call.running[c], 0}, {call.running[input.channels + c], 0}};
+            const double inverse = 1 / std::sqrt(m.variance.value + call.epsilon);
+            // d(v + ε)^-½ = −½ (v + ε)^-3/2 dv; the variance is never below zero.
+            const double inverse_error =
+                1 / std::sqrt(std::max(m.variance.value - m.variance.error, 0.0) + call.epsilon) - inverse;
+            const double scale = call.values[c], shift = call.values[input.channels + c];
+            for (std::size_t s = 0; s < in.size(); ++s)
+                for (std::size_t p = c * input.area(); p < (c + 1) * input.area(); ++p) {
+                    const double distance = in[s][p].value - m.mean.value;
+                    const double moved = in[s][p].error + m.mean.error;
+                    out[s][p].value = distance * inverse * scale + shift;
+                    out[s][p].error = std::abs(scale) * (moved * (inverse + inverse_error) +
+                                                         std::abs(distance) * inverse_error);
+                    // Rounded: centre (its rest goes into the shift), distance, scale, the multiply-add.
+                    out[s][p].error +=
+                        accumulated(call.roundoff, 5) *
+                        (std::abs(scale) * (std::abs(distance) + moved) * (inverse + inverse_error) +
+                         std::abs(shift));
+                }
+        }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        reference_gradients g{samples(in.size(), sample(input.size())), sample(parameters)};
+        const double count = static_cast<double>(in.size() * input.area());
+        // Sums: short runs in the working precision, gathered in double. A product has three roundings of its
+        // own.
+        const double sum_error = accumulated(call.roundoff, 16 + 4), few = accumulated(call.roundoff, 8);
+        for (std::size_t c = 0; c < input.channels; ++c) {
+            const statistic m = of_batch(call, in, c);
+            const double inverse = 1 / std::sqrt(m.variance.value + call.epsilon);
+            const double inverse_relative =
+                m.variance.error / std::max(m.variance.value - m.variance.error + call.epsilon, call.epsilon);
+            double sum = 0, sum_size = 0, product = 0, product_size = 0;
+            const auto normalised = [&](std::size_t s, std::size_t p) {
+                return (in[s][p].value - m.mean.value) * inverse;
+            };
+            const auto normalised_error = [&](double x) {
+                return std::abs(x) * inverse_relative + m.mean.error * inverse;
+            };
+            double product_error = 0;
+            for_each(in, c, [&](std::size_t s, std::size_t p) {
+                const double dy = out_gradient[s][p].value, x = normalised(s, p);
+                sum += dy, sum_size += std::abs(dy);
+                product += dy * x, product_size += std::abs(dy * x);
+                product_error += std::abs(dy) * normalised_error(x);
+            });
+            product_error += sum_error * product_size;
+            g.values[c] = {product, product_error};
+            g.values[input.channels + c] = {sum, sum_error * sum_size};
+            for_each(in, c, [&](std::size_t s, std::size_t p) {
+                const double dy = out_gradient[s][p].value, x = normalised(s, p),
+                             scale = call.values[c] * inverse;
+                const double inner = std::abs(dy) + sum_size / count + std::abs(x) * product_size / count;
+                g.input[s][p].value = scale * (dy - sum / count - x * product / count);
+                g.input[s][p].error =
+                    std::abs(scale) * (inner * (few + inverse_relative) + sum_error * sum_size / count +
+                                       std::abs(x) * product_error / count +
+                                       normalised_error(x) * (std::abs(product) + product_error) / count);
+            });
+        }
+        return g;
+    }
+
+private:
+    struct statistic {
+        bounded mean, variance;
+    };
+
+    template <class Body>
+    void for_each(const samples& in, std::size_t channel, Body&& body) const {
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t p = channel * input.area(); p < (channel + 1) * input.area(); ++p)
+                body(s, p);
+    }
+
+    /// In two passes. The library measures from some value of the channel, so that its terms are at most the
+    /// range of the values; a run of 16 is added in the working precision.
+    [[nodiscard]] statistic of_batch(const reference_call& call, const samples& in, std::size_t c) const {
+        const double count = static_cast<double>(in.size() * input.area());
+        double low = in[0][c * input.area()].value, high = low, sum = 0, wrong = 0;
+        const double origin = low;
+        for_each(in, c, [&](std::size_t s, std::size_t p) {
+            low = std::min(low, in[s][p].value), high = std::max(high, in[s][p].value);
+            sum += in[s][p].value - origin, wrong += in[s][p].error;
+        });
+        statistic m;
+        m.mean.value = origin + sum / count;
+        double squares = 0, moved = 0;
+        for_each(in, c, [&](std::size_t s, std::size_t p) {
+            const double d = in[s][p].value - m.mean.value;
+            squares += d * d, moved += std::abs(d) * in[s][p].error;
+        });
+        const double range = high - low, terms = accumulated(call.roundoff, 16 + 3);
+        // The mean itself is kept in double, and gathered group by group.
+        m.mean.error =
+            wrong / count + terms * range +
+            accumulated(unit_roundoff<double>, static_cast<double>(in.size()) + 4) * std::abs(m.mean.value);
+        m.variance.value = squares / count;
+        m.variance.error = 2 * moved / count + (wrong / count) * (wrong / count) + 3 * terms * range * range;
+        return m;
+    }
+};
+
+class relu final : public reference_layer {
+public:
+    explicit relu(extents3 size) { input = output = size; }
+
+    [[nodiscard]] samples forward(const reference_call&, const samples& in) const override {
+        samples out = in;
+        for (sample& each : out)
+            for (bounded& b : each)
+                b.value = b.value < 0 ? 0 : b.value;
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call&, const samples& in,
+                                               const samples& out_gradient) const override {
+        samples g = out_gradient;
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t i = 0; i < input.size(); ++i)
+                g[s][i] = {in[s][i].value > 0 ? g[s][i].value : 0, 0};
+        return {g, {}};
+    }
+};
+
+class max_pool final : public reference_layer {
+public:
+    explicit max_pool(const reference_window& window) : window_(window) {
+        input = window.input;
+        output = {input.channels, window.output_rows(), window.output_columns()};
+    }
+
+    [[nodiscard]] samples forward(const reference_call&, const samples& in) const override {
+        samples out(in.size(), sample(output.size()));
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            std::vector<bool> seen(output.size());
+            for_each([&](std::size_t o, std::size_t i) {
+                bounded& to = out[s][o];
+                const bounded& from = in[s][i];
+                const double error = std::max(seen[o] ? to.error : 0, from.error);
+                if (!seen[o] || from.value > to.value || std::isnan(from.value))
+                    to.value = std::isnan(to.value) ? to.value : from.value;
+                to.error = error;
+                seen[o] = true;
+            });
+        }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        samples g(in.size(), sample(input.size()));
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            std::vector<std::size_t> first(output.size(), input.size()); // of the largest
+            for_each([&](std::size_t o, std::size_t i) {
+                if (first[o] == input.size() || in[s][i].value > in[s][first[o]].value)
+                    first[o] = i;
+            });
+            for (std::size_t o = 0; o < output.size(); ++o) {
+                g[s][first[o]].value += out_gradient[s][o].value;
+                g[s][first[o]].error +=
+                    std::abs(out_gradient[s][o].value) *
+                    accumulated(call.roundoff,
+                                static_cast<double>(window_.kernel_rows * window_.kernel_columns));
+            }
+        }
+        return {g, {}};
+    }
+
+private:
+    template <class Body>
+    void for_each(Body&& body) const {
+        for (std::size_t c = 0; c < input.channels; ++c)
+            window_.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) {
+                body(c * output.area() + to, c * input.area() + from);
+            });
+    }
+    reference_window window_;
+};
+
+class softmax final : public reference_layer {
+public:
+    explicit softmax(extents3 size) { input = output = size; }
+
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples out(in.size(), sample(output.size()));
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t p = 0; p < input.area(); ++p) {
+                double largest = in[s][p].value, wrong = 0, sum = 0;
+                for (std::size_t c = 0; c < input.channels; ++c) {
+                    largest = std::max(largest, in[s][p + c * input.area()].value);
+                    wrong = std::max(wrong, in[s][p + c * input.area()].error);
+                }
+                for (std::size_t c = 0; c < input.channels; ++c)
+                    sum += std::exp(in[s][p + c * input.area()].value - largest);
+                for (std::size_t c = 0; c < input.channels; ++c) {
+                    const double distance = in[s][p + c * input.area()].value - largest;
+                    bounded& to = out[s][p + c * input.area()];
+                    to.value = std::exp(distance) / sum;
+                    // Logits off by e: numerator and sum off by a factor e^±e each. Sums and exponentials in
+                    // double.
+                    to.error = to.value *
+                               (std::expm1(2 * wrong) + accumulated(call.roundoff, 2) +
+                                accumulated(unit_roundoff<double>,
+                                            std::abs(distance) + 4 + static_cast<double>(input.channels)));
+                }
+            }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        const samples y = forward(call, in);
+        samples g(in.size(), sample(input.size()));
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t p = 0; p < input.area(); ++p) {
+                double product = 0, size = 0, wrong = 0;
+                for (std::size_t c = 0; c < input.channels; ++c) {
+                    const std::size_t i = p + c * input.area();
+                    product += y[s][i].value * out_gradient[s][i].value;
+                    size += std::abs(y[s][i].value * out_gradient[s][i].value);
+                    wrong += y[s][i].error * std::abs(out_gradient[s][i].value);
+                }
+                for (std::size_t c = 0; c < input.channels; ++c) {
+                    const std::size_t i = p + c * input.area();
+                    const double distance = out_gradient[s][i].value - product;
+                    const double inner = std::abs(out_gradient[s][i].value) + size;
+                    g[s][i].value = y[s][i].value * distance;
+                    g[s][i].error = y[s][i].error * inner +
+                                    y[s][i].value * (wrong + accumulated(call.roundoff, 2) * inner);
+                }
+            }
+        return {g, {}};
+    }
+};
+
+class same_again final : public reference_layer {
+public:
+    explicit same_again(extents3 size) { input = output = size; }
+    [[nodiscard]] samples forward(const reference_call&, const samples& in) const override { return in; }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call&, const samples&,
+                                               const samples& out_gradient) const override {
+        return {out_gradient, {}};
+    }
+};
+
+/// The part of a call's arrays that belongs to a layer behind others.
+reference_call part_of(const reference_call& call, std::size_t values, std::size_t running,
+                       const reference_layer& layer) {
+    reference_call part = call;
+    part.values = call.values.subspan(values, layer.parameters);
+    part.running = call.running.subspan(running, layer.statistics);
+    return part;
+}
+
+void add_costs(reference_layer& to, const reference_layer& from) {
+    to.parameters += from.parameters;
+    to.statistics += from.statistics;
+    to.multiply_adds += from.multiply_adds;
+    to.multiply_adds_on_pixels += from.multiply_adds_on_pixels;
+}
+
+class sequence final : public reference_layer {
+public:
+    sequence(extents3 size, std::vector<reference_pointer> layers) : layers_(std::move(layers)) {
+        input = size;
+        output = layers_.empty() ? size : layers_.back()->output;
+        for (const reference_pointer& layer : layers_)
+            add_costs(*this, *layer);
+    }
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples x = in;
+        std::size_t values = 0, running = 0;
+        for (const reference_pointer& layer : layers_) {
+            x = layer->forward(part_of(call, values, running, *layer), x);
+            values += layer->parameters, running += layer->statistics;
+        }
+        return x;
+    }
+
+private:
+    std::vector<reference_pointer> layers_;
+};
+
+class residual final : public reference_layer {
+public:
+    residual(reference_pointer main, reference_pointer skip)
+        : main_(std::move(main)), skip_(std::move(skip)) {
+        input = main_->input;
+        output = main_->output;
+        add_costs(*this, *main_);
+        add_costs(*this, *skip_);
+    }
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples sum = main_->forward(part_of(call, 0, 0, *main_), in);
+        const samples skip = skip_->forward(part_of(call, main_->parameters, main_->statistics, *skip_), in);
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t i = 0; i < output.size(); ++i) {
+                sum[s][i].error +=
+                    skip[s][i].error + call.roundoff * (magnitude(sum[s][i]) + magnitude(skip[s][i]));
+                sum[s][i].value += skip[s][i].value;
+            }
+        return sum;
+    }
+
+private:
+    reference_pointer main_, skip_;
+};
+
+} // namespace
+
+reference_pointer reference_convolution(const reference_window& window, std::size_t filters) {
+    return std::make_unique<convolution>(window, filters);
+}
+reference_pointer reference_dense(extents3 input, std::size_t outputs) {
+    // One window, as large as the image.
+    return std::make_unique<convolution>(reference_window{input, input.rows, input.columns, 1, 1, 0, 0, 0, 0},
+                                         outputs);
+}
+reference_pointer reference_batch_norm(extents3 input) {
+    return std::make_unique<batch_norm>(input);
+}
+reference_pointer reference_relu(extents3 input) {
+    return std::make_unique<relu>(input);
+}
+reference_pointer reference_max_pool(const reference_window& window) {
+    return std::make_unique<max_pool>(window);
+}
+reference_pointer reference_softmax(extents3 input) {
+    return std::make_unique<softmax>(input);
+}
+reference_pointer reference_identity(extents3 input) {
+    return std::make_unique<same_again>(input);
+}
+reference_pointer reference_sequence(extents3 input, std::vector<reference_pointer> layers) {
+    return std::make_unique<sequence>(input, std::move(layers));
+}
+reference_pointer reference_residual(reference_pointer main, reference_pointer skip) {
+    return std::make_unique<residual>(std::move(main), std::move(skip));
+}
+
+} // namespace support

@@ -1,0 +1,87 @@
+#pragma once
+
+// The reference of a layer specification.
+
+#include <tactnet/layers.hpp>
+
+#include <support/layers/reference.hpp>
+#include <utility>
+#include <vector>
+
+namespace support {
+
+template <class Spec>
+struct reference_of;
+
+inline reference_window window_over(extents3 in, tactnet::extent kernel, tactnet::extent stride,
+                                    tactnet::padding around) {
+    if (around.how == tactnet::padding::rule::same)
+        return reference_window::same(in, kernel.rows, kernel.columns, stride.rows, stride.columns);
+    return {in,         kernel.rows,   kernel.columns, stride.rows, stride.columns,
+            around.top, around.bottom, around.left,    around.right};
+}
+
+template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding>
+struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding>> {
+    static reference_pointer on(extents3 in) {
+        return reference_convolution(window_over(in, Kernel, Stride, Padding), Filters);
+    }
+};
+template <std::size_t Outputs>
+struct reference_of<tactnet::dense<Outputs>> {
+    static reference_pointer on(extents3 in) { return reference_dense(in, Outputs); }
+};
+template <>
+struct reference_of<tactnet::batch_norm> {
+    static reference_pointer on(extents3 in) { return reference_batch_norm(in); }
+};
+template <>
+struct reference_of<tactnet::relu> {
+    static reference_pointer on(extents3 in) { return reference_relu(in); }
+};
+template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
+struct reference_of<tactnet::max_pool<Window, Stride, Padding>> {
+    static reference_pointer on(extents3 in) {
+        return reference_max_pool(window_over(in, Window, Stride, Padding));
+    }
+};
+template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
+struct reference_of<tactnet::norm_relu_pool<Window, Stride, Padding>> {
+    static reference_pointer on(extents3 in) {
+        std::vector<reference_pointer> layers;
+        layers.push_back(reference_batch_norm(in));
+        layers.push_back(reference_relu(in));
+        layers.push_back(reference_of<tactnet::max_pool<Window, Stride, Padding>>::on(in));
+        return reference_sequence(in, std::move(layers));
+    }
+};
+template <>
+struct reference_of<tactnet::softmax> {
+    static reference_pointer on(extents3 in) { return reference_softmax(in); }
+};
+template <unsigned Percent>
+struct reference_of<tactnet::dropout<Percent>> {
+    static reference_pointer on(extents3 in) { return reference_identity(in); }
+};
+template <class... Specs>
+struct reference_of<tactnet::sequence<Specs...>> {
+    static reference_pointer on(extents3 in) {
+        std::vector<reference_pointer> layers;
+        (append<Specs>(layers, in), ...);
+        return reference_sequence(in, std::move(layers));
+    }
+
+private:
+    template <class Spec>
+    static void append(std::vector<reference_pointer>& layers, extents3 first) {
+        layers.push_back(reference_of<Spec>::on(layers.empty() ? first : layers.back()->output));
+    }
+};
+template <class Main, class Skip>
+struct reference_of<tactnet::residual<Main, Skip>> {
+    static reference_pointer on(extents3 in) {
+        return reference_residual(reference_of<Main>::on(in), reference_of<Skip>::on(in));
+    }
+};
+
+} // namespace support
