@@ -72,11 +72,12 @@ template <class Network>
          {"chain", chain},
          {"class count", std::to_string(says.classes.size())},
          {"classes", classes},
-         {"numbers", detail::number_lines(network.folded(), detail::float_literal)},
+         {"numbers", detail::number_lines<float>(network.folded(), detail::float_literal)},
          {"count", std::to_string(view::folded_elements)},
          {"packed", std::string(when_compiling ? detail::packed_when_compiling : detail::packed_at_start)},
-         {"frame", detail::number_lines(frame, [](std::uint8_t count) { return std::to_string(count); })},
-         {"frame outputs", detail::number_lines(outputs, detail::float_literal)}});
+         {"frame", detail::number_lines<std::uint8_t>(
+                       frame, [](std::uint8_t count) { return std::to_string(count); })},
+         {"frame outputs", detail::number_lines<float>(outputs, detail::float_literal)}});
 }
 
 } // namespace TACTNET_ARCH

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -50,10 +51,10 @@ inline std::string float_literal(float value) {
 }
 
 /// All numbers with commas between, in lines of about a hundred characters.
-template <class Numbers, class Text>
-std::string number_lines(const Numbers& numbers, Text&& text_of) {
+template <class Number>
+std::string number_lines(std::span<const Number> numbers, std::string (*text_of)(Number)) {
     std::string lines, line = "   ";
-    for (const auto& number : numbers) {
+    for (const Number number : numbers) {
         const std::string text = text_of(number);
         if (line.size() + text.size() > 108) {
             lines += line + "\n";

@@ -4,6 +4,7 @@
 #include <tactnet/deployment/steps.hpp>
 
 #include <cstddef>
+#include <initializer_list>
 #include <string>
 #include <type_traits>
 
@@ -24,9 +25,51 @@ template <>
 inline constexpr const char* format_name<single_precision> = "tactnet::single_precision";
 
 /// tactnet::name<format, argument, …>
-template <class Format, class... Texts>
-[[nodiscard]] std::string step_type(const char* name, const Texts&... arguments) {
-    return "tactnet::" + std::string(name) + "<" + format_name<Format> + (... + (", " + arguments)) + ">";
+[[nodiscard]] inline std::string step_type(const char* name, const char* format,
+                                           std::initializer_list<std::string> arguments) {
+    std::string text = "tactnet::" + std::string(name) + "<" + format;
+    for (const std::string& argument : arguments)
+        text += ", " + argument;
+    return text + ">";
+}
+template <class Format>
+[[nodiscard]] std::string step_type(const char* name, std::initializer_list<std::string> arguments) {
+    return step_type(name, format_name<Format>, arguments);
+}
+
+// Not templates, so that what spells them is compiled once for all steps of a network.
+[[nodiscard]] inline std::string spelling_of(const kernels::frame_convolution& c, const std::string& stride) {
+    std::string text = "tactnet::kernels::frame_convolution{\n    .window = " + text_of(c.window) +
+                       ",\n    .filters = " + std::to_string(c.filters) + ", .input_stride = " + stride +
+                       ", .pool = " + text_of(c.pool) + ", .pooled_rows = " + std::to_string(c.pooled_rows) +
+                       ", .pooled_columns = " + std::to_string(c.pooled_columns) +
+                       ", .rectified = " + text_of(c.rectified);
+    if (c.adds)
+        text += ", .adds = true";
+    if (c.groups > 1)
+        text += ", .groups = " + std::to_string(c.groups);
+    if (c.map_stride > 0)
+        text += ", .map_stride = " + std::to_string(c.map_stride) +
+                ", .map_offset = " + std::to_string(c.map_offset);
+    return text + "}";
+}
+[[nodiscard]] inline std::string spelling_of(const kernels::frame_dense& d, const std::string& stride) {
+    return "tactnet::kernels::frame_dense{.input = " + text_of(d.input) + ", .input_stride = " + stride +
+           ", .outputs = " + std::to_string(d.outputs) + "}";
+}
+[[nodiscard]] inline std::string description_of(const kernels::frame_convolution& c) {
+    std::string what = "Convolution " + by(c.window.kernel);
+    if (c.window.stride != extent(1))
+        what += " by steps of " + by(c.window.stride);
+    if (c.adds)
+        what += ", sum with the other branch";
+    if (c.groups > 1)
+        what += " in " + std::to_string(c.groups) + " groups";
+    if (c.pool != extent(1))
+        what += ", max pool " + by(c.pool);
+    if (c.rectified)
+        what += ", ReLU";
+    return what;
 }
 
 } // namespace detail
@@ -34,69 +77,40 @@ template <class Format, class... Texts>
 template <class Format, kernels::frame_convolution Kernel>
 struct step_spelling<convolution_step<Format, Kernel>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
-        constexpr kernels::frame_convolution c = Kernel;
-        std::string what = "Convolution " + detail::by(c.window.kernel);
-        std::string rest;
-        if (c.window.stride != extent(1))
-            what += " by steps of " + detail::by(c.window.stride);
-        if (c.adds) {
-            what += ", sum with the other branch";
-            rest += ", .adds = true";
-        }
-        if (c.groups > 1) {
-            what += " in " + std::to_string(c.groups) + " groups";
-            rest += ", .groups = " + std::to_string(c.groups);
-        }
-        if (c.map_stride > 0)
-            rest += ", .map_stride = " + std::to_string(c.map_stride) +
-                    ", .map_offset = " + std::to_string(c.map_offset);
-        if (c.pool != extent(1))
-            what += ", max pool " + detail::by(c.pool);
-        if (c.rectified)
-            what += ", ReLU";
-        return {what,
-                detail::step_type<Format>(
-                    "convolution_step",
-                    "tactnet::kernels::frame_convolution{\n    .window = " + text_of(c.window) +
-                        ",\n    .filters = " + std::to_string(c.filters) + ", .input_stride = " + stride +
-                        ", .pool = " + text_of(c.pool) + ", .pooled_rows = " + std::to_string(c.pooled_rows) +
-                        ", .pooled_columns = " + std::to_string(c.pooled_columns) +
-                        ", .rectified = " + text_of(c.rectified) + rest + "}")};
+        return {detail::description_of(Kernel),
+                detail::step_type<Format>("convolution_step", {detail::spelling_of(Kernel, stride)})};
     }
 };
 template <class Format, kernels::frame_dense Kernel>
 struct step_spelling<dense_step<Format, Kernel>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
-        return {"Dense", detail::step_type<Format>(
-                             "dense_step", "tactnet::kernels::frame_dense{.input = " + text_of(Kernel.input) +
-                                               ", .input_stride = " + stride +
-                                               ", .outputs = " + std::to_string(Kernel.outputs) + "}")};
+        return {"Dense", detail::step_type<Format>("dense_step", {detail::spelling_of(Kernel, stride)})};
     }
 };
 template <class Format, shape Map, std::size_t Stride, bool Rectified>
 struct step_spelling<norm_step<Format, Map, Stride, Rectified>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
         return {Rectified ? "Batch norm, ReLU" : "Batch norm",
-                detail::step_type<Format>("norm_step", text_of(Map), stride, text_of(Rectified))};
+                detail::step_type<Format>("norm_step", {text_of(Map), stride, text_of(Rectified)})};
     }
 };
 template <class Format, shape Map, std::size_t Stride>
 struct step_spelling<relu_step<Format, Map, Stride>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
-        return {"ReLU", detail::step_type<Format>("relu_step", text_of(Map), stride)};
+        return {"ReLU", detail::step_type<Format>("relu_step", {text_of(Map), stride})};
     }
 };
 template <class Format, sliding_window Window, std::size_t Stride>
 struct step_spelling<pool_step<Format, Window, Stride>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
         return {"Max pool " + detail::by(Window.kernel) + " by steps of " + detail::by(Window.stride),
-                detail::step_type<Format>("pool_step", text_of(Window), stride)};
+                detail::step_type<Format>("pool_step", {text_of(Window), stride})};
     }
 };
 template <class Format, shape Map, std::size_t Stride>
 struct step_spelling<softmax_step<Format, Map, Stride>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
-        return {"Softmax", detail::step_type<Format>("softmax_step", text_of(Map), stride)};
+        return {"Softmax", detail::step_type<Format>("softmax_step", {text_of(Map), stride})};
     }
 };
 template <>
@@ -117,11 +131,13 @@ template <class... Steps>
 struct step_spelling<step_chain<Steps...>> {
     static spelled_step of(step_text& text, shape input, std::string stride) {
         std::string names;
-        const auto append = [&]<class Step>(std::type_identity<Step>) {
-            const std::string name = text.define<Step>(input, stride);
+        const auto append_name = [&](const std::string& name, const shape& output) {
             names += (names.empty() ? "" : ", ") + name;
-            input = Step::output;
+            input = output;
             stride = name + "::output_stride";
+        };
+        const auto append = [&]<class Step>(std::type_identity<Step>) {
+            append_name(text.define<Step>(input, stride), Step::output);
         };
         (append(std::type_identity<Steps>{}), ...);
         return {"One after the other", "tactnet::step_chain<" + names + ">"};

@@ -49,14 +49,10 @@ public:
             requires { sizeof(step_spelling<Step>); },
             "deployed_header: this step cannot be spelled; specialise step_spelling for it");
         const spelled_step spelled = step_spelling<Step>::of(*this, input, stride);
-        if constexpr (requires { Step::output; }) {
-            std::string name = "step_" + std::to_string(++count_);
-            definitions_ += "// " + spelled.what + ": " + size(input) + " → " + size(Step::output) + "\n";
-            definitions_ += "using " + name + " = " + spelled.type + ";\n";
-            return name;
-        } else {
+        if constexpr (requires { Step::output; })
+            return defined(spelled, input, Step::output);
+        else
             return spelled.type; // what makes no map needs no name
-        }
     }
 
     /// rows × columns × channels, for people.
@@ -66,6 +62,13 @@ public:
     }
 
 private:
+    std::string defined(const spelled_step& spelled, const shape& input, const shape& output) {
+        std::string name = "step_" + std::to_string(++count_);
+        definitions_ += "// " + spelled.what + ": " + size(input) + " → " + size(output) + "\n";
+        definitions_ += "using " + name + " = " + spelled.type + ";\n";
+        return name;
+    }
+
     std::string definitions_;
     std::set<std::string> includes_;
     std::size_t count_ = 0;

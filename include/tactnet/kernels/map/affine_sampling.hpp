@@ -115,13 +115,15 @@ private:
     template <std::size_t Count>
     static void copy_pixels(buffers& memory) {
         blocked<Count, 8>([&](auto count, std::size_t begin) {
-            unroll<count>([&](auto i) {
+            constexpr std::size_t some = count;
+#pragma GCC unroll 64
+            for (std::size_t i = 0; i < some; ++i) {
                 const float* const first = memory.pairs.data() + memory.first[begin + i];
-                unroll<reach>([&](auto pair) {
+#pragma GCC unroll 64
+                for (std::size_t pair = 0; pair < reach; ++pair)
                     std::memcpy(&memory.pixels[pair][2 * Taps * (begin + i)], first + 4 * pair * stride,
                                 2 * Taps * sizeof(float));
-                });
-            });
+            }
         });
     }
 
@@ -134,16 +136,19 @@ private:
             const weights<wide> along(load_anywhere<wide>(&memory.column_rest[begin])),
                 down(load_anywhere<wide>(&memory.row_rest[begin]));
             std::array<wide, Taps> rows;
-            unroll<reach>([&](auto pair) {
+#pragma GCC unroll 64
+            for (std::size_t pair = 0; pair < reach; ++pair) {
                 std::array<wide, 2 * Taps> pixels;
-                unroll<2 * Taps>([&](auto i) {
+#pragma GCC unroll 64
+                for (std::size_t i = 0; i < 2 * Taps; ++i)
                     pixels[i] = load_anywhere<wide>(&memory.pixels[pair][2 * Taps * begin + i * width]);
-                });
                 pixels = unzipped(pixels);
                 std::array<wide, Taps> upper, lower;
-                unroll<Taps>([&](auto i) { upper[i] = pixels[2 * i], lower[i] = pixels[2 * i + 1]; });
+#pragma GCC unroll 64
+                for (std::size_t i = 0; i < Taps; ++i)
+                    upper[i] = pixels[2 * i], lower[i] = pixels[2 * i + 1];
                 rows[2 * pair] = along(upper), rows[2 * pair + 1] = along(lower);
-            });
+            }
             store_in_row<Count, width>(to + begin, down(rows));
         }
     }
@@ -169,7 +174,9 @@ private:
                                   fused_multiply_add(rest, pixels[1] - pixels[0], pixels[0]));
             } else {
                 Vector sum(0);
-                unroll<4>([&](auto i) { sum = fused_multiply_add(pixels[i], of[i], sum); });
+#pragma GCC unroll 4
+                for (std::size_t i = 0; i < 4; ++i)
+                    sum = fused_multiply_add(pixels[i], of[i], sum);
                 return where_zero(rest, pixels[1], sum);
             }
         }

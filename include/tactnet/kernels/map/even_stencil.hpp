@@ -53,17 +53,20 @@ public:
             empty[y] = !(largest > 0);
         }
         for (std::size_t y = 0; y < Shape.rows; ++y)
-            blocked<vectors, 8>([&](auto count, std::size_t first) {
+            blocked<vectors, 8>([&](auto block, std::size_t first) {
+                constexpr std::size_t count = block;
                 std::array<wide, count> sums;
-                unroll<count>([&](auto v) { sums[v] = wide(0); });
+#pragma GCC unroll 64
+                for (std::size_t v = 0; v < count; ++v)
+                    sums[v] = wide(0);
                 for (std::size_t i = 0; i <= reach_.rows; ++i)
                     if (const float* const row = rows_apart(y, i, empty))
                         add<count>(row, weights_.data() + i * (2 * reach_.columns + 1), first, sums);
-                unroll<count>([&](auto v) {
+#pragma GCC unroll 64
+                for (std::size_t v = 0; v < count; ++v)
                     store_in_row<Shape.columns, width>(map + y * Shape.columns +
                                                            row_vector_begin(first + v, Shape.columns, width),
                                                        maximum_or_second(sums[v], wide(0)));
-                });
             });
     }
 
@@ -84,11 +87,11 @@ private:
         for (std::size_t j = 0; j <= 2 * reach_.columns; ++j) {
             const float* const from = row + margin + j - reach_.columns;
             const wide weight(weights[j]);
-            unroll<Count>([&](auto v) {
+#pragma GCC unroll 64
+            for (std::size_t v = 0; v < Count; ++v)
                 sums[v] = fused_multiply_add(
                     load_anywhere<wide>(from + row_vector_begin(first + v, Shape.columns, width)), weight,
                     sums[v]);
-            });
         }
     }
 

@@ -79,22 +79,32 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
             });
         }
     } else {
-        const auto together = [&](auto rows, std::size_t o) {
+        const auto together = [&](auto count, std::size_t o) {
+            constexpr std::size_t rows = count;
             std::array<std::array<wide, Axis::taps>, rows> weights;
-            unroll<rows>([&](auto r) {
-                unroll<Axis::taps>([&](auto t) { weights[r][t] = wide(Axis::table[o + r].weights[t]); });
-            });
+#pragma GCC unroll 64
+            for (std::size_t r = 0; r < rows; ++r) {
+#pragma GCC unroll 64
+                for (std::size_t t = 0; t < Axis::taps; ++t)
+                    weights[r][t] = wide(Axis::table[o + r].weights[t]);
+            }
             each_vector([&](std::size_t begin) {
                 const float* const at = from + Axis::table[o].first * FromStride + begin;
                 // From zero on: a compiler that fuses a · b + c · d may choose either product.
                 std::array<wide, rows> sums;
-                unroll<rows>([&](auto r) { sums[r] = wide(0); });
-                unroll<Axis::taps>([&](auto t) {
+#pragma GCC unroll 64
+                for (std::size_t r = 0; r < rows; ++r)
+                    sums[r] = wide(0);
+#pragma GCC unroll 64
+                for (std::size_t t = 0; t < Axis::taps; ++t) {
                     const wide input = load_anywhere<wide>(at + t * FromStride);
-                    unroll<rows>(
-                        [&](auto r) { sums[r] = fused_multiply_add(input, weights[r][t], sums[r]); });
-                });
-                unroll<rows>([&](auto r) { store_row(o + r, begin, sums[r]); });
+#pragma GCC unroll 64
+                    for (std::size_t r = 0; r < rows; ++r)
+                        sums[r] = fused_multiply_add(input, weights[r][t], sums[r]);
+                }
+#pragma GCC unroll 64
+                for (std::size_t r = 0; r < rows; ++r)
+                    store_row(o + r, begin, sums[r]);
             });
         };
         // Neighbours with the same taps are computed together, so that these are loaded once.
@@ -182,24 +192,28 @@ template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToSt
     constexpr std::size_t most = std::min<std::size_t>(vector_registers - 4, 14),
                           blocks = (Rows + most - 1) / most;
     for (const auto& band : bands::table)
-        blocked<Rows, (Rows + blocks - 1) / blocks>([&](auto rows, std::size_t row) {
+        blocked<Rows, (Rows + blocks - 1) / blocks>([&](auto count, std::size_t row) {
+            constexpr std::size_t rows = count;
             std::array<wide, rows> sums;
-            unroll<rows>([&](auto r) { sums[r] = wide(0); });
+#pragma GCC unroll 64
+            for (std::size_t r = 0; r < rows; ++r)
+                sums[r] = wide(0);
             const float* const source = from + row * FromStride + band.first;
             const float* const weights = bands::weights.data() + band.weights;
             for (std::size_t i = 0; i < band.span; ++i) {
                 const wide weight = load_as<wide>(weights + i * width);
-                unroll<rows>([&](auto r) {
+#pragma GCC unroll 64
+                for (std::size_t r = 0; r < rows; ++r) {
                     const wide sum = fused_multiply_add(wide(source[r * FromStride + i]), weight, sums[r]);
                     if constexpr (Guarded)
                         sums[r] = where_zero(weight, sums[r], sum);
                     else
                         sums[r] = sum;
-                });
+                }
             }
-            unroll<rows>([&](auto r) {
+#pragma GCC unroll 64
+            for (std::size_t r = 0; r < rows; ++r)
                 store_in_row<Axis::outputs, width>(to + (row + r) * ToStride + band.begin, sums[r]);
-            });
         });
 }
 

@@ -68,29 +68,39 @@ private:
     static constexpr std::size_t run = 128;
 
     template <std::size_t Rows>
-    [[gnu::flatten]] void block(const float* panel, const float* a, std::size_t stride, float* out,
-                                std::size_t out_stride) const {
+    [[gnu::flatten, gnu::noinline]] void block(const float* panel, const float* a, std::size_t stride,
+                                               float* out, std::size_t out_stride) const {
         using v = vector<float>;
         for (std::size_t first = 0; first == 0 || first < features_; first += run) {
             const std::size_t end = std::min(first + run, features_);
             register_block<v, Rows, panel_vectors> sums;
-            unroll<Rows>([&](auto r) { unroll<panel_vectors>([&](auto p) { sums[r][p] = v(0.0F); }); });
+#pragma GCC unroll 64
+            for (std::size_t r = 0; r < Rows; ++r) {
+#pragma GCC unroll 64
+                for (std::size_t p = 0; p < panel_vectors; ++p)
+                    sums[r][p] = v(0.0F);
+            }
             for (std::size_t f = first; f < end; ++f) {
                 std::array<v, panel_vectors> b;
-                unroll<panel_vectors>(
-                    [&](auto p) { b[p] = load(panel + f * panel_width + p * lanes<float>); });
-                unroll<Rows>([&](auto r) {
+#pragma GCC unroll 64
+                for (std::size_t p = 0; p < panel_vectors; ++p)
+                    b[p] = load(panel + f * panel_width + p * lanes<float>);
+#pragma GCC unroll 64
+                for (std::size_t r = 0; r < Rows; ++r) {
                     const v value(a[r * stride + f]);
-                    unroll<panel_vectors>(
-                        [&](auto p) { sums[r][p] = multiply_add(value, b[p], sums[r][p]); });
-                });
+#pragma GCC unroll 64
+                    for (std::size_t p = 0; p < panel_vectors; ++p)
+                        sums[r][p] = multiply_add(value, b[p], sums[r][p]);
+                }
             }
-            unroll<Rows>([&](auto r) {
-                unroll<panel_vectors>([&](auto p) {
+#pragma GCC unroll 64
+            for (std::size_t r = 0; r < Rows; ++r) {
+#pragma GCC unroll 64
+                for (std::size_t p = 0; p < panel_vectors; ++p) {
                     float* to = out + r * out_stride + p * lanes<float>;
                     store(to, first == 0 ? sums[r][p] : load(to) + sums[r][p]);
-                });
-            });
+                }
+            }
         }
     }
 
