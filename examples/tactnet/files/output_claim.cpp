@@ -1,6 +1,6 @@
 #include "files/output_claim.hpp"
 
-#include "reports/printable.hpp"
+#include "console/printable.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/checksum.hpp>
