@@ -1,6 +1,6 @@
 #include "recordings.hpp"
 
-#include <tactnet/io/safetensors_writer.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 
 #include <cstddef>
 #include <random>

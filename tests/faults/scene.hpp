@@ -10,7 +10,7 @@
 #include <map>
 #include <random>
 #include <string>
-#include <support/temporary_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 namespace faults {

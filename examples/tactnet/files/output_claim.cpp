@@ -3,7 +3,7 @@
 #include "console/printable.hpp"
 #include "usage_error.hpp"
 
-#include <tactnet/io/checksum.hpp>
+#include <tactnet/io/safetensors/checksum.hpp>
 
 #include <fmt/format.h>
 
