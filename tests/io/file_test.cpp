@@ -140,6 +140,8 @@ TEST_CASE("file: a file that is too large is refused before it is read") {
 TEST_CASE("file: devices are read up to the bound and written to, not replaced") {
     CHECK(error_of([] { read_file("/dev/zero", 10'000'000); }).find("at most 10000000 bytes, found more") !=
           std::string::npos);
+    CHECK(error_of([] { read_file("/dev/zero"); }) ==
+          "/dev/zero: expected at most 67108864 bytes, found more"); // not 2 GiB of them
     CHECK(read_file("/dev/null").empty());
     write_file("/dev/null", std::string_view("text"));
     CHECK(std::filesystem::is_character_file("/dev/null"));

@@ -4,6 +4,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/partial_file.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdio>
@@ -30,6 +31,9 @@ inline namespace TACTNET_ARCH {
 
 /// What `read_file` refuses to exceed unless told otherwise, in bytes: 2 GiB less one.
 inline constexpr std::size_t default_file_limit = 0x7fff'ffff;
+
+/// The same for a character device, which may have no end: 64 MiB.
+inline constexpr std::size_t device_limit = std::size_t{1} << 26U;
 
 namespace detail {
 
@@ -93,7 +97,7 @@ inline void flush_folder([[maybe_unused]] const std::filesystem::path& folder) n
 
 /// All bytes of the file at `path`. A pipe between two programs, such as a shell gives, is read to its end.
 /// Throws file_error when it is missing, a folder, a named pipe (which has no bytes until someone comes to
-/// write them), unreadable, or longer than `limit` bytes.
+/// write them), unreadable, longer than `limit` bytes, or a device that gives more than `device_limit`.
 inline std::vector<std::byte> read_file(const std::filesystem::path& path,
                                         std::size_t limit = default_file_limit) {
     std::error_code code;
@@ -108,6 +112,8 @@ inline std::vector<std::byte> read_file(const std::filesystem::path& path,
     if (!file)
         throw file_error(path.string(), "", "a readable file", "'" + detail::error_text(errno) + "'");
 
+    if (status.type() == std::filesystem::file_type::character)
+        limit = std::min(limit, device_limit);
     const auto too_large = [&](const std::string& found) {
         return file_error(path.string(), "", "at most " + std::to_string(limit) + " bytes", found);
     };
