@@ -24,8 +24,12 @@ public:
         for (const std::byte byte : bytes) {
             ++byte_;
             packet_[size_++] = byte;
-            // Out of step, a byte that cannot be where it is begins anew.
+            // Out of step, a byte that cannot be where it is begins anew: one may join a stream anywhere. But
+            // behind a packet comes the next, or one is lost.
             if (size_ <= start.size() && byte != start[size_ - 1]) {
+                if (in_step_)
+                    fail({byte_ - 1, 0, frames() + 1, "'TN' in front of a packet", "other bytes", {}});
+                in_step_ = false;
                 size_ = byte == start[0] ? 1 : 0;
                 packet_[0] = byte;
             }
@@ -52,6 +56,7 @@ private:
         for (std::size_t i = start.size(); i < size_; ++i)
             sum ^= packet_[i];
         size_ = 0;
+        in_step_ = true;
         if (sum != std::byte{0}) {
             fail({byte_ - packet_.size(),
                   0,
@@ -68,5 +73,6 @@ private:
 
     std::array<std::byte, start.size() + 1 + rows * columns + 1> packet_{};
     std::size_t size_ = 0, byte_ = 0;
+    bool in_step_ = false;
 };
 static_assert(tactnet::frame_decoder<own_device>);

@@ -13,6 +13,7 @@
 #include <tactnet/svm/linear_machine.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>
+#include <tactnet/svm/row_blocks.hpp>
 #include <tactnet/svm/solvers/coordinate_descent.hpp>
 #include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
 #include <tactnet/svm/standardisation.hpp>

@@ -90,6 +90,17 @@ TEST_SUITE("stream") {
         CHECK(told.status == 2);
         CHECK(labels_of(told.out).size() == 2);
         CHECK(told.error.find("byte 1404, frame 2: expected a sum of zero, found 1") != std::string::npos);
+        // A packet is not lost without a word because its first bytes are damaged: in the middle or the last.
+        for (const std::size_t packet : {1u, 2u})
+            for (const std::size_t byte : {0u, 1u}) {
+                std::string lost = own;
+                lost[packet * own.size() / frames + byte] = '?';
+                const auto missed = run(" own", lost);
+                CHECK(missed.status == 2);
+                CHECK(labels_of(missed.out).size() == 2);
+                CHECK_MESSAGE(missed.error.find("expected 'TN' in front of a packet") != std::string::npos,
+                              missed.error);
+            }
         for (const std::string& none : {std::string(), std::string(10'000, '-')}) {
             const auto nothing = run(" own", none);
             CHECK(nothing.status == 2);

@@ -1,5 +1,6 @@
 // Runs a fuzz target as a plain test, with any compiler: on its seed corpus, and on many mutated copies of
-// the seeds, the same ones each time. With a folder as argument it writes the seed corpus there instead.
+// the seeds, the same ones each time. With --corpus and a folder, what a fuzzer found and kept there belongs
+// to the seeds. With a folder alone it writes the seed corpus there instead.
 
 #include "fuzz_target.hpp"
 
@@ -10,9 +11,12 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
+#include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -102,12 +106,32 @@ int write_seeds(const std::filesystem::path& folder) {
     return 0;
 }
 
+/// Adds the files of a folder in the order of their names; false if there are none.
+bool add_corpus(const std::filesystem::path& folder, std::vector<input>& seeds) {
+    std::set<std::filesystem::path> files;
+    std::error_code code;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, code))
+        files.insert(entry.path());
+    for (const std::filesystem::path& path : files) {
+        std::ifstream file(path, std::ios::binary);
+        seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+        if (file.bad() || seeds.back().empty())
+            return false;
+    }
+    return !files.empty();
+}
+
 } // namespace
 
 int main(int count, char** arguments) {
-    if (count > 1)
+    if (count == 2)
         return write_seeds(arguments[1]);
-    const std::vector<input> seeds = fuzz_seeds();
+    std::vector<input> seeds = fuzz_seeds();
+    if (count > 2 &&
+        (count != 3 || std::string_view(arguments[1]) != "--corpus" || !add_corpus(arguments[2], seeds))) {
+        std::fprintf(stderr, "expected a FOLDER to write to, or --corpus and a FOLDER of files\n");
+        return 1;
+    }
     if (seeds.empty()) {
         std::fprintf(stderr, "the seed corpus is empty\n");
         return 1;

@@ -18,6 +18,8 @@
 #if defined(__linux__)
 #include <csignal>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #endif
 
 using tactnet::file_error;
@@ -138,11 +140,28 @@ TEST_CASE("file: a file that is too large is refused before it is read") {
 TEST_CASE("file: devices are read up to the bound and written to, not replaced") {
     CHECK(error_of([] { read_file("/dev/zero", 10'000'000); }).find("at most 10000000 bytes, found more") !=
           std::string::npos);
+    CHECK(error_of([] { read_file("/dev/zero"); }) ==
+          "/dev/zero: expected at most 67108864 bytes, found more"); // not 2 GiB of them
     CHECK(read_file("/dev/null").empty());
     write_file("/dev/null", std::string_view("text"));
     CHECK(std::filesystem::is_character_file("/dev/null"));
     CHECK(error_of([] { write_file("/dev/full", std::string_view("text")); }) ==
           "/dev/full: expected to write all bytes, found 'No space left on device'");
+}
+
+TEST_CASE("file: a named pipe is refused, since nobody may ever write to it; one between programs is read") {
+    const support::temporary_folder folder;
+    const auto pipe_file = folder / "pipe", link = folder / "link";
+    REQUIRE(mkfifo(pipe_file.c_str(), 0600) == 0);
+    std::filesystem::create_symlink("pipe", link);
+    for (const auto& path : {pipe_file, link})
+        CHECK(error_of([&] { read_file(path); }) == path.string() + ": expected a file, found a named pipe");
+    int ends[2] = {-1, -1};
+    REQUIRE(pipe(ends) == 0);
+    REQUIRE(write(ends[1], "some", 4) == 4);
+    close(ends[1]);
+    CHECK(text_of("/dev/fd/" + std::to_string(ends[0])) == "some");
+    close(ends[0]);
 }
 
 TEST_CASE("file: a write that fails half-way leaves the old file and no other") {

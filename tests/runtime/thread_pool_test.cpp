@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -66,6 +67,38 @@ TEST_CASE("thread_pool: many rounds in a row, each seeing what the one before ha
         pool.for_each(values.size(), [&](std::size_t i) { values[i] = before[(i + 1) % before.size()] + 1; });
     }
     CHECK(std::all_of(values.begin(), values.end(), [](std::size_t v) { return v == 5000; }));
+}
+
+TEST_CASE("thread_pool: what a body throws reaches the caller, of the lowest share, once all have ended") {
+    for (const std::size_t threads : {1u, 2u, 3u, 5u}) {
+        thread_pool pool(threads);
+        for (std::size_t first = 0; first < threads; ++first)
+            for (int round = 0; round < 20; ++round) {
+                std::atomic<std::size_t> ended{0};
+                std::size_t caught = threads;
+                try {
+                    pool.on_each_thread([&](thread_pool::share part) {
+                        ++ended;
+                        if (part.index >= first)
+                            throw part.index;
+                    });
+                } catch (std::size_t index) {
+                    caught = index;
+                }
+                CHECK(caught == first);
+                CHECK(ended == threads);
+                // And the pool is as good as new.
+                std::vector<std::atomic<int>> visits(50);
+                pool.for_each(visits.size(), [&](std::size_t i) { ++visits[i]; });
+                CHECK(std::all_of(visits.begin(), visits.end(), [](const auto& n) { return n == 1; }));
+            }
+        CHECK_THROWS_AS(pool.for_each(64,
+                                      [](std::size_t i) {
+                                          if (i == 63)
+                                              throw std::bad_alloc();
+                                      }),
+                        std::bad_alloc);
+    }
 }
 
 TEST_CASE("thread_pool: sleeping threads wake") {

@@ -9,8 +9,10 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <support/allocations.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -305,4 +307,36 @@ TEST_CASE("kernel_machine: parameters that do not fit each other are refused") {
         p.features = std::size_t{1} << 60;
     });
     CHECK_THROWS_AS((kernel_machine<rbf_kernel, 4>{good}), std::invalid_argument);
+}
+
+TEST_CASE("kernel_machine: labels and probabilities of many rows take blocks of memory, and are the same") {
+    // A vector of each of 90 classes: 4005 machines, 32 kB of values a row.
+    constexpr std::size_t classes = 90, rows = 3000;
+    kernel_machine_parameters<rbf_kernel> parts;
+    parts.kernel.gamma = 0.5;
+    parts.features = 2;
+    parts.offsets.resize(classes * (classes - 1) / 2);
+    for (std::size_t c = 0; c < classes; ++c) {
+        parts.labels.push_back(c);
+        parts.support_counts.push_back(1);
+        parts.support_vectors.insert(parts.support_vectors.end(),
+                                     {static_cast<float>(c % 10), static_cast<float>(c / 10)});
+        for (std::size_t other = 0; other + 1 < classes; ++other)
+            parts.coefficients.push_back(other < c ? -1 : 1);
+    }
+    const kernel_machine<rbf_kernel> machine(parts);
+    std::vector<float> values;
+    for (std::size_t i = 0; i < rows; ++i)
+        values.insert(values.end(), {static_cast<float>(i % 101) / 10, static_cast<float>(i % 89) / 10});
+    thread_pool pool(2);
+    const std::size_t before = support::bytes_allocated();
+    const std::vector<std::size_t> labels = machine.predict(feature_rows<>(values, 2), pool);
+    CHECK(support::bytes_allocated() - before < rows * machine.machines() * sizeof(double) / 2);
+    const std::vector<double> decisions = machine.decision_values(feature_rows<>(values, 2), pool);
+    bool same = labels.size() == rows;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        same = same &&
+               labels[i] == decide(std::span(decisions).subspan(i * machine.machines(), machine.machines()),
+                                   classes, multiclass::one_versus_one);
+    CHECK(same);
 }

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <stdexcept>
+#include <support/allocations.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -228,4 +230,37 @@ TEST_CASE("linear_machine: parameters that do not fit each other are refused") {
     refused([](auto& p) { p.standardise->mean.pop_back(); });
     refused([](auto& p) { p.standardise->deviation.pop_back(); });
     CHECK_THROWS_AS(linear_machine<4>{good}, std::invalid_argument);
+}
+
+TEST_CASE("linear_machine: labels of many rows take blocks of memory, and are those of the values") {
+    constexpr std::size_t classes = 500, rows = 20'000;
+    linear_machine_parameters parts;
+    parts.features = 2;
+    parts.offsets.resize(classes);
+    for (std::size_t c = 0; c < classes; ++c) {
+        parts.labels.push_back(c);
+        const auto angle = static_cast<double>(c);
+        parts.weights.insert(parts.weights.end(),
+                             {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))});
+    }
+    parts.standardise = standardisation{{0.5F, -0.25F}, {2, 3}};
+    const linear_machine<> machine(parts);
+    std::vector<float> values;
+    for (std::size_t i = 0; i < rows; ++i)
+        values.insert(values.end(), {static_cast<float>(i % 101) - 50, static_cast<float>(i % 89) - 40});
+    const feature_rows<> all(values, 2);
+    const std::size_t before = support::bytes_allocated();
+    const std::vector<std::size_t> labels = machine.predict(all);
+    const std::size_t predicting = support::bytes_allocated() - before;
+    const std::vector<double> decisions = machine.decision_values(all);
+    CHECK(predicting < (support::bytes_allocated() - before) / 2);
+    bool same = labels.size() == rows && decisions.size() == rows * classes;
+    for (std::size_t i = 0; same && i < rows; ++i) {
+        const auto own = std::span(decisions).subspan(i * classes, classes);
+        const std::vector<double> alone =
+            machine.decision_values(feature_rows<>(std::span(values).subspan(2 * i, 2), 2));
+        same =
+            std::ranges::equal(own, alone) && labels[i] == decide(own, classes, multiclass::one_versus_rest);
+    }
+    CHECK(same);
 }

@@ -5,6 +5,7 @@
 #include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
+#include "files/output_claim.hpp"
 #include "files/places.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
@@ -71,6 +72,7 @@ void run_once(training_run& training, const std::string& data) {
 struct output_files {
     std::filesystem::path weights, checkpoint;
     std::filesystem::path reports; ///< how their names begin
+    std::unique_ptr<output_claim> claim{};
 };
 
 /// Throws usage_error where they cannot be written, or should not.
@@ -97,6 +99,10 @@ output_files files_for(const method& what, const train_options& o) {
     }
     check_regular(outputs);
     check_places({{"--start", o.training.start}}, outputs, o.data);
+    std::vector<named_file> claimed{{"--output", files.weights}};
+    if (what.is_network())
+        claimed.push_back({"--checkpoint", files.checkpoint});
+    files.claim = std::make_unique<output_claim>(claimed);
     if (what.is_network() && o.afresh)
         check_given_up(files.checkpoint);
     else if (what.is_network() && !o.resume)

@@ -46,17 +46,26 @@ std::string line_of(const training_result& r) {
     return tactnet::with_checksum(line.dump()) + '\n';
 }
 
+/// nlohmann::json turns any number into the type that is asked for.
+std::size_t count_in(const json& value) {
+    if (!value.is_number_unsigned())
+        throw std::runtime_error("expected a whole number from 0, found " + value.dump());
+    return value.get<std::size_t>();
+}
+
 training_result result_of(const std::string& text) {
     const json line = json::parse(text);
     training_result r;
     r.settings = line.at("settings").get<tactnet::file_metadata>();
     const json& validation = line.at("validation_accuracy");
     r.validation_accuracy = validation.is_null() ? std::nan("") : validation.get<double>();
-    r.epochs = line.at("epochs");
+    r.epochs = count_in(line.at("epochs"));
     r.seconds = line.at("seconds");
     r.images_per_second = line.at("images_per_second");
-    const std::size_t classes = line.at("classes");
-    const auto counts = line.at("confusion").get<std::vector<std::size_t>>();
+    const std::size_t classes = count_in(line.at("classes"));
+    std::vector<std::size_t> counts;
+    for (const json& count : line.at("confusion"))
+        counts.push_back(count_in(count));
     if (classes > 100'000 || counts.size() != classes * classes ||
         std::accumulate(counts.begin(), counts.end(), 0.0) > 1e8)
         throw std::runtime_error("the confusion matrix does not have classes x classes counts");

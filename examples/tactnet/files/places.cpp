@@ -46,6 +46,8 @@ std::vector<named_file> picture_files(const std::string& option, const std::file
 void tidy_folders_of(const std::vector<named_file>& outputs) {
     std::set<std::filesystem::path> folders;
     for (const named_file& output : outputs)
-        if (folders.insert(output.path.parent_path()).second)
-            tactnet::remove_abandoned_files(output.path.parent_path());
+        if (const auto folder = output.path.parent_path(); folders.insert(folder).second) {
+            tactnet::remove_abandoned_files(folder);
+            remove_abandoned_trials(folder);
+        }
 }

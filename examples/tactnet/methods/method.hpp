@@ -91,8 +91,9 @@ public:
     virtual void start_from(const trained_method& other) = 0;
     virtual void save_checkpoint(const std::filesystem::path& path,
                                  const tactnet::file_metadata& settings) = 0;
-    virtual void load_checkpoint(const std::filesystem::path& path,
-                                 const tactnet::file_metadata& settings) = 0;
+    /// Returns what is known of the file's checksum.
+    virtual tactnet::checksum_state load_checkpoint(const std::filesystem::path& path,
+                                                    const tactnet::file_metadata& settings) = 0;
 };
 
 /// A method at one size.

@@ -93,7 +93,7 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
     const std::size_t share = settings.most_descriptors / std::max<std::size_t>(chosen.size(), 1) + 1;
     std::vector<std::vector<float>> drawn(chosen.size());
     for (std::vector<float>& of_image : drawn)
-        of_image.reserve(std::min(share, Surf::most) * surf_values); // threads must not throw
+        of_image.reserve(std::min(share, Surf::most) * surf_values); // before the threads need it
     detail::describe_images<Surf>(images, chosen, threads, [&](const Surf& surf, std::size_t i) {
         // Major 1: k_means draws from 0.
         const random_stream random(settings.seed, draw::clusters, 1, static_cast<std::uint32_t>(i));

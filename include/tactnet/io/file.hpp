@@ -4,6 +4,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/partial_file.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdio>
@@ -31,6 +32,9 @@ inline namespace TACTNET_ARCH {
 /// What `read_file` refuses to exceed unless told otherwise, in bytes: 2 GiB less one.
 inline constexpr std::size_t default_file_limit = 0x7fff'ffff;
 
+/// The same for a character device, which may have no end: 64 MiB.
+inline constexpr std::size_t device_limit = std::size_t{1} << 26U;
+
 namespace detail {
 
 struct close_file {
@@ -50,6 +54,16 @@ inline file_handle open_file(const std::filesystem::path& path, const char* mode
 
 inline std::string error_text(int code) {
     return code == 0 ? std::string("an unknown error") : std::generic_category().message(code);
+}
+
+/// Opening one waits for its other end, which may never come. A pipe between two programs has no name of its
+/// own: it ends when the other one does.
+inline bool is_named_pipe(const std::filesystem::path& path, std::filesystem::file_status status) {
+    if (status.type() != std::filesystem::file_type::fifo)
+        return false;
+    std::error_code code;
+    static_cast<void>(std::filesystem::canonical(path, code));
+    return !code;
 }
 
 /// Returns 0 or the error number. A file is only on the disk when the system says so.
@@ -81,8 +95,9 @@ inline void flush_folder([[maybe_unused]] const std::filesystem::path& folder) n
 
 } // namespace detail
 
-/// All bytes of the file at `path`.
-/// Throws file_error when it is missing, a folder, unreadable, or longer than `limit` bytes.
+/// All bytes of the file at `path`. A pipe between two programs, such as a shell gives, is read to its end.
+/// Throws file_error when it is missing, a folder, a named pipe (which has no bytes until someone comes to
+/// write them), unreadable, longer than `limit` bytes, or a device that gives more than `device_limit`.
 inline std::vector<std::byte> read_file(const std::filesystem::path& path,
                                         std::size_t limit = default_file_limit) {
     std::error_code code;
@@ -91,10 +106,14 @@ inline std::vector<std::byte> read_file(const std::filesystem::path& path,
         throw file_error(path.string(), "", "a file", "nothing of that name");
     if (status.type() == std::filesystem::file_type::directory)
         throw file_error(path.string(), "", "a file", "a folder");
+    if (detail::is_named_pipe(path, status))
+        throw file_error(path.string(), "", "a file", "a named pipe");
     const auto file = detail::open_file(path, "rb");
     if (!file)
         throw file_error(path.string(), "", "a readable file", "'" + detail::error_text(errno) + "'");
 
+    if (status.type() == std::filesystem::file_type::character)
+        limit = std::min(limit, device_limit);
     const auto too_large = [&](const std::string& found) {
         return file_error(path.string(), "", "at most " + std::to_string(limit) + " bytes", found);
     };

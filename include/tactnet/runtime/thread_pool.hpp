@@ -5,8 +5,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <thread>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tactnet {
@@ -19,6 +21,8 @@ class thread_pool {
 public:
     /// Throws std::system_error when the system refuses a thread; those that run already are ended first.
     explicit thread_pool(std::size_t threads = 1) : thread_pool(without_workers{}, threads) {
+        if (threads_ > 1)
+            problems_.resize(threads_); // here, since there may be no memory where there are problems
         workers_.reserve(threads_ - 1);
         for (std::size_t index = 1; index < threads_; ++index)
             workers_.emplace_back([this, index] { work(index); });
@@ -43,12 +47,15 @@ public:
         [[nodiscard]] std::size_t end(std::size_t count) const { return count * (index + 1) / threads; }
     };
 
-    /// body(share) on every thread. Must not throw, nor call this again.
+    /// body(share) on every thread; must not call this again. What a body throws reaches the caller once all
+    /// shares have ended, the others undisturbed; of several exceptions it is that of the lowest share, so
+    /// that this too does not depend on timing. The pool can be used on; what the bodies were to write is in
+    /// no defined state.
     template <class Body>
     void on_each_thread(const Body& body) {
         share_out(code_of<Body>, &body);
     }
-    /// body(i) for 0 … count − 1.
+    /// body(i) for 0 … count − 1. An exception ends its share alone, and reaches the caller as above.
     template <class Body>
     void for_each(std::size_t count, const Body& body) {
         const auto some = [&](share part) {
@@ -80,10 +87,16 @@ private:
         call_ = code;
         busy_.store(threads_ - 1, std::memory_order_relaxed);
         announce();
-        code(body, share{0, threads_});
+        try {
+            code(body, share{0, threads_});
+        } catch (...) { // the workers still use the body
+            note_problem(0);
+        }
         for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != 0; ++spin)
             if (spin > patience)
                 std::this_thread::yield();
+        if (failed_.load(std::memory_order_relaxed))
+            throw_first_problem();
     }
 
     // Layers follow each other within microseconds: a short wait in place saves the way through the
@@ -93,6 +106,18 @@ private:
     void announce() {
         round_.fetch_add(1, std::memory_order_release);
         round_.notify_all();
+    }
+    void note_problem(std::size_t index) noexcept {
+        problems_[index] = std::current_exception();
+        failed_.store(true, std::memory_order_relaxed);
+    }
+    [[noreturn]] void throw_first_problem() {
+        failed_.store(false, std::memory_order_relaxed);
+        std::exception_ptr first;
+        for (std::exception_ptr& problem : problems_)
+            if (std::exception_ptr taken = std::exchange(problem, nullptr); !first)
+                first = std::move(taken);
+        std::rethrow_exception(std::move(first));
     }
     void work(std::size_t index) noexcept {
         std::uint32_t seen = 0;
@@ -104,7 +129,11 @@ private:
             ++seen; // one at a time: a round is not announced before the last one is done
             if (!call_)
                 return;
-            call_(body_, share{index, threads_});
+            try {
+                call_(body_, share{index, threads_});
+            } catch (...) {
+                note_problem(index);
+            }
             busy_.fetch_sub(1, std::memory_order_release);
         }
     }
@@ -112,8 +141,10 @@ private:
     std::size_t threads_;
     std::atomic<std::uint32_t> round_{0};
     std::atomic<std::size_t> busy_{0};
+    std::atomic<bool> failed_{false};
     void (*call_)(const void*, share) = nullptr;
     const void* body_ = nullptr;
+    std::vector<std::exception_ptr> problems_; // by share
     std::vector<std::thread> workers_;
 };
 

@@ -7,6 +7,7 @@
 #include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>
+#include <tactnet/svm/row_blocks.hpp>
 #include <tactnet/svm/standardisation.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
@@ -89,26 +90,17 @@ public:
     /// finite.
     [[nodiscard]] std::vector<double> decision_values(feature_rows<Features> rows,
                                                       thread_pool& threads) const {
-        if (rows.features() != features())
-            throw std::invalid_argument("kernel machine: expected rows of " + std::to_string(features()) +
-                                        " features, found " + std::to_string(rows.features()));
-        check_finite(rows);
+        check_rows(rows);
         std::vector<double> values(rows.size() * machines());
-        const std::size_t blocks = (rows.size() + block_rows - 1) / block_rows;
-        threads.for_each(blocks, [&](std::size_t block) {
-            const std::size_t first = block * block_rows, count = std::min(block_rows, rows.size() - first);
-            evaluate({rows.values().subspan(first * features(), count * features()), features()},
-                     std::span(values).subspan(first * machines(), count * machines()));
-        });
+        find_values(rows, values, threads);
         return values;
     }
-    /// The label of every row.
+    /// The label of every row. The values behind them are not kept: memory grows with the labels alone.
     [[nodiscard]] std::vector<std::size_t> predict(feature_rows<Features> rows, thread_pool& threads) const {
-        const std::vector<double> values = decision_values(rows, threads);
         std::vector<std::size_t> labels;
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            labels.push_back(parts_.labels[decide(std::span(values).subspan(i * machines(), machines()),
-                                                  classes(), parts_.scheme)]);
+        for_each_values(rows, threads, [&](std::span<const double> values) {
+            labels.push_back(parts_.labels[decide(values, classes(), parts_.scheme)]);
+        });
         return labels;
     }
     /// The label of one row.
@@ -121,13 +113,11 @@ public:
     [[nodiscard]] std::vector<double> probabilities(feature_rows<Features> rows, thread_pool& threads) const {
         if (parts_.sigmoids.empty())
             throw std::logic_error("kernel machine: it was trained without probabilities");
-        const std::vector<double> values = decision_values(rows, threads);
         std::vector<double> result;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            const std::vector<double> p =
-                probabilities_of(std::span(values).subspan(i * machines(), machines()));
+        for_each_values(rows, threads, [&](std::span<const double> values) {
+            const std::vector<double> p = probabilities_of(values);
             result.insert(result.end(), p.begin(), p.end());
-        }
+        });
         return result;
     }
 
@@ -135,6 +125,32 @@ private:
     /// Rows at a time: their kernel values stay in the cache.
     static constexpr std::size_t block_rows = 8 * kernels::packed_rows::block_rows;
 
+    void check_rows(feature_rows<Features> rows) const {
+        if (rows.features() != features())
+            throw std::invalid_argument("kernel machine: expected rows of " + std::to_string(features()) +
+                                        " features, found " + std::to_string(rows.features()));
+        check_finite(rows);
+    }
+    void find_values(feature_rows<Features> rows, std::span<double> values, thread_pool& threads) const {
+        const std::size_t blocks = (rows.size() + block_rows - 1) / block_rows;
+        threads.for_each(blocks, [&](std::size_t block) {
+            const std::size_t first = block * block_rows, count = std::min(block_rows, rows.size() - first);
+            evaluate({rows.values().subspan(first * features(), count * features()), features()},
+                     values.subspan(first * machines(), count * machines()));
+        });
+    }
+    /// take(values) with those of one row after the other.
+    template <class Take>
+    void for_each_values(feature_rows<Features> rows, thread_pool& threads, const Take& take) const {
+        check_rows(rows);
+        std::vector<double> values;
+        detail::for_each_block(rows, machines() * sizeof(double), [&](feature_rows<Features> block) {
+            values.resize(block.size() * machines());
+            find_values(block, values, threads);
+            for (std::size_t i = 0; i < block.size(); ++i)
+                take(std::span<const double>(values).subspan(i * machines(), machines()));
+        });
+    }
     void evaluate(feature_rows<> rows, std::span<double> values) const {
         const std::vector<float> standard =
             parts_.standardise ? (*parts_.standardise)(rows) : std::vector<float>();

@@ -4,6 +4,7 @@
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/multiclass.hpp>
+#include <tactnet/svm/row_blocks.hpp>
 #include <tactnet/svm/solvers/coordinate_descent.hpp>
 #include <tactnet/svm/standardisation.hpp>
 
@@ -63,29 +64,26 @@ public:
     /// The value of every class for every row, row by row. Throws std::invalid_argument for a feature that is
     /// not finite.
     [[nodiscard]] std::vector<double> decision_values(feature_rows<Features> rows) const {
-        if (rows.features() != features())
-            throw std::invalid_argument("linear machine: expected rows of " + std::to_string(features()) +
-                                        " features, found " + std::to_string(rows.features()));
-        check_finite(rows);
-        const std::vector<float> standard =
-            parts_.standardise ? (*parts_.standardise)(rows) : std::vector<float>();
-        const float* from = parts_.standardise ? standard.data() : rows.values().data();
-        const std::size_t stride = packed_.padded_rows();
-        aligned_vector<float> products(rows.size() * stride);
-        packed_.products(from, rows.size(), features(), products.data(), stride);
+        check_rows(rows);
         std::vector<double> values;
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            for (std::size_t c = 0; c < classes(); ++c)
-                values.push_back(double{products[i * stride + c]} + parts_.offsets[c]);
+        values.reserve(rows.size() * classes());
+        detail::for_each_block(rows, bytes_each(),
+                               [&](feature_rows<Features> block) { add_values(block, values); });
         return values;
     }
-    /// The label of every row.
+    /// The label of every row. The values behind them are not kept: memory grows with the labels alone.
     [[nodiscard]] std::vector<std::size_t> predict(feature_rows<Features> rows) const {
-        const std::vector<double> values = decision_values(rows);
+        check_rows(rows);
+        std::vector<double> values;
         std::vector<std::size_t> labels;
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            labels.push_back(parts_.labels[decide(std::span(values).subspan(i * classes(), classes()),
-                                                  classes(), multiclass::one_versus_rest)]);
+        detail::for_each_block(
+            rows, bytes_each() + classes() * sizeof(double), [&](feature_rows<Features> block) {
+                values.clear();
+                add_values(block, values);
+                for (std::size_t i = 0; i < block.size(); ++i)
+                    labels.push_back(parts_.labels[decide(std::span(values).subspan(i * classes(), classes()),
+                                                          classes(), multiclass::one_versus_rest)]);
+            });
         return labels;
     }
     /// The label of one row.
@@ -94,6 +92,26 @@ public:
     }
 
 private:
+    void check_rows(feature_rows<Features> rows) const {
+        if (rows.features() != features())
+            throw std::invalid_argument("linear machine: expected rows of " + std::to_string(features()) +
+                                        " features, found " + std::to_string(rows.features()));
+        check_finite(rows);
+    }
+    /// Of a row on its way.
+    std::size_t bytes_each() const { return (features() + packed_.padded_rows()) * sizeof(float); }
+    void add_values(feature_rows<Features> rows, std::vector<double>& values) const {
+        const std::vector<float> standard =
+            parts_.standardise ? (*parts_.standardise)(rows) : std::vector<float>();
+        const float* from = parts_.standardise ? standard.data() : rows.values().data();
+        const std::size_t stride = packed_.padded_rows();
+        aligned_vector<float> products(rows.size() * stride);
+        packed_.products(from, rows.size(), features(), products.data(), stride);
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t c = 0; c < classes(); ++c)
+                values.push_back(double{products[i * stride + c]} + parts_.offsets[c]);
+    }
+
     linear_machine_parameters parts_;
     kernels::packed_rows packed_;
 };

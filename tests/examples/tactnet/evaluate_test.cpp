@@ -117,6 +117,29 @@ TEST_SUITE("program") {
         CHECK(damaged.status == 2);
         CHECK(damaged.error.find("evaluation.jsonl: line 1: expected a result of tactnet evaluate, found") !=
               std::string::npos);
+
+        // Counts that are none, in a list of a version without checksums.
+        for (const auto& [right, wrong] :
+             std::vector<std::pair<std::string, std::string>>{{"\"epochs\":3,", "\"epochs\":-3,"},
+                                                              {"\"epochs\":3,", "\"epochs\":2.5,"},
+                                                              {"\"epochs\":3,", "\"epochs\":true,"},
+                                                              {"\"classes\":3,", "\"classes\":3.7,"},
+                                                              {"\"confusion\":[", "\"confusion\":[0.9,"}}) {
+            std::string list = older;
+            const std::size_t at = list.find(right);
+            REQUIRE_MESSAGE(at != std::string::npos, right);
+            list.replace(at, right.size(), wrong);
+            if (wrong.ends_with("0.9,")) { // in place of the first count
+                const std::size_t count = at + wrong.size();
+                list.erase(count, list.find(',', count) - count + 1);
+            }
+            tactnet::write_file(shop / "r/evaluation.jsonl", list);
+            const outcome refused = evaluate({"--splits", "1"});
+            CHECK(refused.status == 2);
+            CHECK_MESSAGE(refused.error.find("line 1: expected a result of tactnet evaluate, found 'expected "
+                                             "a whole number from 0, found ") != std::string::npos,
+                          refused.error);
+        }
     }
 
     TEST_CASE("evaluate: support vector machines, on the same splits") {

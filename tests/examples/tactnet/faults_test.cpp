@@ -9,6 +9,7 @@
 #include <csignal>
 #include <string>
 #include <support/run_program.hpp>
+#include <sys/file.h>
 #include <thread>
 #include <vector>
 
@@ -231,6 +232,78 @@ TEST_SUITE("program") {
         tactnet::write_file(shop / "made" / "rock" / name, "half");
         REQUIRE(shop.run(simulation).status == 0);
         CHECK_FALSE(fs::exists(shop / "made" / "rock" / name));
+    }
+
+    TEST_CASE("faults: two trainings of one file are refused, however it is named") {
+        const workshop shop;
+        fs::create_directory_symlink(".", shop / "here");
+        const pid_t first = shop.start(shop.train_arguments({"--epochs", "1000000", "--output", "new/net"}));
+        wait_for_first_epoch(shop);
+        const std::string told = "found another training at work on ";
+        for (const char* more : {"--method tactnet4 --output new/net", "--method svm-linear --output new/net",
+                                 "--method tactnet4 --output here/new/net --afresh",
+                                 "--method tactnet4 --output new/net --resume",
+                                 "--method tactnet4 --output other --checkpoint new/net.checkpoint"}) {
+            const program_result second =
+                in_shell(shop, program() + " train --data '" + shop.data().string() +
+                                   "' --rows 7 --columns 13 " + std::string(more));
+            CHECK(second.status == 2);
+            CHECK_MESSAGE(second.error.find(told) != std::string::npos, second.error);
+        }
+        // Beside it there is room, and a killed one has no claim any more.
+        CHECK(in_shell(shop, training(shop, "--epochs 2 --output new/beside")).status == 0);
+        kill(first, SIGKILL);
+        CHECK(shop.wait(first).status == 1000 + SIGKILL);
+        CHECK(shop.train({"--epochs", "2", "--output", "new/net", "--afresh"}).status == 0);
+        for (const std::string& name : shop.everything())
+            CHECK_MESSAGE(name.find(".lock") == std::string::npos, name);
+        // A refused one leaves no folder.
+        shop.refuses(shop.train_arguments({"--output", "a/b/net", "--data", "nothing"}), "nothing");
+    }
+
+    TEST_CASE("faults: a checkpoint without a checksum is taken, and told") {
+        const workshop shop;
+        const pid_t child = shop.start(shop.train_arguments({"--epochs", "1500", "--output", "net"}));
+        wait_for_first_epoch(shop);
+        kill(child, SIGINT);
+        REQUIRE(shop.wait(child).status == 130);
+        // As an earlier version wrote it.
+        std::string bytes = text_of(shop / "net.checkpoint");
+        const std::size_t at = bytes.find("\"tactnet.checksum\":\"");
+        REQUIRE(at != std::string::npos);
+        const std::size_t length = bytes.find('"', at + 20) + 1 - at;
+        const std::string other = "\"before\":\"";
+        bytes.replace(at, length, other + std::string(length - other.size() - 1, '-') + "\"");
+        tactnet::write_file(shop / "net.checkpoint", bytes);
+        const outcome resumed = shop.train({"--epochs", "1500", "--output", "net", "--resume"});
+        CHECK_MESSAGE(resumed.status == 0, resumed.error);
+        CHECK(resumed.error.find("net.checkpoint: no checksum in it, so that damage may go unnoticed") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("faults: what a program that was killed while it tried a name left goes with the next run") {
+        const workshop shop;
+        const auto litter = [&] {
+            for (const char* folder : {".", "results"}) {
+                fs::create_directories(shop / folder / ".tactnet-trial-aBc123" / "results");
+                tactnet::write_file(shop / folder / ".tactnet-trial-aBc123" / "net", "");
+            }
+        };
+        litter();
+        REQUIRE(shop.train({"--epochs", "1", "--output", "net"}).status == 0);
+        CHECK_FALSE(fs::exists(shop / ".tactnet-trial-aBc123"));
+        CHECK(fs::exists(shop / "results" / ".tactnet-trial-aBc123"));
+        litter();
+        REQUIRE(shop.run({"export", "--weights", "net", "--output", "results/net.hpp"}).status == 0);
+        CHECK_FALSE(fs::exists(shop / "results" / ".tactnet-trial-aBc123"));
+        // Another's trial is locked, and other names are not meant.
+        fs::create_directory(shop / ".tactnet-trial-mine");
+        const int held = ::open((shop / ".tactnet-trial-aBc123").c_str(), O_RDONLY | O_DIRECTORY);
+        REQUIRE(::flock(held, LOCK_EX) == 0);
+        REQUIRE(shop.run({"export", "--weights", "net", "--output", "more.hpp"}).status == 0);
+        CHECK(fs::exists(shop / ".tactnet-trial-aBc123"));
+        CHECK(fs::exists(shop / ".tactnet-trial-mine"));
+        ::close(held);
     }
 
     TEST_CASE("faults: evaluations in one folder share the work") {

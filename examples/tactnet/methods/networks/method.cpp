@@ -139,8 +139,9 @@ public:
     void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
         tactnet::save_checkpoint(path, loop_, settings);
     }
-    void load_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
-        tactnet::load_checkpoint(path, loop_, settings);
+    tactnet::checksum_state load_checkpoint(const std::filesystem::path& path,
+                                            const tactnet::file_metadata& settings) override {
+        return tactnet::load_checkpoint(path, loop_, settings);
     }
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
         return std::make_unique<own_trained_network>(

@@ -29,6 +29,11 @@ public:
     std::size_t features() const {
         return std::visit([](const auto& own) { return own.features(); }, own_);
     }
+    /// In a row of `values`.
+    std::size_t machines() const {
+        const auto* kernel = std::get_if<rbf_machine>(&own_);
+        return kernel != nullptr ? kernel->machines() : std::get<linear_machine>(own_).classes();
+    }
     /// Of the classes that it was trained on.
     const label_list& labels() const {
         return std::visit([](const auto& own) -> const label_list& { return own.parameters().labels; }, own_);

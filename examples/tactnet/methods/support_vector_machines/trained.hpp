@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -88,13 +89,18 @@ private:
     std::vector<scored_class> recognise_chosen(std::span<const std::uint8_t> images,
                                                std::span<const std::size_t> chosen,
                                                tactnet::thread_pool& threads) const {
+        // Some at a time: features and values of all of them can be more than there is memory.
+        constexpr std::size_t most_bytes = std::size_t{1} << 26U;
+        const std::size_t each = own_.machines(),
+                          most = std::max<std::size_t>(
+                              1, most_bytes / (each * sizeof(double) + features_->size() * sizeof(float)));
         std::vector<scored_class> result;
-        if (chosen.empty())
-            return result;
-        const std::vector<double> values = values_of(images, {chosen.begin(), chosen.end()}, threads);
-        const std::size_t each = values.size() / chosen.size();
-        for (std::size_t i = 0; i < chosen.size(); ++i)
-            result.push_back(own_.decide(std::span(values).subspan(i * each, each)));
+        while (result.size() < chosen.size()) {
+            const auto part = chosen.subspan(result.size(), std::min(most, chosen.size() - result.size()));
+            const std::vector<double> values = values_of(images, {part.begin(), part.end()}, threads);
+            for (std::size_t i = 0; i < part.size(); ++i)
+                result.push_back(own_.decide(std::span(values).subspan(i * each, each)));
+        }
         return result;
     }
 

@@ -1,0 +1,202 @@
+// Bits flipped in files, and files cut short.
+
+#include "groups.hpp"
+
+#include <array>
+#include <functional>
+
+namespace faults {
+namespace {
+
+/// A file, how it is read, and what must come out of it unless damage is told.
+struct reading {
+    const char* file;   ///< in the folder of what was made, or inside a folder there
+    const char* folder; ///< brought whole, if it is inside one
+    words (*command)(const materials&);
+    /// What came out, of `end` and of what stands in the folder now.
+    std::string (*outcome)(const ending& end, const fs::path& folder);
+    bool summed; ///< every flip must be told, also one without effect here
+};
+
+std::string printed(const ending& end, const fs::path&) {
+    return end.out;
+}
+std::string weights_of(const ending&, const fs::path& folder) {
+    return bytes_of(folder / "net");
+}
+std::string results_of(const ending&, const fs::path& folder) {
+    std::string all;
+    for (const std::string& line : results_in(folder / "results" / "evaluation.jsonl"))
+        all += line + '\n';
+    return all;
+}
+std::string images_of(const ending&, const fs::path& folder) {
+    std::string all;
+    for (const auto& [name, bytes] : files_in(folder / "simulated"))
+        if (name.ends_with(".png"))
+            all += name + bytes;
+    return all;
+}
+
+const std::array<reading, 7> readings{{
+    {"net", nullptr, [](const materials& m) { return m.classify("net"); }, printed, true},
+    {"untested", nullptr, [](const materials& m) { return m.classify("untested"); }, printed, true},
+    {"svm-rbf", nullptr, [](const materials& m) { return m.classify("svm-rbf"); }, printed, true},
+    {"svm-linear", nullptr, [](const materials& m) { return m.classify("svm-linear"); }, printed, true},
+    {"stopped.checkpoint", nullptr,
+     [](const materials& m) {
+         return m.train({"--epochs", std::to_string(epochs), "--output", "net", "--checkpoint",
+                         "stopped.checkpoint", "--resume"});
+     },
+     weights_of, true},
+    {"results/evaluation.jsonl", "results",
+     [](const materials& m) {
+         return m.evaluate({"--results", "results"});
+     },
+     results_of, false},
+    {"simulated/simulation.json", "simulated", [](const materials& m) { return m.simulate("simulated"); },
+     images_of, false},
+}};
+
+/// What comes out of the file as it was made.
+const std::string& undamaged(scene& s, const reading& r) {
+    static std::map<const reading*, std::string> kept;
+    const auto found = kept.find(&r);
+    if (found != kept.end())
+        return found->second;
+    if (r.outcome == weights_of)
+        return kept[&r] = bytes_of(s.made / "net");
+    if (r.outcome == results_of)
+        return kept[&r] = results_of({}, s.made.folder());
+    if (r.outcome == images_of)
+        return kept[&r] = images_of({}, s.made.folder());
+    return kept[&r] = run(r.command(s.made), s.made.folder()).out;
+}
+
+std::string damaged_by_bit(scene& s, std::string bytes) {
+    const std::size_t bit = s.below(bytes.size() * 8);
+    bytes[bit / 8] = static_cast<char>(static_cast<unsigned char>(bytes[bit / 8]) ^ 1U << bit % 8);
+    return bytes;
+}
+
+finding read_damaged(scene& s, const reading& r, const std::string& damage,
+                     const std::function<std::string(const std::string&)>& damaged, bool must_tell) {
+    const std::string& right = undamaged(s, r);
+    s.bring(r.folder != nullptr ? r.folder : r.file);
+    write_bytes(s.folder / r.file, damaged(bytes_of(s.folder / r.file)));
+    conditions under;
+    under.pictures = false;
+    const ending end = s.run(r.command(s.made), under);
+    if (!end.orderly())
+        return s.aborted(end);
+    const std::string what = std::string(r.file) + ", " + damage;
+    if (end.status != 0)
+        return end.error.empty() ? s.silent(what + ": no message") : s.handled();
+    const bool told = end.error.find("warning") != std::string::npos;
+    if (!told && r.outcome(end, s.folder) != right)
+        return s.silent(what + ": another result without a word");
+    if (!told && must_tell)
+        return s.silent(what + ": not noticed, though without effect here");
+    return s.handled();
+}
+
+ending decode(scene& s, const std::string& name, const std::string& bytes) {
+    if (name.ends_with(".stream")) {
+        words command{s.made.where().stream.string(), (s.made / "stream.net").string()};
+        if (name == "own.stream")
+            command.emplace_back("own");
+        conditions under;
+        under.input = bytes;
+        write_bytes(s.folder / name, bytes); // for whoever repeats it
+        return s.run(command, under);
+    }
+    write_bytes(s.folder / name, bytes);
+    return s.run({s.made.where().decode.string(), "--csv", name});
+}
+
+/// Without what differs from run to run: the microseconds behind a stream's last tab.
+std::string lines_of(std::string text) {
+    for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; ++at)
+        if (const std::size_t tab = text.rfind('\t', at);
+            tab != std::string::npos && text.find('\n', tab) == at) {
+            text.erase(tab, at - tab);
+            at = tab;
+        }
+    return text;
+}
+
+finding decode_damaged(scene& s, const std::string& name, const std::string& bytes, bool must_tell) {
+    const ending end = decode(s, name, bytes);
+    if (!end.orderly())
+        return s.aborted(end);
+    if (end.status != 0)
+        return end.error.empty() ? s.silent(name + ": no message") : s.handled();
+    if (must_tell && end.error.empty() &&
+        lines_of(end.out) != lines_of(decode(s, name, bytes_of(s.made / name)).out))
+        return s.silent(name + ": other frames without a word");
+    return s.handled();
+}
+
+} // namespace
+
+finding flip_bits(scene& s, std::size_t number) {
+    const reading& r = readings[number % readings.size()];
+    return read_damaged(
+        s, r, "a bit flipped", [&](const std::string& bytes) { return damaged_by_bit(s, bytes); }, r.summed);
+}
+
+finding flip_bits_of_recordings(scene& s, std::size_t number) {
+    const std::array<const char*, 4> names{"sample.csv", "own.stream", "sample.fsx", "sample.mp"};
+    const std::string name = names[number % names.size()];
+    const std::string right = bytes_of(s.made / name);
+    std::string bytes = damaged_by_bit(s, right);
+    // Only what a sum covers can be told: counts of a text recording, and packets. Binary recordings and maps
+    // have none, and are only to be taken or refused in good order.
+    std::size_t changed = 0;
+    while (bytes[changed] == right[changed])
+        ++changed;
+    const std::size_t line = right.rfind('\n', changed) + 1;
+    const bool counts = name == "sample.csv" && right.find_first_of("0123456789", line) == line;
+    // Whoever joins a stream cannot know that a packet came before.
+    const bool packets = name == "own.stream" && changed >= 2;
+    return decode_damaged(s, name, bytes, counts || packets);
+}
+
+finding cut_files(scene& s, std::size_t number) {
+    constexpr std::size_t recordings = 5, images = 1;
+    std::size_t kind = number % (readings.size() + recordings + images);
+    if (kind < readings.size()) {
+        const reading& r = readings[kind];
+        return read_damaged(
+            s, r, "cut short",
+            [&](const std::string& bytes) { return bytes.substr(0, s.below(bytes.size())); }, r.summed);
+    }
+    kind -= readings.size();
+    if (kind < recordings) {
+        const std::array<const char*, recordings> names{"sample.csv", "own.stream", "sample.fsx", "sample.mp",
+                                                        "plain.stream"};
+        std::string bytes = bytes_of(s.made / names[kind]);
+        bytes.resize(s.below(bytes.size()));
+        // A stream may end behind any packet.
+        const std::size_t packet = kind == 1 ? 1404 : kind == 4 ? 1400 : bytes.size() + 1;
+        return decode_damaged(s, names[kind], bytes, bytes.size() % packet != 0);
+    }
+    s.bring("data");
+    const fs::path image = s.folder / "data" / "right" / "image3.png";
+    const std::string whole = bytes_of(image);
+    const std::size_t size = s.below(whole.size());
+    write_bytes(image, whole.substr(0, size));
+    conditions under;
+    under.pictures = false;
+    const ending end = s.run(
+        s.made.train({"--epochs", std::to_string(epochs), "--output", "net"}, (s.folder / "data").string()),
+        under);
+    if (!end.orderly())
+        return s.aborted(end);
+    if (end.status == 0 && end.error.find("warning") == std::string::npos &&
+        bytes_of(s.folder / "net") != bytes_of(s.made / "net"))
+        return s.silent("an image cut to " + std::to_string(size) + " bytes: other weights without a word");
+    return s.handled();
+}
+
+} // namespace faults

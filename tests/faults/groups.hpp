@@ -1,0 +1,35 @@
+#pragma once
+
+// The groups of the attack. A group's cases are numbered from 0; any number is a case.
+
+#include "scene.hpp"
+
+#include <string>
+#include <vector>
+
+namespace faults {
+
+struct group {
+    std::string name;
+    /// Of how many cases this is one when all groups share a number of cases.
+    std::size_t share;
+    finding (*attempt)(scene&, std::size_t number);
+    /// Why there can be no such cases here; empty if there can.
+    std::string (*missing)(const programs&);
+};
+
+finding flip_bits(scene& s, std::size_t number);
+finding flip_bits_of_recordings(scene& s, std::size_t number);
+finding cut_files(scene& s, std::size_t number);
+finding kill_and_resume(scene& s, std::size_t number);
+finding fill_the_disk(scene& s, std::size_t number);
+finding limit_files(scene& s, std::size_t number);
+finding break_streams(scene& s, std::size_t number);
+finding take_resources(scene& s, std::size_t number);
+finding ask_for_nonsense(scene& s, std::size_t number);
+finding name_strange_files(scene& s, std::size_t number);
+
+/// Mounts a small disk for `fill_the_disk`, away from everyone else; why not, if not.
+std::string small_disk(const programs& which);
+
+} // namespace faults

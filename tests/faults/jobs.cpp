@@ -1,0 +1,183 @@
+#include "jobs.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace faults {
+namespace {
+
+/// A file that must be as it was made, and be there if all was done.
+std::string differs(const materials& made, const std::string& original, const fs::path& left, bool done) {
+    if (!fs::exists(left))
+        return done ? left.filename().string() + " is missing" : "";
+    return bytes_of(left) == bytes_of(made / original) ? "" : left.filename().string() + " is another one";
+}
+
+std::string nothing(const materials&, const fs::path&, bool) {
+    return "";
+}
+std::string network(const materials& made, const fs::path& folder, bool done) {
+    std::string problem = differs(made, "net", folder / "net", done);
+    for (const char* report : {"net.confusion.csv", "net.learning.csv"})
+        if (problem.empty())
+            problem = differs(made, report, folder / report, done);
+    return problem;
+}
+std::string machine(const materials& made, const fs::path& folder, bool done) {
+    const std::string problem = differs(made, "svm-rbf", folder / "svm-rbf", done);
+    return problem.empty() ? differs(made, "svm-rbf.confusion.csv", folder / "svm-rbf.confusion.csv", done)
+                           : problem;
+}
+std::string header(const materials& made, const fs::path& folder, bool done) {
+    return differs(made, "net.hpp", folder / "net.hpp", done);
+}
+std::string results(const materials& made, const fs::path& folder, bool done) {
+    const auto right = results_in(made / "results/evaluation.jsonl"),
+               left = results_in(folder / "results/evaluation.jsonl");
+    if (!std::includes(right.begin(), right.end(), left.begin(), left.end()))
+        return "evaluation.jsonl has other results";
+    if (done && left.size() != right.size())
+        return "results are missing in evaluation.jsonl";
+    for (const char* table : {"table.csv", "table.jsonl"})
+        if (done && bytes_of(folder / "results" / table).empty())
+            return std::string(table) + " is missing";
+    return differs(made, "results/confusion_tactnet4_7x13.csv",
+                   folder / "results/confusion_tactnet4_7x13.csv", done);
+}
+std::string images(const materials& made, const fs::path& folder, bool done) {
+    static const auto right = files_in(made / "simulated");
+    if (!fs::exists(folder / "simulated"))
+        return done ? "nothing was written" : "";
+    auto left = files_in(folder / "simulated");
+    std::erase_if(left, [](const auto& file) { return file.first.find(".tactnet-") != std::string::npos; });
+    for (const auto& [name, bytes] : left)
+        if (const auto same = right.find(name); same == right.end() || same->second != bytes)
+            return name + " is another one";
+    return done && left.size() != right.size() ? "images are missing" : "";
+}
+
+} // namespace
+
+std::string wrong_among_reports(const fs::path& folder) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        // What is on its way, or was tried, is not yet under its name.
+        if (!entry.is_regular_file() || entry.path().string().find("/.tactnet-") != std::string::npos)
+            continue;
+        const std::string bytes = bytes_of(entry.path());
+        if (name.ends_with(".png") &&
+            bytes.find("IEND", bytes.size() < 12 ? 0 : bytes.size() - 12) == std::string::npos)
+            return name + " is no whole picture";
+        const bool text = name.ends_with(".csv") || name.ends_with(".hpp") || name == "table.jsonl" ||
+                          name.ends_with(".learning.jsonl");
+        if (text && !bytes.ends_with('\n'))
+            return name + " does not end with its last line";
+    }
+    return "";
+}
+
+std::vector<job> jobs(const materials& made, bool only_writers) {
+    const std::string number = std::to_string(epochs), data = (made / "data").string();
+    std::vector<job> all{
+        {"train", made.train({"--epochs", number, "--output", "net"}), {}, "", true, true, network},
+        {"train with checkpoints",
+         made.train({"--epochs", number, "--output", "net", "--checkpoint-every", "0.0000001"}),
+         {},
+         "",
+         true,
+         true,
+         network},
+        {"train an SVM",
+         made.tactnet({"train", "--data", data, "--method", "svm-rbf", "--rows", "7", "--columns", "13",
+                       "--seed", "5", "--output", "svm-rbf"}),
+         {},
+         "",
+         true,
+         true,
+         machine},
+        {"evaluate", made.evaluate({"--results", "results"}), {}, "", true, true, results},
+        {"export",
+         made.tactnet({"export", "--weights", "net", "--output", "net.hpp"}),
+         {"net"},
+         "",
+         false,
+         false,
+         header},
+        {"simulate", made.simulate("simulated"), {}, "", true, false, images},
+    };
+    if (only_writers)
+        return all;
+    all.push_back({"go on",
+                   made.train({"--epochs", number, "--output", "net", "--checkpoint", "stopped.checkpoint",
+                               "--resume"}),
+                   {"stopped.checkpoint"},
+                   "",
+                   true,
+                   false,
+                   nothing});
+    all.push_back({"evaluate weights",
+                   made.tactnet({"evaluate", "--data", data, "--weights", "net"}),
+                   {"net"},
+                   "",
+                   true,
+                   true,
+                   nothing});
+    all.push_back({"classify", made.classify("net"), {"net"}, "", true, false, nothing});
+    all.push_back({"list", made.tactnet({"list"}), {}, "", true, false, nothing});
+    all.push_back({"help", made.tactnet({"train", "--help"}), {}, "", true, false, nothing});
+    if (!made.where().decode.empty()) {
+        const std::string decode = made.where().decode.string();
+        all.push_back({"decode", {decode, "--csv", "sample.csv"}, {"sample.csv"}, "", true, false, nothing});
+        all.push_back({"describe", {decode, "sample.fsx"}, {"sample.fsx"}, "", true, false, nothing});
+        all.push_back({"decoder's help", {decode, "--help"}, {}, "", true, false, nothing});
+    }
+    if (!made.where().stream.empty())
+        for (const char* kind : {"own", "plain"}) {
+            words command{made.where().stream.string(), (made / "stream.net").string()};
+            if (std::string(kind) == "own")
+                command.emplace_back("own");
+            all.push_back({std::string("stream, ") + kind,
+                           command,
+                           {},
+                           bytes_of(made / (std::string(kind) + ".stream")),
+                           true,
+                           false,
+                           nothing});
+        }
+    return all;
+}
+
+finding attempt(scene& s, const job& what, conditions under, bool heard) {
+    for (const std::string& name : what.brings)
+        s.bring(name);
+    under.input = what.input;
+    const ending end = s.run(what.command, under);
+    if (!end.orderly())
+        return s.aborted(end);
+    if (end.status != 0 && heard && end.error.empty())
+        return s.silent(what.name + ": exit status " + std::to_string(end.status) + " without a word");
+    const bool lost = under.out != stream::usual && under.out != stream::null;
+    if (end.status == 0 && what.prints && lost)
+        return s.silent(what.name + ": its results were lost, exit status 0");
+    const bool input_lost = under.in != stream::usual && !what.input.empty();
+    if (end.status == 0 && what.prints && under.out == stream::usual && end.out.empty())
+        return s.silent(what.name + ": printed nothing" + (input_lost ? " of no input" : ""));
+    if (const std::string problem = what.wrong(s.made, s.folder, end.status == 0); !problem.empty())
+        return s.silent(what.name + ": " + problem + ", " + end.text());
+    if (const std::string problem = wrong_among_reports(s.folder); !problem.empty())
+        return s.silent(what.name + ": " + problem + ", " + end.text());
+    if (end.status == 0 && what.draws && under.pictures && heard) {
+        const auto left = files_in(s.folder);
+        const bool drawn = std::any_of(left.begin(), left.end(), [](const auto& file) {
+            return file.first.ends_with("confusion.png") ||
+                   (file.first.find("confusion_") != std::string::npos && file.first.ends_with(".png"));
+        });
+        static const bool there_is_gnuplot = fs::exists(s.made / "net.confusion.png");
+        if (there_is_gnuplot && !drawn && end.error.find("gnuplot") == std::string::npos &&
+            end.error.find("warning") == std::string::npos && end.error.find("icture") == std::string::npos)
+            return s.silent(what.name + ": no picture, and no word about it");
+    }
+    return s.handled();
+}
+
+} // namespace faults

@@ -1,0 +1,132 @@
+// Disks without room, streams that take nothing, and systems that refuse what they are asked for.
+
+#include "groups.hpp"
+#include "jobs.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <sys/resource.h>
+#include <unistd.h>
+#if defined(__linux__)
+#include <sched.h>
+#include <sys/mount.h>
+#endif
+
+namespace faults {
+namespace {
+
+constexpr std::size_t page = 4096;
+
+/// The least that lets the program start, so that what is refused is refused to it and not to the system. 0
+/// if that is more than any program should need, as with an address sanitizer.
+template <class Limits>
+unsigned long least(const scene& s, unsigned long from, unsigned long step, const Limits& limits) {
+    for (unsigned long most = from; most < from + 1000 * step; most += step) {
+        conditions under;
+        under.limited_user = true;
+        under.limits = limits(most);
+        if (run(s.made.tactnet({"list"}), s.folder, under).done())
+            return most;
+    }
+    return 0;
+}
+
+} // namespace
+
+std::string small_disk([[maybe_unused]] const programs& which) {
+#if defined(__linux__)
+    static const int problem = [] {
+        // As root, or as one who may be root of a space of their own.
+        const std::string user = std::to_string(::geteuid()), group = std::to_string(::getegid());
+        if (::unshare(CLONE_NEWNS) != 0) {
+            if (::unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0)
+                return errno;
+            write_bytes("/proc/self/setgroups", "deny");
+            write_bytes("/proc/self/uid_map", "0 " + user + " 1");
+            write_bytes("/proc/self/gid_map", "0 " + group + " 1");
+        }
+        return ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 ? 0 : errno;
+    }();
+    return problem == 0 ? "" : std::string("no disk may be mounted: ") + std::strerror(problem);
+#else
+    return "needs a disk that only this program sees (Linux)";
+#endif
+}
+
+finding fill_the_disk([[maybe_unused]] scene& s, [[maybe_unused]] std::size_t number) {
+#if defined(__linux__)
+    const std::vector<job> writers = jobs(s.made, true);
+    const job& what = writers[number % writers.size()];
+    const bool pictures = number / writers.size() % 2 == 0;
+    const std::string size = "size=" + std::to_string((1 + s.below(pictures ? 60 : 30)) * page);
+    if (::mount("tmpfs", s.folder.c_str(), "tmpfs", 0, (size + ",mode=777").c_str()) != 0)
+        return s.silent(std::string("the attack itself: mount: ") + std::strerror(errno));
+    conditions under;
+    under.pictures = pictures;
+    finding found;
+    try {
+        found = attempt(s, what, under);
+    } catch (const std::exception&) { // no room even for what it reads
+    }
+    found.command += " (on a tmpfs of " + size + ")";
+    ::umount2(s.folder.c_str(), MNT_DETACH);
+    return found;
+#else
+    return {};
+#endif
+}
+
+finding limit_files(scene& s, std::size_t number) {
+    const std::vector<job> writers = jobs(s.made, true);
+    conditions under;
+    under.pictures = number / writers.size() % 4 == 0;
+    under.limits = {{RLIMIT_FSIZE, s.below(s.below(2) == 0 ? 4000 : 100'000)}};
+    return attempt(s, writers[number % writers.size()], under);
+}
+
+finding break_streams(scene& s, std::size_t number) {
+    const std::vector<job> all = jobs(s.made);
+    constexpr std::array kinds{stream::usual, stream::closed, stream::full, stream::broken, stream::null};
+    conditions under;
+    const std::size_t which = number / all.size() % (kinds.size() * kinds.size());
+    under.out = kinds[which % kinds.size()];
+    under.error = kinds[which / kinds.size()];
+    const job& what = all[number % all.size()];
+    if (what.input.empty() || s.below(2) == 0)
+        under.in = s.one_of(
+            std::array{stream::usual, stream::closed, stream::broken, stream::null}); // full: endless
+    under.pictures = s.below(8) == 0;
+    return attempt(s, what, under, under.error == stream::usual);
+}
+
+finding take_resources(scene& s, std::size_t number) {
+    const std::vector<job> all = jobs(s.made);
+    conditions under;
+    under.limited_user = true;
+    under.pictures = s.below(4) == 0;
+    switch (number / all.size() % 3) {
+    case 0: {
+        constexpr unsigned long step = 1UL << 20U;
+        static const unsigned long start = least(s, step, step, [](unsigned long most) {
+            return std::vector<std::pair<int, unsigned long>>{{RLIMIT_AS, most}};
+        });
+        if (start == 0)
+            return s.handled();
+        under.limits = {{RLIMIT_AS, start + s.below(s.below(2) == 0 ? 4 * step : 60 * step)}};
+        break;
+    }
+    case 1:
+        under.limits = {{RLIMIT_NPROC, 1 + s.below(4)}};
+        break;
+    default: {
+        static const unsigned long start = least(s, 3, 1, [](unsigned long most) {
+            return std::vector<std::pair<int, unsigned long>>{{RLIMIT_NOFILE, most}};
+        });
+        under.limits = {{RLIMIT_NOFILE, start + s.below(8)}};
+    }
+    }
+    return attempt(s, all[number % all.size()], under);
+}
+
+} // namespace faults

@@ -1,0 +1,93 @@
+#pragma once
+
+// What a case of the attack has at hand: a folder of its own, random numbers, and files that were made when
+// nothing was wrong, with what came of them.
+
+#include "run.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <random>
+#include <string>
+#include <support/files/temporary_folder.hpp>
+#include <vector>
+
+namespace faults {
+
+struct programs {
+    fs::path tactnet, decode, stream; ///< the last two may be empty
+};
+
+/// Images of three classes, and what an undisturbed program makes of them; in a folder of their own.
+class materials {
+public:
+    explicit materials(programs which);
+
+    const programs& where() const { return programs_; }
+    fs::path folder() const { return folder_.path() / "made"; }
+    fs::path operator/(const std::string& name) const { return folder() / name; }
+    /// A new empty folder in the place of the last one, writable for everyone.
+    fs::path new_folder() const;
+
+    words tactnet(words arguments) const;
+    /// `train` of seconds or less, of a network.
+    words train(words more, const std::string& data = "") const;
+    words evaluate(words more) const;
+    words simulate(const std::string& out) const;
+    /// `classify` of some of the images.
+    words classify(const std::string& weights) const;
+
+    std::string image() const { return (folder() / "data" / "left" / "image0.png").string(); }
+
+private:
+    programs programs_;
+    support::temporary_folder folder_;
+};
+
+inline constexpr int epochs = 60;
+
+enum class verdict { handled, silent, aborted };
+
+struct finding {
+    verdict is = verdict::handled;
+    std::string why{}, command{};
+};
+
+/// One case. What it draws depends on the seed, the group's name and the case's number alone.
+class scene {
+public:
+    scene(const materials& of, std::uint64_t seed, const std::string& group, std::size_t number);
+
+    const materials& made;
+    const fs::path folder;
+
+    std::size_t below(std::size_t bound) { return static_cast<std::size_t>(engine_() % bound); }
+    template <class Range>
+    const auto& one_of(const Range& range) {
+        return range[below(std::size(range))];
+    }
+
+    /// Copies one of the files or folders that were made into this case's folder.
+    void bring(const std::string& name) const;
+    /// Runs, and remembers the command for the report.
+    ending run(const words& command, const conditions& under = {});
+
+    // What a case comes to. `why` is for people.
+    finding handled() const { return {}; }
+    finding silent(const std::string& why) const { return {verdict::silent, why, command_}; }
+    finding aborted(const ending& end) const { return {verdict::aborted, end.text(), command_}; }
+
+private:
+    std::mt19937_64 engine_;
+    std::string command_;
+};
+
+/// The accuracies and confusions in a list of results, without times; sorted.
+std::vector<std::string> results_in(const fs::path& list);
+/// Names and contents of the files in a folder and its subfolders that `takes(name)`.
+std::map<std::string, std::string> files_in(const fs::path& folder);
+/// The first of what killed programs leave behind, or nothing.
+std::string litter_in(const fs::path& folder);
+
+} // namespace faults
