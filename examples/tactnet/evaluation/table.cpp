@@ -15,24 +15,24 @@ std::string percent(const tactnet::mean_and_deviation& m) {
 }
 
 nlohmann::ordered_json json_of(const evaluation_row& s) {
-    nlohmann::ordered_json json{{"network", s.what->name},
-                                {"rows", s.what->rows},
-                                {"columns", s.what->columns},
-                                {"recipe", s.recipe},
-                                {"splits", s.splits}};
+    nlohmann::ordered_json object{{"network", s.what->name},
+                                  {"rows", s.what->rows},
+                                  {"columns", s.what->columns},
+                                  {"recipe", s.recipe},
+                                  {"splits", s.splits}};
     for (const auto& [rule, accuracy] : s.accuracies) {
-        json[fmt::format("{}_accuracy", name_of(rule))] = accuracy.mean;
-        json[fmt::format("{}_deviation", name_of(rule))] = accuracy.deviation;
+        object[fmt::format("{}_accuracy", name_of(rule))] = accuracy.mean;
+        object[fmt::format("{}_deviation", name_of(rule))] = accuracy.deviation;
     }
-    json["parameters"] = s.costs.parameters;
-    json["multiply_adds"] = s.costs.multiply_adds;
-    json["multiply_adds_on_pixels"] = s.costs.multiply_adds_on_pixels;
-    json["bytes"] = s.costs.parameter_bytes;
-    json["activation_bytes"] = s.costs.activation_bytes;
-    json["microseconds"] = s.times.alone;
-    json["microseconds_in_batch"] = s.times.in_batch;
-    json["training_seconds"] = s.seconds.mean;
-    return json;
+    object["parameters"] = s.costs.parameters;
+    object["multiply_adds"] = s.costs.multiply_adds;
+    object["multiply_adds_on_pixels"] = s.costs.multiply_adds_on_pixels;
+    object["bytes"] = s.costs.parameter_bytes;
+    object["activation_bytes"] = s.costs.activation_bytes;
+    object["microseconds"] = s.times.alone;
+    object["microseconds_in_batch"] = s.times.in_batch;
+    object["training_seconds"] = s.seconds.mean;
+    return object;
 }
 
 } // namespace
