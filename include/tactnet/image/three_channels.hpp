@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/simd/row_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/batch.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/batch/convolution.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/frame/winograd_tiles.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <array>
@@ -50,8 +51,7 @@ template <frame_convolution C>
         const auto left = static_cast<std::ptrdiff_t>(tile % tiles::columns * 2) -
                           static_cast<std::ptrdiff_t>(C.window.left);
         std::array<const float*, tiles::elements> pixels;
-#pragma GCC unroll 64
-        for (std::size_t e = 0; e < tiles::elements; ++e) {
+        unroll<tiles::elements>([&](auto e) __attribute__((always_inline)) {
             const std::ptrdiff_t y = top + static_cast<std::ptrdiff_t>(e / side),
                                  x = left + static_cast<std::ptrdiff_t>(e % side);
             const bool inside = y >= 0 && y < static_cast<std::ptrdiff_t>(C.window.input.rows) && x >= 0 &&
@@ -59,28 +59,24 @@ template <frame_convolution C>
             pixels[e] = inside ? input + (y * static_cast<std::ptrdiff_t>(C.window.input.columns) + x) *
                                              static_cast<std::ptrdiff_t>(C.input_stride)
                                : outside.data();
-        }
+        });
         float* const to = transformed + (tile - first) * tiles::input_stride;
         for (std::size_t channel = 0; channel < tiles::input_stride; channel += tiles::input_width) {
             std::array<std::array<wide, side>, side> d;
-#pragma GCC unroll 64
-            for (std::size_t x = 0; x < side; ++x) {
+            unroll<side>([&](auto x) __attribute__((always_inline)) {
                 std::array<wide, side> column;
-#pragma GCC unroll 64
-                for (std::size_t y = 0; y < side; ++y)
+                unroll<side>([&](auto y) __attribute__((always_inline)) {
                     column[y] = load_as<wide>(pixels[y * side + x] + channel);
+                });
                 column = detail::winograd_input_line(column);
-#pragma GCC unroll 64
-                for (std::size_t y = 0; y < side; ++y)
-                    d[y][x] = column[y];
-            }
-#pragma GCC unroll 64
-            for (std::size_t y = 0; y < side; ++y) {
+                unroll<side>([&](auto y) __attribute__((always_inline)) { d[y][x] = column[y]; });
+            });
+            unroll<side>([&](auto y) __attribute__((always_inline)) {
                 const std::array<wide, side> line = detail::winograd_input_line(d[y]);
-#pragma GCC unroll 64
-                for (std::size_t x = 0; x < side; ++x)
+                unroll<side>([&](auto x) __attribute__((always_inline)) {
                     store_as(to + (y * side + x) * tiles::band * tiles::input_stride + channel, line[x]);
-            }
+                });
+            });
         }
     }
 }
@@ -124,19 +120,17 @@ template <frame_convolution C, std::size_t Vectors>
     for (std::size_t tile = first; tile < last; ++tile) {
         const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
         const bool below = top + 1 < C.rows(), right = left + 1 < C.columns();
-#pragma GCC unroll 64
-        for (std::size_t v = 0; v < Vectors; ++v) {
+        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
             std::array<std::array<wide, side>, 2> half;
-#pragma GCC unroll 64
-            for (std::size_t x = 0; x < side; ++x) {
+            unroll<side>([&](auto x) __attribute__((always_inline)) {
                 std::array<wide, side> column;
-#pragma GCC unroll 64
-                for (std::size_t y = 0; y < side; ++y)
+                unroll<side>([&](auto y) __attribute__((always_inline)) {
                     column[y] = load_as<wide>(
                         products + (((y * side + x) * tiles::band + tile - first) * Vectors + v) * width);
+                });
                 const std::array<wide, 2> sums = detail::winograd_output_line(column);
                 half[0][x] = sums[0], half[1][x] = sums[1];
-            }
+            });
             const std::array<std::array<wide, 2>, 2> y{detail::winograd_output_line(half[0]),
                                                        detail::winograd_output_line(half[1])};
             const wide start = load_as<wide>(bias + v * width);
@@ -153,10 +147,9 @@ template <frame_convolution C, std::size_t Vectors>
                     largest = maximum_or_second(y[1][1], largest);
                 store_as(output + tile * C.output_stride() + v * width, finished(largest + start));
             } else {
-#pragma GCC unroll 64
-                for (std::size_t i = 0; i < 4; ++i) {
+                unroll<4>([&](auto i) __attribute__((always_inline)) {
                     if ((i / 2 == 1 && !below) || (i % 2 == 1 && !right))
-                        continue;
+                        return;
                     float* const to =
                         output + ((top + i / 2) * C.output_columns() + left + i % 2) * C.output_stride() +
                         v * width;
@@ -164,9 +157,9 @@ template <frame_convolution C, std::size_t Vectors>
                     if constexpr (C.adds)
                         value = value + load_as<wide>(to);
                     store_as(to, finished(value));
-                }
+                });
             }
-        }
+        });
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/simd/row_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/shape.hpp>
 

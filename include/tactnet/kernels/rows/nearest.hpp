@@ -84,37 +84,33 @@ private:
     [[gnu::flatten]] void compare(const float* points, std::size_t p, best* found) const noexcept {
         const float* packed = packed_.data() + p * panel * Values;
         std::array<std::array<vector<float>, block_vectors>, Points> sums;
-#pragma GCC unroll 64
-        for (std::size_t i = 0; i < Points; ++i) {
-#pragma GCC unroll 64
-            for (std::size_t v = 0; v < block_vectors; ++v)
+        unroll<Points>([&](auto i) __attribute__((always_inline)) {
+            unroll<block_vectors>([&](auto v) __attribute__((always_inline)) {
                 sums[i][v] = load(offsets_.data() + p * panel + v * lanes<float>);
-        }
+            });
+        });
         for (std::size_t k = 0; k < Values; ++k, packed += panel) {
             std::array<vector<float>, block_vectors> rows;
-#pragma GCC unroll 64
-            for (std::size_t v = 0; v < block_vectors; ++v)
+            unroll<block_vectors>([&](auto v) __attribute__((always_inline)) {
                 rows[v] = load(packed + v * lanes<float>);
-#pragma GCC unroll 64
-            for (std::size_t i = 0; i < Points; ++i) {
+            });
+            unroll<Points>([&](auto i) __attribute__((always_inline)) {
                 const vector<float> value(points[i * Values + k]);
-#pragma GCC unroll 64
-                for (std::size_t v = 0; v < block_vectors; ++v)
+                unroll<block_vectors>([&](auto v) __attribute__((always_inline)) {
                     sums[i][v] = multiply_add(rows[v], value, sums[i][v]);
-            }
+                });
+            });
         }
-#pragma GCC unroll 64
-        for (std::size_t i = 0; i < Points; ++i) {
+        unroll<Points>([&](auto i) __attribute__((always_inline)) {
             vector<float> score = load(found[i].score.data()), row = load(found[i].row.data());
-#pragma GCC unroll 64
-            for (std::size_t v = 0; v < block_vectors; ++v) {
+            unroll<block_vectors>([&](auto v) __attribute__((always_inline)) {
                 const auto larger = sums[i][v] > score;
                 score = choose<float>(larger, sums[i][v], score);
                 row = choose<float>(larger, vector<float>(static_cast<float>(p * block_vectors + v)), row);
-            }
+            });
             store(found[i].score.data(), score);
             store(found[i].row.data(), row);
-        }
+        });
     }
     /// Lane l holds a row of vector `row[l]`: of the lanes with the largest score, the first row. Where
     /// nothing was larger than the start, row 0.

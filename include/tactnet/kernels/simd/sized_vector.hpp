@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
