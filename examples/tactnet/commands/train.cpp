@@ -99,7 +99,8 @@ output_files files_for(const method& what, const train_options& o) {
     }
     check_regular(outputs);
     check_places({{"--start", o.training.start}}, outputs, o.data);
-    std::vector<named_file> claimed{{"--output", files.weights}};
+    std::vector<named_file> claimed{{"--output", files.weights},
+                                    {reports, files.reports.string() + ".confusion"}};
     if (what.is_network())
         claimed.push_back({"--checkpoint", files.checkpoint});
     files.claim = std::make_unique<output_claim>(claimed);

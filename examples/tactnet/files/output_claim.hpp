@@ -10,8 +10,8 @@
 
 /// Holds the names of files that this program will write, so that another one that would write them too is
 /// refused. Folders for them are made, and go with the claim if nothing came into them. A claim ends with the
-/// program, however that ends. Where the file system knows no locks, or the folder takes no file, every claim
-/// is granted.
+/// program, however that ends; of a killed one a hidden empty file stays, which the next claim takes over.
+/// Where the file system knows no locks, or the folder takes no file, every claim is granted.
 class output_claim {
 public:
     /// Throws usage_error if another program has claimed one of them.

@@ -38,8 +38,10 @@ public:
                               : ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0
                                   ? errno == EWOULDBLOCK
                                   : ::access(path_.c_str(), F_OK) != 0;
-            if (gone)
+            if (gone) {
                 end();
+                error_ = EAGAIN; // unless a later attempt succeeds
+            }
         }
     }
     trial_folder(const trial_folder&) = delete;

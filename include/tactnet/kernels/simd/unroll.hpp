@@ -9,9 +9,9 @@
 // Loops over registers must be written out, or what should stay in registers lies in memory. Where the body
 // is the same for every number, that is a plain loop with constant bounds behind `#pragma GCC unroll 64`: the
 // compiler writes it out late, which takes a third of the time that a lambda for each number takes, and gives
-// the same machine code. `unroll` is for what needs the number as a constant: types, template arguments, `if
-// constexpr`. The bound of a loop behind the pragma must be a variable, not a call, or GCC 12 ignores the
-// pragma.
+// the same machine code from -O2 on. `unroll` is for what needs the number as a constant: types, template
+// arguments, `if constexpr`. The bound of a loop behind the pragma must be a variable, not a call, or GCC 12
+// ignores the pragma; beyond 64 steps it stays a loop, right but slow.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
