@@ -1,11 +1,12 @@
-# No object of the program's parts defines a kernel but those that are compiled for speed.
-#   cmake -Dnm=NM -Dlibrary=FILE -Dallowed=OBJECT;… -P kernels_are_optimised.cmake
+# No object of the program that is compiled quickly defines a kernel.
+#   cmake -Dnm=NM -Dlibrary=FILE -Dobjects=OBJECT;… -Dallowed=OBJECT;… -P kernels_are_optimised.cmake
+cmake_minimum_required(VERSION 3.22)
 set(fast "")
 foreach(object IN LISTS allowed)
     get_filename_component(name "${object}" NAME)
     list(APPEND fast "${name}")
 endforeach()
-execute_process(COMMAND "${nm}" --defined-only "${library}" OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND "${nm}" --defined-only "${library}" ${objects} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE ";" "" symbols "${symbols}")
 string(REPLACE "\n" ";" symbols "${symbols}")
 set(object "")
