@@ -13,8 +13,8 @@ using namespace tactnet;
 TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
     using net_type = tactnet4<shape{28, 50, 1}, 22>;
     net_type net, same, other;
-    for (const bool he : {false, true}) {
-        const initialisation rule = he ? initialisation(he_normal{}) : initialisation(fixed_normal{0.01});
+    for (const bool by_he : {false, true}) {
+        const initialisation rule = by_he ? initialisation(he_normal{}) : initialisation(fixed_normal{0.01});
         for (float& v : net.learnable_values())
             v = 99;
         for (float& v : net.running_statistics())
@@ -27,7 +27,7 @@ TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
                 CHECK(std::all_of(values.begin(), values.end(), [&](float v) { return v == (one ? 1 : 0); }));
                 return;
             }
-            const double expected = he ? std::sqrt(2.0 / static_cast<double>(p.fan_in)) : 0.01;
+            const double expected = by_he ? std::sqrt(2.0 / static_cast<double>(p.fan_in)) : 0.01;
             const auto n = static_cast<double>(values.size());
             double sum = 0, squares = 0;
             for (const float v : values)

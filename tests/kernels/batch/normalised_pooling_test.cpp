@@ -45,7 +45,7 @@ TEST_CASE_TEMPLATE("normalised_pool_forward: a NaN is kept, whatever comes befor
     constexpr std::size_t width = lanes<T>;
     for (const std::size_t at : {0u, 1u, 6u, 7u}) {
         aligned_vector<T> input(pixels * width, T{5}), output(windows * width);
-        input[at * width] = std::nan("");
+        input[at * width] = static_cast<T>(std::nan(""));
         normalised_pool_forward<window, false>(normalising<T>{0, 1, 0}, input.data(), output.data(),
                                                static_cast<T*>(nullptr));
         CHECK(std::isnan(output[0]));
