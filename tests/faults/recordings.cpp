@@ -93,7 +93,7 @@ std::string network() {
         writer.add(name, extents, std::span<const float>(values));
     };
     std::size_t channels = 1;
-    for (const std::size_t block : {1, 2, 3, 4, 5}) {
+    for (std::size_t block = 1; block <= 5; ++block) {
         const std::string number = std::to_string(block);
         const std::size_t filters = std::size_t{4} << block, side = block == 1 ? 5 : 3;
         add("conv" + number + ".weight", {filters, channels, side, side}, -0.1F, 0.1F);
