@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/batch/pooling.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <cstddef>
 
