@@ -1,19 +1,27 @@
 // Runs a fuzz target as a plain test, with any compiler: on its seed corpus, and on many mutated copies of
-// the seeds, the same ones each time. With --corpus and a folder, what a fuzzer found and kept there belongs
-// to the seeds. With a folder alone it writes the seed corpus there instead.
+// the seeds, the same ones each time.
+//
+//     test_TARGET [--corpus FILE]         what a fuzzer found worth keeping belongs to the seeds
+//     test_TARGET [--corpus FILE] FOLDER  write the seeds there instead, for a fuzzer
+//     test_TARGET --pack FOLDER FILE      make a corpus of the files that a fuzzer left in a folder
+//
+// A corpus is one file: of each input its number of bytes, a new line, the bytes, a new line.
 
 #include "fuzz_target.hpp"
 
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/file_error.hpp>
+
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <random>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -94,44 +102,52 @@ private:
     std::mt19937_64 engine_{20190419};
 };
 
-int write_seeds(const std::filesystem::path& folder) {
+int write_seeds(const std::filesystem::path& folder, const std::vector<input>& seeds) {
     std::filesystem::create_directories(folder);
     std::size_t number = 0;
-    for (const input& seed : fuzz_seeds()) {
-        std::ofstream file(folder / ("seed" + std::to_string(number++)), std::ios::binary);
-        file.write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
-        if (!file.flush())
-            return 1;
-    }
+    for (const input& seed : seeds)
+        tactnet::write_file(folder / ("seed" + std::to_string(number++)), std::as_bytes(std::span(seed)));
     return 0;
 }
 
-/// Adds the files of a folder in the order of their names; false if there are none.
-bool add_corpus(const std::filesystem::path& folder, std::vector<input>& seeds) {
+/// The files of a folder as one, in the order of their names.
+int pack(const std::filesystem::path& folder, const std::filesystem::path& corpus) {
     std::set<std::filesystem::path> files;
-    std::error_code code;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, code))
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
         files.insert(entry.path());
+    std::vector<std::byte> packed;
+    const auto append = [&](std::span<const std::byte> bytes) {
+        packed.insert(packed.end(), bytes.begin(), bytes.end());
+    };
     for (const std::filesystem::path& path : files) {
-        std::ifstream file(path, std::ios::binary);
-        seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-        if (file.bad() || seeds.back().empty())
-            return false;
+        const std::vector<std::byte> bytes = tactnet::read_file(path);
+        const std::string size = std::to_string(bytes.size()) + "\n";
+        append(std::as_bytes(std::span(size)));
+        append(bytes);
+        packed.push_back(std::byte{'\n'});
     }
-    return !files.empty();
+    tactnet::write_file(corpus, packed);
+    return 0;
 }
 
-} // namespace
-
-int main(int count, char** arguments) {
-    if (count == 2)
-        return write_seeds(arguments[1]);
-    std::vector<input> seeds = fuzz_seeds();
-    if (count > 2 &&
-        (count != 3 || std::string_view(arguments[1]) != "--corpus" || !add_corpus(arguments[2], seeds))) {
-        std::fprintf(stderr, "expected a FOLDER to write to, or --corpus and a FOLDER of files\n");
-        return 1;
+void add_corpus(const std::filesystem::path& path, std::vector<input>& seeds) {
+    const std::vector<std::byte> bytes = tactnet::read_file(path);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    for (std::size_t at = 0; at < text.size();) {
+        std::size_t size = 0;
+        const auto number = std::from_chars(text.data() + at, text.data() + text.size(), size);
+        const auto begin = static_cast<std::size_t>(number.ptr - text.data()) + 1;
+        if (number.ec != std::errc() || begin > text.size() || size >= text.size() - begin ||
+            text[begin - 1] != '\n' || text[begin + size] != '\n')
+            throw tactnet::file_error(path.string(), "byte " + std::to_string(at),
+                                      "a number of bytes, and as many behind it", "something else");
+        const auto first = text.begin() + static_cast<std::ptrdiff_t>(begin);
+        seeds.emplace_back(first, first + static_cast<std::ptrdiff_t>(size));
+        at = begin + size + 1;
     }
+}
+
+int test(const std::vector<input>& seeds) {
     if (seeds.empty()) {
         std::fprintf(stderr, "the seed corpus is empty\n");
         return 1;
@@ -154,4 +170,28 @@ int main(int count, char** arguments) {
     }
     std::printf("%zu seeds and %zu mutated copies\n", seeds.size(), rounds);
     return 0;
+}
+
+} // namespace
+
+int main(int count, char** arguments) {
+    std::vector<std::string> words(arguments + 1, arguments + count);
+    try {
+        if (words.size() == 3 && words[0] == "--pack")
+            return pack(words[1], words[2]);
+        std::vector<input> seeds = fuzz_seeds();
+        if (words.size() >= 2 && words[0] == "--corpus") {
+            add_corpus(words[1], seeds);
+            words.erase(words.begin(), words.begin() + 2);
+        }
+        if (words.empty())
+            return test(seeds);
+        if (words.size() == 1 && !words[0].starts_with("-"))
+            return write_seeds(words[0], seeds);
+    } catch (const std::exception& error) { // a file that cannot be read or written
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+    std::fprintf(stderr, "expected nothing, --corpus FILE, a FOLDER to write to, or --pack FOLDER FILE\n");
+    return 1;
 }
