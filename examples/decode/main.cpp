@@ -5,7 +5,6 @@
 // unlike a real writer is a warning there, and no reason for another exit status.
 
 #include "arguments.hpp"
-#include "output.hpp"
 #if defined(TACTNET_DECODE_DRAWS)
 #include "picture.hpp"
 #endif
@@ -20,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -27,6 +27,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <standard_output.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -143,7 +144,7 @@ void decode(const arguments& asked) {
         print_certain(asked, decoder.certain_frames(), decoder.frames());
     if (!asked.csv && !asked.picture && (!damaged || time.frames > 0))
         print_summary(decoder.description(), time);
-    flush_output();
+    finish_output();
     if (damaged)
         throw tactnet::file_error(asked.file.string(), decoder.error().place(), decoder.error().expected,
                                   decoder.error().outcome());
@@ -158,12 +159,14 @@ void decode(const arguments& asked) {
 } // namespace
 
 int main(int count, char** words) {
-    survive_closed_output();
+#if defined(SIGPIPE)
+    std::signal(SIGPIPE, SIG_IGN); // writing to a reader that has gone then fails, and is told
+#endif
     try {
         const arguments asked = read_arguments(std::span(words + 1, words + std::max(count, 1)));
         if (asked.help) {
             print(usage);
-            flush_output();
+            finish_output();
         } else {
             decode(asked);
         }

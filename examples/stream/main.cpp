@@ -22,6 +22,7 @@
 #include <exception>
 #include <optional>
 #include <span>
+#include <standard_output.hpp>
 #include <unistd.h>
 
 namespace {
@@ -61,16 +62,14 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
     while ((got = ::read(STDIN_FILENO, bytes.data(), bytes.size())) > 0) {
         total += static_cast<std::size_t>(got);
         note(decoder.push(std::span(bytes).first(static_cast<std::size_t>(got)), take));
-        if (std::fflush(stdout) != 0) {
-            std::fprintf(stderr, "tactnet_stream: cannot write the output: %s\n", std::strerror(errno));
-            return false;
-        }
+        finish_output();
     }
     if (got < 0) {
         std::fprintf(stderr, "tactnet_stream: cannot read the stream: %s\n", std::strerror(errno));
         return false;
     }
     note(decoder.finish(take));
+    finish_output();
     // Bytes in front of the first packet are passed over, so that all of another device's stream would be.
     if (all_well && decoder.frames() == 0) {
         std::fprintf(stderr, "tactnet_stream: expected frames, found none in %zu bytes\n", total);

@@ -125,7 +125,8 @@ TEST_SUITE("decode") {
         refuses(program + " --picture 1", "expected a file to draw to");
         refuses(program + " --csv --picture 1 x" + file.quoted(), "expected --csv or --picture, found both");
         if (std::filesystem::exists("/dev/full"))
-            refuses(program + file.quoted() + " >/dev/full", "cannot write the output");
+            refuses(program + file.quoted() + " >/dev/full",
+                    "standard output: expected to write all results");
         // A reader that has gone: no signal ends the program.
         std::string many = recording.substr(0, recording.find("START"));
         many += "UNITS raw\nASCII_DATA @@\n";

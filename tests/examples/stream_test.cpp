@@ -111,6 +111,8 @@ TEST_SUITE("stream") {
         CHECK(run_program(program).status == 2);
         CHECK(run_program(program + " /no/such/file </dev/null").error.find("expected a file") !=
               std::string::npos);
-        CHECK(run(" >/dev/full", plain).status == 2);
+        const auto full = run(" >/dev/full", plain);
+        CHECK(full.status == 2);
+        CHECK(full.error.find("standard output: expected to write all results") != std::string::npos);
     }
 }

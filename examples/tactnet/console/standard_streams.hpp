@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <standard_output.hpp>
 #include <string_view>
 #include <utility>
 
@@ -24,10 +25,3 @@ void tell(fmt::format_string<Values...> sentence, Values&&... values) noexcept {
     } catch (...) { // no memory for it
     }
 }
-
-/// To the standard output. Throws tactnet::file_error when it does not take it.
-void print(std::string_view text);
-
-/// At the end of the program, before it tells success: throws tactnet::file_error unless all that was printed
-/// has been taken.
-void finish_output();

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string_view>
+
+// Standard output, where a full disk or a reader that has gone is an error and not silence.
+
+/// To standard output. Throws tactnet::file_error when it does not take it.
+void print(std::string_view text);
+
+/// What the system has kept back so far, and at the end of a program, before it tells success. Throws
+/// tactnet::file_error unless all that was written to standard output has been taken.
+void finish_output();
