@@ -14,6 +14,7 @@
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>
 #include <tactnet/svm/row_blocks.hpp>
+#include <tactnet/svm/solvers/binary_problem.hpp>
 #include <tactnet/svm/solvers/coordinate_descent.hpp>
 #include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
 #include <tactnet/svm/standardisation.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
+#include <tactnet/svm/solvers/binary_problem.hpp>
 
 #include <algorithm>
 #include <cstddef>

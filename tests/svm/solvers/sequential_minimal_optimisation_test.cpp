@@ -84,7 +84,8 @@ binary_solution solve(const support::samples& s, const binary_problem& problem, 
 
 } // namespace
 
-TEST_CASE("dual_solver: the conditions of optimality hold, from the smallest cost to the largest") {
+TEST_CASE("sequential_minimal_optimisation: the conditions of optimality hold, from the smallest cost to the "
+          "largest") {
     const support::samples s = support::blobs(300, 8, 2, 0.8);
     const std::vector<double> kernel = kernel_matrix(s.rows(), 0.2);
     for (const double cost : {1e-9, 1e-2, 1.0, 100.0}) {
@@ -103,7 +104,7 @@ TEST_CASE("dual_solver: the conditions of optimality hold, from the smallest cos
     }
 }
 
-TEST_CASE("dual_solver: the linear kernel too, on features as large as counts") {
+TEST_CASE("sequential_minimal_optimisation: the linear kernel too, on features as large as counts") {
     support::samples s = support::blobs(200, 12, 2, 0.8);
     for (float& value : s.values)
         value = std::floor(value * 100);
@@ -129,7 +130,8 @@ TEST_CASE("dual_solver: the linear kernel too, on features as large as counts") 
     }
 }
 
-TEST_CASE("dual_solver: shrinking, a small cache and rows found one by one lead to the same optimum") {
+TEST_CASE("sequential_minimal_optimisation: shrinking, a small cache and rows found one by one lead to the "
+          "same optimum") {
     const support::samples s = support::blobs(1200, 6, 2, 1.0);
     const binary_problem problem = two_sides(s, 10);
     const std::vector<double> kernel = kernel_matrix(s.rows(), 0.3);
@@ -151,7 +153,7 @@ TEST_CASE("dual_solver: shrinking, a small cache and rows found one by one lead 
     CHECK(solve(s, problem, 0.3, {}, true).coefficients == solve(s, problem, 0.3, {}, false).coefficients);
 }
 
-TEST_CASE("dual_solver: two points are told apart half way") {
+TEST_CASE("sequential_minimal_optimisation: two points are told apart half way") {
     const support::samples s{1, {-1, 3}, {0, 1}};
     const binary_solution solution = solve(s, two_sides(s, 100), 0.05, {});
     const double k = std::exp(-0.05 * 16);
@@ -161,7 +163,8 @@ TEST_CASE("dual_solver: two points are told apart half way") {
     CHECK(solution.offset == doctest::Approx(0).epsilon(1e-6));
 }
 
-TEST_CASE("dual_solver: duplicates with different labels: both at their cost, whatever it is") {
+TEST_CASE(
+    "sequential_minimal_optimisation: duplicates with different labels: both at their cost, whatever it is") {
     for (const double cost : {1e-9, 1.0, 1e9}) {
         const support::samples s{2, {1, 2, 1, 2, 5, 6, 9, 1}, {0, 1, 0, 1}};
         const binary_solution solution = solve(s, two_sides(s, cost), 0.5, {});
@@ -173,7 +176,8 @@ TEST_CASE("dual_solver: duplicates with different labels: both at their cost, wh
     }
 }
 
-TEST_CASE("dual_solver: the limit of iterations is reported, and what was reached is usable") {
+TEST_CASE(
+    "sequential_minimal_optimisation: the limit of iterations is reported, and what was reached is usable") {
     const support::samples s = support::blobs(200, 4, 2, 0.5);
     const binary_problem problem = two_sides(s, 10);
     const binary_solution solution = solve(s, problem, 0.5, {.iteration_limit = 20});
@@ -185,7 +189,8 @@ TEST_CASE("dual_solver: the limit of iterations is reported, and what was reache
     CHECK(solve(s, problem, 0.5, {}).report.objective < solution.report.objective);
 }
 
-TEST_CASE("dual_solver: gamma of nothing makes all samples one, a huge gamma keeps all apart") {
+TEST_CASE(
+    "sequential_minimal_optimisation: gamma of nothing makes all samples one, a huge gamma keeps all apart") {
     const support::samples s = support::blobs(50, 3, 2, 1.0);
     const binary_problem problem = two_sides(s, 2);
     const binary_solution same = solve(s, problem, 0, {});

@@ -48,7 +48,8 @@ public:
     }
 
     [[nodiscard]] binary_solution solve(const binary_problem& problem, const solver_options& options) const {
-        return with_rows([&](auto rows) { return dual_solver(problem, rows, options).solve(); });
+        return with_rows(
+            [&](auto rows) { return sequential_minimal_optimisation(problem, rows, options).solve(); });
     }
     /// The values of a machine for some of the samples.
     [[nodiscard]] std::vector<double> decision_values(const binary_problem& problem,

@@ -3,7 +3,7 @@
 #include <tactnet/kernels/rows/dense.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
+#include <tactnet/svm/solvers/binary_problem.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/rows/working_set.hpp>
 #include <tactnet/svm/kernel/cache.hpp>
+#include <tactnet/svm/solvers/binary_problem.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -21,13 +22,6 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Two classes: which samples, on which side, and what an error on each costs at most.
-struct binary_problem {
-    std::vector<std::size_t> samples;
-    std::vector<double> sides; ///< +1 or −1
-    std::vector<double> costs; ///< C of the sample
-};
-
 struct solver_options {
     double tolerance = 1e-3;         ///< largest violation of the optimality conditions
     std::size_t iteration_limit = 0; ///< 0: ten million, or 100 a sample where that is more
@@ -35,26 +29,11 @@ struct solver_options {
     std::size_t cache_bytes = std::size_t{256} << 20;
 };
 
-/// How a solver ended.
-struct solver_report {
-    std::size_t iterations = 0;
-    bool converged = false; ///< otherwise the limit was reached; the machine is usable, if not the best
-    double violation = 0;   ///< of the optimality conditions
-    double objective = 0;   ///< of the dual, as a minimum: ½ βᵀ K β − Σ y β
-};
-
-/// f(x) = Σ coefficients · K(sample, x) + offset
-struct binary_solution {
-    std::vector<double> coefficients;
-    double offset = 0;
-    solver_report report;
-};
-
 /// Rows: select(samples), fill(sample, out), diagonal(sample), as stored_kernel_rows.
 template <class Rows>
-class dual_solver {
+class sequential_minimal_optimisation {
 public:
-    dual_solver(const binary_problem& problem, Rows& rows, const solver_options& options)
+    sequential_minimal_optimisation(const binary_problem& problem, Rows& rows, const solver_options& options)
         : problem_(problem),
           rows_(rows),
           options_(options),
