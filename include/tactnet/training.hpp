@@ -7,9 +7,9 @@
 #include <tactnet/training/early_stopping.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/initialise.hpp>
+#include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/divergence.hpp>
 #include <tactnet/training/loop/epoch_images.hpp>
-#include <tactnet/training/loop/loop.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>

@@ -5,7 +5,7 @@
 #include "evaluation/task_queue.hpp"
 #include "methods/weights.hpp"
 
-#include <tactnet/training/loop/loop.hpp>
+#include <tactnet/training/loop.hpp>
 
 #include <fmt/format.h>
 

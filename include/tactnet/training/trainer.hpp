@@ -1,10 +1,13 @@
 #pragma once
 
-#include <tactnet/training/loop/loop.hpp>
+#include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 

@@ -5,7 +5,7 @@
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/networks/recognition.hpp>
-#include <tactnet/training/loop/loop.hpp>
+#include <tactnet/training/loop.hpp>
 
 #include <algorithm>
 #include <stdexcept>

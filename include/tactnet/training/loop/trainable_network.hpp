@@ -3,7 +3,12 @@
 #include <tactnet/image/transform.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,6 +1,6 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/training/loop/loop.hpp>
+#include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 
 #include <doctest/doctest.h>
