@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 // Whole files in and out. A reader gets all of a file or a sentence that says why not; a writer leaves either
@@ -56,8 +57,8 @@ inline std::string error_text(int code) {
     return code == 0 ? std::string("an unknown error") : std::generic_category().message(code);
 }
 
-/// Opening one waits for its other end, which may never come. A pipe between two programs has no name of its
-/// own: it ends when the other one does.
+/// Opening one waits for its other end, which may never come. A pipe between two programs ends when the
+/// other one does; its name under /dev/fd leads nowhere (on Linux; elsewhere it is taken for a named one).
 inline bool is_named_pipe(const std::filesystem::path& path, std::filesystem::file_status status) {
     if (status.type() != std::filesystem::file_type::fifo)
         return false;

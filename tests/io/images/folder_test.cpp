@@ -10,21 +10,18 @@
 #include <string_view>
 #include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
+#include <support/files/touch.hpp>
 #include <vector>
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <sys/stat.h>
 #endif
 
+using support::touch;
 using tactnet::file_error;
 using tactnet::list_image_folder;
 
 namespace {
-
-void touch(const std::filesystem::path& path, std::string_view text = "") {
-    std::filesystem::create_directories(path.parent_path());
-    tactnet::write_file(path, text);
-}
 
 std::string error_of(const std::filesystem::path& root) {
     try {

@@ -11,17 +11,14 @@
 #include <string>
 #include <string_view>
 #include <support/files/temporary_folder.hpp>
+#include <support/files/touch.hpp>
 #include <vector>
 
+using support::touch;
 using tactnet::file_error;
 using tactnet::list_image_folder;
 
 namespace {
-
-void touch(const std::filesystem::path& path, std::string_view text = "") {
-    std::filesystem::create_directories(path.parent_path());
-    tactnet::write_file(path, text);
-}
 
 /// Stands for a decoder: the file's first two characters are rows and columns, each pixel the third.
 tactnet::grey_image decode_digits(const std::filesystem::path& path) {
