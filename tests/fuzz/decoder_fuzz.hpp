@@ -64,7 +64,6 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
             return;
         const tactnet::decoding_error& error = decoder.error();
         require(!error.expected.empty() && !error.found.empty() && error.byte <= total);
-        result.error = error.place() + error.expected + error.outcome();
     };
     while (!bytes.empty()) {
         const std::size_t size = piece == 0 ? bytes.size() : std::min(piece, bytes.size());
@@ -73,6 +72,8 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
     }
     note(decoder.finish(sink));
     require(result.status != tactnet::decode_status::reading);
+    if (result.status == tactnet::decode_status::damaged)
+        result.error = decoder.error().place() + decoder.error().expected + decoder.error().outcome();
     result.certain = decoder.certain_frames();
     result.warnings = decoder.warnings().count();
     result.kept.assign(decoder.warnings().kept().begin(), decoder.warnings().kept().end());

@@ -5,6 +5,12 @@
 
 #include <tactnet/sensors/matrix_stream.hpp>
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
 namespace {
 
 using tactnet::matrix_stream, tactnet::matrix_stream_format;
@@ -27,9 +33,10 @@ matrix_stream_format form(tactnet::cell_format cell, bool marked) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using enum tactnet::cell_format;
-    for (const auto cell : {uint8, uint16_little, uint16_big, float32_little})
-        for (const bool marked : {false, true})
-            fuzz::check(matrix_stream(form(cell, marked)), fuzz::bytes_of(data, size));
+    constexpr std::array cells{uint8, uint16_little, uint16_big, float32_little};
+    fuzz_forms(size, 2 * cells.size(), [&](std::size_t i) {
+        fuzz::check(matrix_stream(form(cells[i / 2], i % 2 == 1)), fuzz::bytes_of(data, size));
+    });
     return 0;
 }
 

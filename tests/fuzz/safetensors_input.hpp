@@ -4,6 +4,8 @@
 // header in front, which few mutations get right. In the second form the header ends at the first byte 0xFF,
 // which is never part of text.
 
+#include "fuzz_target.hpp"
+
 #include <tactnet/io/safetensors/writer.hpp>
 
 #include <algorithm>
@@ -14,21 +16,23 @@
 #include <utility>
 #include <vector>
 
-/// check(bytes) with the input in both forms.
+/// check(bytes) with the input in these forms.
 template <class Check>
 void check_both_forms(const std::uint8_t* data, std::size_t size, const Check& check) {
     const auto input = std::as_bytes(std::span(data, size));
-    check(std::vector<std::byte>(input.begin(), input.end()));
-
-    const std::size_t header =
-        static_cast<std::size_t>(std::find(data, data + size, std::uint8_t{0xFF}) - data);
-    const std::uint64_t length = header;
-    std::vector<std::byte> framed(sizeof(length));
-    std::memcpy(framed.data(), &length, sizeof(length));
-    framed.insert(framed.end(), input.begin(), input.begin() + static_cast<std::ptrdiff_t>(header));
-    if (header < size)
-        framed.insert(framed.end(), input.begin() + static_cast<std::ptrdiff_t>(header) + 1, input.end());
-    check(std::move(framed));
+    fuzz_forms(size, 2, [&](std::size_t form) {
+        if (form == 0)
+            return check(std::vector<std::byte>(input.begin(), input.end()));
+        const std::size_t header =
+            static_cast<std::size_t>(std::find(data, data + size, std::uint8_t{0xFF}) - data);
+        const std::uint64_t length = header;
+        std::vector<std::byte> framed(sizeof(length));
+        std::memcpy(framed.data(), &length, sizeof(length));
+        framed.insert(framed.end(), input.begin(), input.begin() + static_cast<std::ptrdiff_t>(header));
+        if (header < size)
+            framed.insert(framed.end(), input.begin() + static_cast<std::ptrdiff_t>(header) + 1, input.end());
+        check(std::move(framed));
+    });
 }
 
 /// A file in both forms, to the seeds.

@@ -153,6 +153,7 @@ int test(const std::vector<input>& seeds) {
         return 1;
     }
     constexpr std::size_t rounds = 100'000;
+    fuzz_every_form = true;
     try {
         for (const input& seed : seeds) {
             LLVMFuzzerTestOneInput(seed.data(), seed.size());

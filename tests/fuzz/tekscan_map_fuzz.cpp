@@ -6,8 +6,12 @@
 #include <tactnet/sensors/any_recording.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    fuzz::check(tactnet::tekscan_map(), fuzz::bytes_of(data, size));
-    fuzz::check(tactnet::any_recording(), fuzz::bytes_of(data, size));
+    fuzz_forms(size, 2, [&](std::size_t form) {
+        if (form == 0)
+            fuzz::check(tactnet::tekscan_map(), fuzz::bytes_of(data, size));
+        else
+            fuzz::check(tactnet::any_recording(), fuzz::bytes_of(data, size));
+    });
     return 0;
 }
 

@@ -27,16 +27,20 @@ std::vector<std::uint8_t> packet(std::uint8_t identifier, const std::vector<std:
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto bytes = fuzz::bytes_of(data, size);
-    fuzz::check(tactnet::weiss_wts(array), bytes);
-    fuzz::check(tactnet::dsacon32m(array), bytes);
-    // Few inputs have a right checksum: once more with the input as the payload of packets that have.
-    std::vector<std::uint8_t> stream;
-    for (std::size_t from = 0; from < size; from += 17) {
-        const std::size_t count = std::min<std::size_t>(17, size - from);
-        const auto one = packet(0, std::vector<std::uint8_t>(data + from, data + from + count), 0);
-        stream.insert(stream.end(), one.begin(), one.end());
-    }
-    fuzz::check(tactnet::weiss_wts(array), fuzz::bytes_of(stream.data(), stream.size()));
+    fuzz_forms(size, 3, [&](std::size_t form) {
+        if (form == 0)
+            return fuzz::check(tactnet::weiss_wts(array), bytes);
+        if (form == 1)
+            return fuzz::check(tactnet::dsacon32m(array), bytes);
+        // Few inputs have a right checksum: once more with the input as the payload of packets that have.
+        std::vector<std::uint8_t> stream;
+        for (std::size_t from = 0; from < size; from += 17) {
+            const std::size_t count = std::min<std::size_t>(17, size - from);
+            const auto one = packet(0, std::vector<std::uint8_t>(data + from, data + from + count), 0);
+            stream.insert(stream.end(), one.begin(), one.end());
+        }
+        fuzz::check(tactnet::weiss_wts(array), fuzz::bytes_of(stream.data(), stream.size()));
+    });
     return 0;
 }
 

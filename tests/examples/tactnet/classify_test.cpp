@@ -71,6 +71,21 @@ TEST_SUITE("program") {
                      "data: expected the images that net was trained on");
     }
 
+    TEST_CASE("classify: weights without a checksum are taken, and told") {
+        const workshop shop;
+        REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
+        tactnet::write_file(shop / "older", without_checksum(text_of(shop / "net")));
+        const std::string image = (shop.data() / "left" / "image0.png").string(),
+                          sentence = "no checksum in it, so that damage may go unnoticed";
+        const outcome with = shop.run({"classify", "--weights", "net", image}),
+                      without = shop.run({"classify", "--weights", "older", image});
+        CHECK(with.status == 0);
+        CHECK_MESSAGE(without.status == 0, without.error);
+        CHECK(without.out == with.out);
+        CHECK(with.error.find(sentence) == std::string::npos);
+        CHECK(without.error.find("older: " + sentence) != std::string::npos);
+    }
+
     TEST_CASE("classify: the published TactNet-4 on real images") {
         const auto weights = support::find_data("published_tactnet4_14x25.safetensors");
         const auto images = support::find_data("tactile_images");

@@ -47,7 +47,18 @@ TEST_CASE("input_batch: the same on any number of threads, each image once") {
             counts[e] = static_cast<float>(i * 7 + e);
     };
     one.scale_by(1.0F / 255), many.scale_by(1.0F / 255);
-    one.fill(count, make), many.fill(count, make);
+    one.fill(count, make);
+    std::array<const float*, count> at{}; // where each image was made
+    many.fill(count, [&](std::size_t i, std::span<float> counts) {
+        at[i] = counts.data();
+        make(i, counts);
+    });
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t t = 0; t < several.threads(); ++t) {
+            const thread_pool::share share{t, several.threads()};
+            // No two threads at one place, where they would write into each other's images.
+            CHECK((i >= share.begin(count) && i < share.end(count)) == (at[i] == at[share.begin(count)]));
+        }
     REQUIRE(many.samples().samples() == count);
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t e = 0; e < size; ++e) {
