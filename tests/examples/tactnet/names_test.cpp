@@ -145,6 +145,8 @@ TEST_SUITE("program") {
             error);
         error = train("exit 0\n"); // reads nothing either
         CHECK_FALSE(fs::exists(picture));
+        error = train("cat >/dev/null\ncat " + file + "\nexit 1\n"); // whole, but gnuplot has failed
+        CHECK_FALSE(fs::exists(picture));
         fs::remove_all(shop / "bin");
         error = train("");
         CHECK_FALSE(fs::exists(picture));
