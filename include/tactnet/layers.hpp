@@ -7,6 +7,7 @@
 #include <tactnet/layers/fused.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/named.hpp>
 #include <tactnet/layers/norm_relu_pool.hpp>
 #include <tactnet/layers/relu.hpp>
 #include <tactnet/layers/residual.hpp>

@@ -62,12 +62,15 @@ inline std::vector<std::uint8_t> make_frame(std::size_t size, std::uint64_t seed
 template <class Spec>
 struct description;
 
-template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding>
-struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding>> {
+template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding,
+          tactnet::conv2d_options Options>
+struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::convolution,
                 .window = window_of(tactnet::sliding_window::over(in, Kernel, Stride, Padding)),
-                .filters = Filters};
+                .filters = Filters,
+                .groups = Options.groups,
+                .bias = Options.bias};
     }
 };
 template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>

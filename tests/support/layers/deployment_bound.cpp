@@ -145,10 +145,9 @@ public:
             const described_layer& layer = layers[i];
             switch (layer.what) {
             case kind::convolution: {
-                const std::size_t taps =
-                    layer.window.input.channels * layer.window.kernel_rows * layer.window.kernel_columns;
+                const std::size_t taps = taps_of(layer);
                 const std::span<const float> w = take_values(layer.filters * taps),
-                                             b = take_values(layer.filters);
+                                             b = take_values(layer.bias ? layer.filters : 0);
                 std::size_t behind = i + 1;
                 while (behind < layers.size() && layers[behind].what == kind::dropout)
                     ++behind;
@@ -158,16 +157,15 @@ public:
                 if (behind < layers.size() && layers[behind].what == kind::norm)
                     folded = take_norm(layer.filters), i = behind;
                 for (std::size_t f = 0; f < layer.filters; ++f) {
-                    biases[f].value = static_cast<double>(b[f]);
+                    biases[f].value = layer.bias ? static_cast<double>(b[f]) : 0;
                     if (folded) {
-                        biases[f] = folded->shifted(f, static_cast<double>(b[f]));
+                        biases[f] = folded->shifted(f, biases[f].value);
                         for (std::size_t t = 0; t < taps; ++t)
                             weights[f * taps + t] *= folded->factor(f);
                     }
                 }
                 // The sum of a residual block is taken in the last convolution of its main branch.
-                x = bounded_convolution(layer.window, layer.filters, weights, biases, x,
-                                        i + 1 == layers.size() ? added : nullptr, layer.tiled);
+                x = by_groups(layer, weights, biases, x, i + 1 == layers.size() ? added : nullptr);
                 break;
             }
             case kind::dense: {
@@ -245,9 +243,7 @@ private:
             switch (layer.what) {
             case kind::convolution:
             case kind::dense:
-                take_values(layer.filters * (layer.window.input.channels * layer.window.kernel_rows *
-                                                 layer.window.kernel_columns +
-                                             1));
+                take_values(layer.filters * (taps_of(layer) + layer.bias));
                 break;
             case kind::norm:
                 take_norm(layer.filters);
@@ -263,6 +259,32 @@ private:
             default:
                 break;
             }
+    }
+    static std::size_t taps_of(const described_layer& layer) {
+        return layer.window.input.channels / layer.groups * layer.window.kernel_rows *
+               layer.window.kernel_columns;
+    }
+    /// Each group as a convolution of its own.
+    static rounded_map by_groups(const described_layer& layer, std::span<const double> weights,
+                                 std::span<const rounded> biases, const rounded_map& x,
+                                 const rounded_map* added) {
+        reference_window window = layer.window;
+        window.input.channels /= layer.groups;
+        const std::size_t filters = layer.filters / layer.groups;
+        rounded_map out;
+        for (std::size_t g = 0; g < layer.groups; ++g) {
+            const auto part = [&](const rounded_map& all) {
+                const auto size = static_cast<std::ptrdiff_t>(all.size() / layer.groups);
+                const auto begin = all.begin() + static_cast<std::ptrdiff_t>(g) * size;
+                return rounded_map(begin, begin + size);
+            };
+            const rounded_map own_added = added ? part(*added) : rounded_map{};
+            const rounded_map own = bounded_convolution(
+                window, filters, weights.subspan(g * filters * taps_of(layer), filters * taps_of(layer)),
+                biases.subspan(g * filters, filters), part(x), added ? &own_added : nullptr, layer.tiled);
+            out.insert(out.end(), own.begin(), own.end());
+        }
+        return out;
     }
     /// Inputs off by e, and their distance d to the largest rounded: each exponential is off by a factor
     /// within exp(±(e + e of the largest + u |d|)), the sum of them by as much; exponentials are right to one

@@ -51,6 +51,8 @@ struct described_layer {
     kind what;
     reference_window window{}; ///< of convolutions, pools and (as large as the image) dense layers
     std::size_t filters = 0;   ///< outputs of dense layers
+    std::size_t groups = 1;    ///< of a convolution
+    bool bias = true;          ///< of a convolution
     bool tiled = false;        ///< whether a convolution is computed by Winograd's tiles
     std::vector<described_layer> inner{}, skip{};
     /// What a layer that this file does not know makes of a map, from its learnable parameters: `own_values`

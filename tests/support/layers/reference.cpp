@@ -28,13 +28,17 @@ double magnitude(const bounded& b) {
 
 class convolution final : public reference_layer {
 public:
-    convolution(const reference_window& window, std::size_t filters) : window_(window) {
+    convolution(const reference_window& window, std::size_t filters, std::size_t groups, bool bias)
+        : window_(window),
+          channels_(window.input.channels / groups),
+          filters_(filters / groups),
+          bias_(bias) {
         input = window.input;
         output = {filters, window.output_rows(), window.output_columns()};
         taps_ = window.kernel_rows * window.kernel_columns;
-        weights_ = filters * input.channels * taps_;
-        parameters = weights_ + filters;
-        multiply_adds = output.size() * input.channels * taps_;
+        weights_ = filters * channels_ * taps_;
+        parameters = weights_ + (bias ? filters : 0);
+        multiply_adds = output.size() * channels_ * taps_;
         for_each_product([&](std::size_t, std::size_t, std::size_t) { ++multiply_adds_on_pixels; });
     }
 
@@ -43,7 +47,7 @@ public:
         for (std::size_t s = 0; s < in.size(); ++s) {
             std::vector<double> sizes(output.size());
             for (std::size_t o = 0; o < output.size(); ++o) {
-                out[s][o].value = call.values[weights_ + o / output.area()];
+                out[s][o].value = bias_ ? call.values[weights_ + o / output.area()] : 0;
                 sizes[o] = std::abs(out[s][o].value);
             }
             for_each_product([&](std::size_t o, std::size_t i, std::size_t w) {
@@ -68,7 +72,7 @@ public:
                 g.values[w].value += in[s][i].value * dy;
                 g.values[w].error += std::abs(in[s][i].value * dy);
             });
-            for (std::size_t o = 0; o < output.size(); ++o) {
+            for (std::size_t o = 0; bias_ && o < output.size(); ++o) {
                 g.values[weights_ + o / output.area()].value += out_gradient[s][o].value;
                 g.values[weights_ + o / output.area()].error += std::abs(out_gradient[s][o].value);
             }
@@ -84,19 +88,22 @@ public:
     }
 
 private:
-    [[nodiscard]] double terms() const { return static_cast<double>(input.channels * taps_); }
+    [[nodiscard]] double terms() const { return static_cast<double>(channels_ * taps_); }
 
     template <class Body>
     void for_each_product(Body&& body) const {
         for (std::size_t filter = 0; filter < output.channels; ++filter)
-            for (std::size_t channel = 0; channel < input.channels; ++channel)
+            for (std::size_t channel = 0; channel < channels_; ++channel)
                 window_.for_each_tap([&](std::size_t to, std::size_t from, std::size_t tap) {
-                    body(filter * output.area() + to, channel * input.area() + from,
-                         (filter * input.channels + channel) * taps_ + tap);
+                    body(filter * output.area() + to,
+                         (filter / filters_ * channels_ + channel) * input.area() + from,
+                         (filter * channels_ + channel) * taps_ + tap);
                 });
     }
 
     reference_window window_;
+    std::size_t channels_, filters_; // of a group
+    bool bias_;
     std::size_t taps_, weights_;
 };
 
@@ -427,13 +434,14 @@ private:
 
 } // namespace
 
-reference_pointer reference_convolution(const reference_window& window, std::size_t filters) {
-    return std::make_unique<convolution>(window, filters);
+reference_pointer reference_convolution(const reference_window& window, std::size_t filters,
+                                        std::size_t groups, bool bias) {
+    return std::make_unique<convolution>(window, filters, groups, bias);
 }
 reference_pointer reference_dense(extents3 input, std::size_t outputs) {
     // One window, as large as the image.
     return std::make_unique<convolution>(reference_window{input, input.rows, input.columns, 1, 1, 0, 0, 0, 0},
-                                         outputs);
+                                         outputs, 1, true);
 }
 reference_pointer reference_batch_norm(extents3 input) {
     return std::make_unique<batch_norm>(input);

@@ -89,7 +89,8 @@ struct reference_window {
     }
 };
 
-reference_pointer reference_convolution(const reference_window& window, std::size_t filters);
+reference_pointer reference_convolution(const reference_window& window, std::size_t filters,
+                                        std::size_t groups = 1, bool bias = true);
 reference_pointer reference_dense(extents3 input, std::size_t outputs);
 reference_pointer reference_batch_norm(extents3 input);
 reference_pointer reference_relu(extents3 input);

@@ -21,10 +21,12 @@ inline reference_window window_over(extents3 in, tactnet::extent kernel, tactnet
             around.top, around.bottom, around.left,    around.right};
 }
 
-template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding>
-struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding>> {
+template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding,
+          tactnet::conv2d_options Options>
+struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static reference_pointer on(extents3 in) {
-        return reference_convolution(window_over(in, Kernel, Stride, Padding), Filters);
+        return reference_convolution(window_over(in, Kernel, Stride, Padding), Filters, Options.groups,
+                                     Options.bias);
     }
 };
 template <std::size_t Outputs>
