@@ -32,6 +32,9 @@ enum class [[nodiscard]] frame_status{
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
 class deployed_view {
+    static_assert(
+        detail::fills_map<Steps>,
+        "deployed_view: the last step writes among the channels of a wider map, which nobody reads");
     using format = typename Steps::format;
     using activation = typename format::activation;
     using packed_number = typename format::packed;

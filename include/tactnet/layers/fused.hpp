@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/layers/concatenation.hpp>
 #include <tactnet/layers/named.hpp>
 #include <tactnet/layers/norm_relu_pool.hpp>
 #include <tactnet/layers/relu.hpp>
@@ -37,7 +38,13 @@ template <class... Specs>
 struct fused_spec<sequence<Specs...>> : fused_list<sequence<>, tactnet::without_name<Specs>...> {};
 template <class Main, class Skip>
 struct fused_spec<residual<Main, Skip>> {
-    using type = residual<typename fused_spec<Main>::type, typename fused_spec<Skip>::type>;
+    using type = residual<typename fused_spec<tactnet::without_name<Main>>::type,
+                          typename fused_spec<tactnet::without_name<Skip>>::type>;
+};
+
+template <class... Branches>
+struct fused_spec<concatenation<Branches...>> {
+    using type = concatenation<typename fused_spec<tactnet::without_name<Branches>>::type...>;
 };
 
 } // namespace detail

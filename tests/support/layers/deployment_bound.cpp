@@ -198,6 +198,21 @@ public:
             case kind::pool:
                 x = bounded_max_pool(layer.window, x);
                 break;
+            case kind::average:
+                x = average(layer, x);
+                break;
+            case kind::responses:
+                x = responses(layer, x);
+                break;
+            case kind::concatenation: {
+                rounded_map all;
+                for (const described_layer& branch : layer.branches) {
+                    const rounded_map own = through(branch.inner, x);
+                    all.insert(all.end(), own.begin(), own.end());
+                }
+                x = std::move(all);
+                break;
+            }
             case kind::softmax:
                 x = softmax(x, layer.filters);
                 break;
@@ -253,12 +268,68 @@ private:
                 break;
             case kind::list:
             case kind::residual:
+            case kind::concatenation:
                 pass_over(layer.inner);
                 pass_over(layer.skip);
+                pass_over(layer.branches);
                 break;
             default:
                 break;
             }
+    }
+    static rounded_map average(const described_layer& layer, const rounded_map& x) {
+        const std::size_t pixels = layer.average_pixels.size(),
+                          area = x.size() / layer.average_output.channels;
+        rounded_map out(layer.average_output.size());
+        for (std::size_t o = 0; o < out.size(); ++o) {
+            double most = 0, size = 0;
+            rounded& y = out[o];
+            for (const std::size_t pixel : layer.average_pixels[o % pixels]) {
+                const rounded& from = x[o / pixels * area + pixel];
+                y.value += from.value, y.error += from.error, y.deviation += square(from.deviation);
+                most += magnitude(from), size += std::abs(from.value);
+            }
+            const double count = static_cast<double>(layer.average_pixels[o % pixels].size()),
+                         divisor = layer.average_divisors[o % pixels];
+            y = {y.value / divisor, (y.error + roundings(count + 1) * most) / divisor,
+                 std::sqrt(y.deviation + (count + 1) * square(roundoff * size)) / divisor};
+        }
+        return out;
+    }
+    /// y(c) = x(c) b(c)^−β, b = k + share Σ x². Of b: size + 3 roundings, the constants' included, of the
+    /// power at most five, then a product. What comes in wrong goes through the derivatives, taken where they
+    /// are largest: b less its error.
+    static rounded_map responses(const described_layer& layer, const rounded_map& x) {
+        const std::size_t area = x.size() / layer.response_channels;
+        const double beta = layer.response_beta, share = layer.response_share;
+        const double count = static_cast<double>(layer.response_size) + 3;
+        rounded_map out(x.size());
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            rounded base{layer.response_k, 0, 0};
+            double most = layer.response_k;
+            for (std::size_t w = 0; w < layer.response_size; ++w) {
+                const std::size_t place = i / area + w, before = layer.response_size / 2;
+                if (place < before || place - before >= layer.response_channels)
+                    continue;
+                const rounded& from = x[(place - before) * area + i % area];
+                base.value += share * square(from.value);
+                base.error += share * 2 * magnitude(from) * from.error;
+                base.deviation += square(share * 2 * from.value * from.deviation);
+                most += share * square(magnitude(from));
+            }
+            base.error += roundings(count) * most;
+            base.deviation = std::sqrt(base.deviation + count * square(roundoff * base.value));
+            const double least = std::max(base.value - base.error, layer.response_k / 2);
+            const double power = std::pow(base.value, -beta), largest = std::pow(least, -beta);
+            const double power_error = beta * largest / least * base.error + roundings(5) * largest;
+            out[i] = {x[i].value * power,
+                      x[i].error * largest + magnitude(x[i]) * power_error +
+                          roundings(1) * magnitude(x[i]) * (largest + power_error),
+                      std::sqrt(square(x[i].deviation * power) +
+                                square(x[i].value * beta * power / base.value * base.deviation) +
+                                6 * square(roundoff * x[i].value * power))};
+        }
+        return out;
     }
     static std::size_t taps_of(const described_layer& layer) {
         return layer.window.input.channels / layer.groups * layer.window.kernel_rows *

@@ -86,8 +86,10 @@ struct convolution_form {
         requires(!Behind.pooled() && !Behind.rectified)
     using adding = convolution_form<Place, Norm, convolution_epilogue{.rectified = Rectified, .adds = true}>;
 
-    /// Among the channels of a wider map: a branch of a concatenation. Where the filters do not fill vectors
-    /// there, the kernel says so.
+    /// Among the channels of a wider map, as a branch of a concatenation: where the filters fill vectors of
+    /// four, which all instruction sets have.
+    template <std::size_t MapStride, std::size_t MapOffset>
+    static constexpr bool fits_among = kernel.filters % 4 == 0 && MapOffset % 4 == 0 && MapStride % 4 == 0;
     template <std::size_t MapStride, std::size_t MapOffset>
     using among = convolution_form<Place, Norm, at_place<MapStride, MapOffset>(Behind)>;
 
