@@ -22,21 +22,22 @@ using resnet_downsample = named<"downsample", sequential<resnet_convolution<Filt
 
 /// Two 3 × 3 convolutions. The first block of a stage may have a stride, and a projection as its skip.
 template <std::size_t Filters, std::size_t Stride, bool Projects>
-using basic_block =
-    sequence<unnamed<residual<
-                 unnamed<named<"conv1", resnet_convolution<Filters, 3, Stride>>, named<"bn1", batch_norm>,
-                         relu, named<"conv2", resnet_convolution<Filters, 3, 1>>, named<"bn2", batch_norm>>,
-                 std::conditional_t<Projects, resnet_downsample<Filters, Stride>, identity>>>,
-             relu>;
+using basic_block = sequence<
+    named<"",
+          residual<unnamed<named<"conv1", resnet_convolution<Filters, 3, Stride>>, named<"bn1", batch_norm>,
+                           relu, named<"conv2", resnet_convolution<Filters, 3, 1>>, named<"bn2", batch_norm>>,
+                   std::conditional_t<Projects, resnet_downsample<Filters, Stride>, identity>>>,
+    relu>;
 
 /// 1 × 1, 3 × 3 and 1 × 1: the outer ones narrow the map and widen it by four.
 template <std::size_t Filters, std::size_t Stride, bool Projects>
 using bottleneck = sequence<
-    unnamed<residual<
-        unnamed<named<"conv1", resnet_convolution<Filters, 1, 1>>, named<"bn1", batch_norm>, relu,
-                named<"conv2", resnet_convolution<Filters, 3, Stride>>, named<"bn2", batch_norm>, relu,
-                named<"conv3", resnet_convolution<4 * Filters, 1, 1>>, named<"bn3", batch_norm>>,
-        std::conditional_t<Projects, resnet_downsample<4 * Filters, Stride>, identity>>>,
+    named<"",
+          residual<
+              unnamed<named<"conv1", resnet_convolution<Filters, 1, 1>>, named<"bn1", batch_norm>, relu,
+                      named<"conv2", resnet_convolution<Filters, 3, Stride>>, named<"bn2", batch_norm>, relu,
+                      named<"conv3", resnet_convolution<4 * Filters, 1, 1>>, named<"bn3", batch_norm>>,
+              std::conditional_t<Projects, resnet_downsample<4 * Filters, Stride>, identity>>>,
     relu>;
 
 namespace detail {

@@ -13,8 +13,8 @@ inline namespace TACTNET_ARCH {
 /// A fire module: 1 × 1 convolutions squeeze the channels, 1 × 1 and 3 × 3 ones expand them, side by side.
 template <std::size_t Squeeze, std::size_t Expand>
 using fire = sequence<named<"squeeze", conv2d<Squeeze, 1>>, relu,
-                      unnamed<concatenation<unnamed<named<"expand1x1", conv2d<Expand, 1>>, relu>,
-                                            unnamed<named<"expand3x3", conv2d<Expand, 3>>, relu>>>>;
+                      named<"", concatenation<unnamed<named<"expand1x1", conv2d<Expand, 1>>, relu>,
+                                              unnamed<named<"expand3x3", conv2d<Expand, 3>>, relu>>>>;
 
 /// What images become in version 1.1, which costs 2.4 times less than 1.0 and errs no more: 512 channels.
 using squeezenet1_1_features =
