@@ -13,7 +13,8 @@ numbers n + 1, local responses size + 3 in their base, 5 in the power and one pr
 exactly zero behind a ReLU.
 
 Made with PyTorch 1.13.0 and torchvision 0.14.1. On Debian 12: apt install python3-torchvision, then
-/usr/bin/python3 imagenet_networks.py. With a name of a network as argument it prints that network's arrays instead.
+/usr/bin/python3 imagenet_networks.py. With a name of a network as argument it prints that network's arrays instead;
+with the folder of the data it writes squeezenet_imagenet.safetensors: what the real weights make of tactile images.
 """
 
 import json
@@ -223,6 +224,60 @@ def stages_of(name, model):
         yield from ((f"classifier.{i}", layer) for i, layer in enumerate(model.classifier))
 
 
+def summary_of(x):
+    size = x.value.numel()
+    places = [(2 * k + 1) * size // (2 * SAMPLES) for k in range(SAMPLES)]
+    return torch.stack([x.value.flatten()[places], x.squares.flatten()[places].sqrt()]).numpy()
+
+
+def read(path):
+    data = path.read_bytes()
+    (length,) = struct.unpack("<Q", data[:8])
+    types = {"F32": "<f4", "F64": "<f8", "U8": "u1"}
+    result = {}
+    for name, entry in json.loads(data[8 : 8 + length]).items():
+        if name != "__metadata__" and entry["dtype"] in types:
+            begin, end = (8 + length + offset for offset in entry["data_offsets"])
+            result[name] = numpy.frombuffer(data[begin:end], types[entry["dtype"]]).reshape(entry["shape"])
+    return result
+
+
+def write(name, tensors):
+    header, data = {}, b""
+    for key, values in tensors.items():
+        piece = values.astype("<f8").tobytes()
+        header[key] = {"dtype": "F64", "shape": list(values.shape), "data_offsets": [len(data), len(data) + len(piece)]}
+        data += piece
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 8)
+    pathlib.Path(__file__).with_name(name).write_bytes(struct.pack("<Q", len(text)) + text + data)
+
+
+def real_weights(folder):
+    """SqueezeNet 1.1 with the weights of ImageNet on a few of the tactile images beside them, each tactel repeated to
+    227 x 227: then both sides see the same numbers."""
+    weights = read(folder / "squeezenet1_1_imagenet_features.safetensors")
+    images = read(folder / "published_tactnet4_14x25_golden.safetensors")["inputs"].reshape(110, 14, 25)
+    mean = torch.from_numpy(weights.pop("input_mean").copy())
+    model = torchvision.models.squeezenet1_1(weights=None).features
+    model.load_state_dict({k.removeprefix("features."): torch.from_numpy(v.copy()) for k, v in weights.items()})
+    model.double().eval()
+    place = numpy.arange(227)
+    tensors = {}
+    with torch.no_grad():
+        for number in (0, 37, 109):
+            image = images[number][place * 14 // 227][:, place * 25 // 227].astype(numpy.float32)
+            counts = torch.from_numpy(image)[None, None] - mean[None, :, None, None]
+            x = Rounded(counts.double(), torch.zeros_like(counts.double()))
+            for i, layer in enumerate(model):
+                x = through(layer, x)
+                tensors[f"{number}/features.{i}"] = summary_of(x)
+            error = (model(counts.double()) - x.value).abs().max() / x.value.abs().max()
+            assert error < 1e-12, error
+            print(number, float(x.value.abs().max()))
+    write("squeezenet_imagenet.safetensors", tensors)
+
+
 models = torchvision.models
 full = {name: getattr(models, name)(weights=None) for name in
         ("squeezenet1_0", "squeezenet1_1", "alexnet", "resnet18", "resnet34", "resnet50", "vgg16")}
@@ -234,8 +289,11 @@ lists = {
     )
     for name, model in full.items()
 }
-if len(sys.argv) > 1:
+if len(sys.argv) > 1 and sys.argv[1] in lists:
     print("".join(lists[sys.argv[1]]), end="")
+    sys.exit()
+if len(sys.argv) > 1:
+    real_weights(pathlib.Path(sys.argv[1]))
     sys.exit()
 
 tensors = {}
@@ -259,23 +317,11 @@ with torch.no_grad():
         x = Rounded(exact, torch.zeros_like(exact))
         for stage, module in stages_of(name, model):
             x = through(module, x)
-            size = x.value.numel()
-            places = [(2 * k + 1) * size // (2 * SAMPLES) for k in range(SAMPLES)]
-            tensors[f"{name}/{stage}"] = torch.stack(
-                [x.value.flatten()[places], x.squares.flatten()[places].sqrt()]
-            ).numpy()
+            tensors[f"{name}/{stage}"] = summary_of(x)
         if not isinstance(model, Named):
             # What is above must be what torchvision computes.
             error = (model(exact).flatten() - x.value.flatten()).abs().max() / x.value.abs().max()
             assert error < 1e-12, (name, error)
         print(name, float(x.value.abs().max()), float((x.squares.sqrt() / x.value.abs()).median()))
 
-header, data = {}, b""
-for name, values in tensors.items():
-    piece = values.astype("<f8").tobytes()
-    header[name] = {"dtype": "F64", "shape": list(values.shape), "data_offsets": [len(data), len(data) + len(piece)]}
-    data += piece
-text = json.dumps(header).encode()
-text += b" " * (-len(text) % 8)
-path = pathlib.Path(__file__).with_suffix(".safetensors")
-path.write_bytes(struct.pack("<Q", len(text)) + text + data)
+write("imagenet_networks.safetensors", tensors)

@@ -52,16 +52,19 @@ void fill_by_name(Network& net) {
 /// What the golden file knows of one network.
 class golden_stages {
 public:
-    explicit golden_stages(std::string network) : network_(std::move(network)) {}
+    explicit golden_stages(std::string network, const std::string& file = "imagenet_networks")
+        : file_(tactnet::safetensors::read(std::string(TACTNET_SOURCE_DIR) + "/tests/golden/" + file +
+                                           ".safetensors")),
+          network_(std::move(network)) {}
 
     /// Compares a stage that the file knows: `value(element)` of `size`. Deviations may be that much larger.
     template <class Value>
     void compare(const std::string& stage, std::size_t size, const Value& value, double factor = 1) {
         const std::string name = network_ + "/" + stage;
-        if (!file().contains(name))
+        if (!file_.contains(name))
             return;
         ++compared;
-        const std::vector<double> golden = file().values<double>(name);
+        const std::vector<double> golden = file_.values<double>(name);
         const std::size_t samples = golden.size() / 2;
         for (std::size_t k = 0; k < samples; ++k) {
             const double error =
@@ -87,18 +90,14 @@ public:
         std::string all;
         for (const std::string& line : lines)
             all += line;
-        return file().values<double>(network_ + "/names")[0] == static_cast<double>(hash_of(all));
+        return file_.values<double>(network_ + "/names")[0] == static_cast<double>(hash_of(all));
     }
 
     std::size_t compared = 0;
     double worst = 0; ///< error as a share of its deviation
 
 private:
-    static const tactnet::safetensors& file() {
-        static const tactnet::safetensors golden = tactnet::safetensors::read(
-            std::string(TACTNET_SOURCE_DIR) + "/tests/golden/imagenet_networks.safetensors");
-        return golden;
-    }
+    tactnet::safetensors file_;
     std::string network_;
 };
 
