@@ -23,10 +23,3 @@ TEST_CASE("resnet: 50 layers, every block as torchvision") {
     MESSAGE("largest error ÷ its deviation: " << golden.worst);
     CHECK(golden.compared == 3 + 16 + 2 + 1);
 }
-
-TEST_CASE("resnet: 18 layers, every block as torchvision") {
-    support::golden_stages golden("resnet18");
-    support::compare_stages<resnet18<shape{64, 64, 3}, 10>>(golden, "fc");
-    MESSAGE("largest error ÷ its deviation: " << golden.worst);
-    CHECK(golden.compared == 2 + 8 + 2 + 1);
-}
