@@ -4,8 +4,9 @@
 
 using namespace tactnet;
 
-TEST_CASE("squeezenet: fire modules learn, as the whole network does in small") {
+// Without the classifier's dropout, whose chance a few steps on a dozen samples do not even out.
+TEST_CASE("squeezenet: fire modules learn, and so does the convolution behind them") {
     support::check_learns<
         network<shape{9, 11, 3}, named<"features", sequential<conv2d<6, 3, 2, valid>, relu, fire<4, 6>>>,
-                squeezenet_classifier<5>>>();
+                conv2d<5, 1>, global_average_pool>>();
 }
