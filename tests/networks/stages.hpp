@@ -66,18 +66,18 @@ public:
             return;
         ++compared;
         const std::vector<double> golden = file_.values<double>(name);
-        const std::size_t samples = golden.size() / 2;
+        const std::size_t count = golden.size() / 2;
         const std::vector<double> places =
             file_.contains(name + ".at") ? file_.values<double>(name + ".at") : std::vector<double>{};
-        for (std::size_t k = 0; k < samples; ++k) {
+        for (std::size_t k = 0; k < count; ++k) {
             const std::size_t place =
-                places.empty() ? (2 * k + 1) * size / (2 * samples) : static_cast<std::size_t>(places[k]);
+                places.empty() ? (2 * k + 1) * size / (2 * count) : static_cast<std::size_t>(places[k]);
             const double error = std::abs(static_cast<double>(value(place)) - golden[k]);
             CAPTURE(name);
             CAPTURE(k);
-            CHECK(error <= factor * golden[samples + k]);
+            CHECK(error <= factor * golden[count + k]);
             if (error > 0)
-                worst = std::max(worst, error / (factor * golden[samples + k]));
+                worst = std::max(worst, error / (factor * golden[count + k]));
         }
     }
     /// Whether these are the names and extents of torchvision's network.
