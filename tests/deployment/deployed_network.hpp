@@ -62,12 +62,15 @@ inline std::vector<std::uint8_t> make_frame(std::size_t size, std::uint64_t seed
 template <class Spec>
 struct description;
 
-template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding>
-struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding>> {
+template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding,
+          tactnet::conv2d_options Options>
+struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::convolution,
                 .window = window_of(tactnet::sliding_window::over(in, Kernel, Stride, Padding)),
-                .filters = Filters};
+                .filters = Filters,
+                .groups = Options.groups,
+                .bias = Options.bias};
     }
 };
 template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
@@ -75,6 +78,57 @@ struct description<tactnet::max_pool<Window, Stride, Padding>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::pool,
                 .window = window_of(tactnet::sliding_window::over(in, Window, Stride, Padding))};
+    }
+};
+inline described_layer described_average(tactnet::shape in,
+                                         const tactnet::kernels::average_windows& windows) {
+    described_layer layer{.what = described_layer::kind::average,
+                          .average_output = {in.channels, windows.rows.outputs, windows.columns.outputs}};
+    windows.for_each([&](std::size_t, tactnet::kernels::pixel_range rows,
+                         tactnet::kernels::pixel_range columns, std::size_t divisor) {
+        std::vector<std::size_t>& pixels = layer.average_pixels.emplace_back();
+        for (std::size_t y = rows.begin; y < rows.end; ++y)
+            for (std::size_t x = columns.begin; x < columns.end; ++x)
+                pixels.push_back(y * in.columns + x);
+        layer.average_divisors.push_back(static_cast<double>(divisor));
+    });
+    return layer;
+}
+template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding,
+          tactnet::average_over Over>
+struct description<tactnet::average_pool<Window, Stride, Padding, Over>> {
+    static described_layer on(tactnet::shape in) {
+        const auto window = tactnet::sliding_window::over(in, Window, Stride, Padding);
+        return described_average(in, tactnet::detail::average_windows_of(window, Padding, Over));
+    }
+};
+template <tactnet::extent Output>
+struct description<tactnet::adaptive_average_pool<Output>> {
+    static described_layer on(tactnet::shape in) {
+        return described_average(in, tactnet::detail::adaptive_windows<Output.rows, Output.columns>(in));
+    }
+};
+template <std::size_t Size, class Alpha, class Beta, class K>
+struct description<tactnet::local_response_norm<Size, Alpha, Beta, K>> {
+    static described_layer on(tactnet::shape in) {
+        const auto value = [](auto over, auto under) {
+            return static_cast<double>(over) / static_cast<double>(under);
+        };
+        return {.what = described_layer::kind::responses,
+                .response_channels = in.channels,
+                .response_size = Size,
+                .response_share = value(Alpha::num, Alpha::den) / static_cast<double>(Size),
+                .response_beta = value(Beta::num, Beta::den),
+                .response_k = value(K::num, K::den)};
+    }
+};
+template <tactnet::name_text Name, class Spec>
+struct description<tactnet::named<Name, Spec>> : description<Spec> {};
+template <class... Branches>
+struct description<tactnet::concatenation<Branches...>> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::concatenation,
+                .branches = {description<tactnet::as_sequence<Branches>>::on(in)...}};
     }
 };
 template <std::size_t Outputs>
@@ -121,6 +175,16 @@ struct description<tactnet::sequence<Specs...>> {
         if (layer.what == kind::convolution || layer.what == kind::dense || layer.what == kind::pool)
             return {layer.window.output_rows(), layer.window.output_columns(),
                     layer.what == kind::pool ? in.channels : layer.filters};
+        if (layer.what == kind::average)
+            return {layer.average_output.rows, layer.average_output.columns, layer.average_output.channels};
+        if (layer.what == kind::concatenation) {
+            tactnet::shape all{0, 0, 0};
+            for (const described_layer& branch : layer.branches) {
+                const tactnet::shape own = behind(branch, in);
+                all = {own.rows, own.columns, all.channels + own.channels};
+            }
+            return all;
+        }
         for (const described_layer& each : layer.inner)
             in = behind(each, in);
         return in;
@@ -143,10 +207,20 @@ void append_tiled(std::type_identity<Step>, std::vector<bool>& list) {
 }
 template <class... Steps>
 void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<bool>& list);
+template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+void append_tiled(
+    std::type_identity<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>>,
+    std::vector<bool>& list);
 template <class Main, class Skip, std::size_t Stride>
 void append_tiled(std::type_identity<tactnet::residual_step<Main, Skip, Stride>>, std::vector<bool>& list) {
     append_tiled(std::type_identity<Main>{}, list);
     append_tiled(std::type_identity<Skip>{}, list);
+}
+template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+void append_tiled(
+    std::type_identity<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>>,
+    std::vector<bool>& list) {
+    (append_tiled(std::type_identity<typename Branches::step>{}, list), ...);
 }
 template <class... Steps>
 void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<bool>& list) {
@@ -159,6 +233,7 @@ inline void mark_tiled(std::vector<described_layer>& layers, const std::vector<b
             layer.tiled = tiled.at(at++);
         mark_tiled(layer.inner, tiled, at);
         mark_tiled(layer.skip, tiled, at);
+        mark_tiled(layer.branches, tiled, at);
     }
 }
 template <class Network>

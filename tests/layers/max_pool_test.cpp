@@ -98,3 +98,19 @@ TEST_CASE("max_pool: a NaN is seen in every window that holds it, wherever it st
         }
     }
 }
+
+// What PyTorch's MaxPool2d(3, 2, ceil_mode=True) gives: 111 → 55, 112 → 56, and 3, 2, padding 1 of 5 → 3.
+template <std::size_t Size, padding Padding, std::size_t Stride = 2>
+constexpr std::size_t pooled_size =
+    max_pool<3, Stride, Padding>::template layer<float, shape{Size, Size, 1}>::output.rows;
+static_assert(pooled_size<111, ceil_mode()> == 55 && pooled_size<112, ceil_mode()> == 56);
+static_assert(pooled_size<112, valid> == 55 && pooled_size<5, ceil_mode(pad(1))> == 3);
+// A window that would begin behind the image is left out: 3, 5 of 6 with padding 1 begins at -1 and 4 only.
+static_assert(pooled_size<6, ceil_mode(pad(1)), 5> == 2 && pooled_size<4, ceil_mode(pad(1)), 5> == 1);
+
+TEST_CASE("max_pool: ceil mode completes the last window") {
+    check_layer<max_pool<3, 2, ceil_mode()>, shape{6, 7, 2}>();
+}
+TEST_CASE("max_pool: ceil mode beside padding that was given, windows apart") {
+    check_layer<max_pool<3, 5, ceil_mode(pad(1))>, shape{6, 4, 1}>();
+}

@@ -12,10 +12,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -82,8 +84,9 @@ public:
                             std::span<float, outputs> to) const noexcept {
         return view()(counts, to);
     }
-    /// Frames one after the other, on all threads of a pool: each bit-exact with itself alone. Tells whether
-    /// all were recognised. Throws std::invalid_argument unless there is a row of outputs for each frame.
+    /// Frames one after the other, on all threads of a pool, with memory from the heap where a stack is too
+    /// small (deployed_view::most_on_stack): each bit-exact with itself alone. Tells whether all were
+    /// recognised. Throws std::invalid_argument unless there is a row of outputs for each frame.
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames,
                             std::span<float> to) const {
         return recognise_all(threads, frames, to);
@@ -103,11 +106,23 @@ private:
                                         " outputs for each, found " + std::to_string(frames.size()) +
                                         " counts and " + std::to_string(to.size()) + " outputs");
         std::atomic<frame_status> status = frame_status::recognised;
-        threads.for_each(count, [&](std::size_t i) {
+        const auto one = [&](std::size_t i, auto&... memory) {
             const tensor_view<const Count, input_shape> frame(frames.data() + i * input_shape.size());
-            if (view()(frame, to.subspan(i * outputs).template first<outputs>()) != frame_status::recognised)
+            if (view()(frame, to.subspan(i * outputs).template first<outputs>(), memory...) !=
+                frame_status::recognised)
                 status.store(frame_status::not_finite);
-        });
+        };
+        if constexpr (scratch_bytes <= view_type::most_on_stack) {
+            threads.for_each(count, [&](std::size_t i) { one(i); });
+        } else {
+            std::vector<std::unique_ptr<scratch>> memories(threads.threads());
+            for (std::unique_ptr<scratch>& memory : memories)
+                memory = std::make_unique_for_overwrite<scratch>();
+            threads.on_each_thread([&](thread_pool::share part) {
+                for (std::size_t i = part.begin(count); i < part.end(count); ++i)
+                    one(i, *memories[part.index]);
+            });
+        }
         return status;
     }
 

@@ -25,6 +25,9 @@ enum class [[nodiscard]] frame_status{
                ///< network might leave the range of single precision: the outputs mean nothing
 };
 
+template <std::size_t Needed, std::size_t AtMost>
+concept fits_stack = (Needed <= AtMost);
+
 /// The fastest form of a trained network, over packed weights that someone else keeps (in a `deployed`, or in
 /// a constant of the program). Copies are cheap. A call reads and writes nothing but its arguments: as many
 /// threads as one likes may call the same object. No heap, no exceptions, no branch on the instruction set.
@@ -32,6 +35,9 @@ enum class [[nodiscard]] frame_status{
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
 class deployed_view {
+    static_assert(
+        detail::fills_map<Steps>,
+        "deployed_view: the last step writes among the channels of a wider map, which nobody reads");
     using format = typename Steps::format;
     using activation = typename format::activation;
     using packed_number = typename format::packed;
@@ -57,6 +63,8 @@ public:
         alignas(alignment) std::array<activation, entrance::map + output_elements + Steps::scratch> elements;
     };
     static constexpr std::size_t scratch_bytes = sizeof(scratch);
+    /// Networks that need more take their memory from the caller: stacks end at a few megabytes.
+    static constexpr std::size_t most_on_stack = std::size_t{1} << 20;
 
     /// Packed weights as a value, for constants of a program.
     struct packed_weights {
@@ -89,19 +97,26 @@ public:
                             scratch& memory) const noexcept {
         return recognise(counts.data(), to, memory);
     }
-    /// With scratch memory on the stack: scratch_bytes of it.
+    /// With scratch memory on the stack: scratch_bytes of it, up to `most_on_stack`.
     frame_status operator()(tensor_view<const std::uint8_t, Input> counts,
                             std::span<float, outputs> to) const noexcept {
-        scratch memory;
-        return recognise(counts.data(), to, memory);
+        return on_stack(counts.data(), to);
     }
     frame_status operator()(tensor_view<const float, Input> counts,
                             std::span<float, outputs> to) const noexcept {
-        scratch memory;
-        return recognise(counts.data(), to, memory);
+        return on_stack(counts.data(), to);
     }
 
 private:
+    template <class Count>
+    frame_status on_stack(const Count* counts, std::span<float, outputs> to) const noexcept {
+        static_assert(
+            fits_stack<scratch_bytes, most_on_stack>,
+            "deployed: this network needs more scratch memory than a stack should hold: give it some "
+            "from the heap; fits_stack shows bytes needed, bytes at most");
+        scratch memory;
+        return recognise(counts, to, memory);
+    }
     template <class Count>
     frame_status recognise(const Count* counts, std::span<float, outputs> to,
                            scratch& memory) const noexcept {

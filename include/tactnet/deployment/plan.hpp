@@ -28,6 +28,11 @@ struct form_chain {
 
 namespace detail {
 
+template <class Form, std::size_t Stride, std::size_t Offset>
+concept goes_among = requires {
+    requires Form::template fits_among<Stride, Offset>;
+};
+
 template <class... Forms>
 struct form_list {
     static constexpr std::size_t size = sizeof...(Forms);
@@ -35,13 +40,28 @@ struct form_list {
     /// Of the last.
     static constexpr bool can_add = (
         false, ..., requires { typename Forms::template adding<false>; });
+    template <std::size_t Stride, std::size_t Offset>
+    static constexpr bool can_go_among = (false, ..., goes_among<Forms, Stride, Offset>);
 };
 template <>
 struct form_list<> {
     static constexpr std::size_t size = 0;
     using form = void;
     static constexpr bool can_add = false;
+    template <std::size_t, std::size_t>
+    static constexpr bool can_go_among = false;
 };
+
+/// Forms whose last one writes among the channels of a wider map. First those that are done.
+template <std::size_t Stride, std::size_t Offset, class Done, class Rest>
+struct ending_among;
+template <std::size_t Stride, std::size_t Offset, class... Done, class Last>
+struct ending_among<Stride, Offset, form_list<Done...>, form_list<Last>> {
+    using form = form_chain<Done..., typename Last::template among<Stride, Offset>>;
+};
+template <std::size_t Stride, std::size_t Offset, class... Done, class Form, class Next, class... Rest>
+struct ending_among<Stride, Offset, form_list<Done...>, form_list<Form, Next, Rest...>>
+    : ending_among<Stride, Offset, form_list<Done..., Form>, form_list<Next, Rest...>> {};
 
 } // namespace detail
 
@@ -117,6 +137,12 @@ public:
     static constexpr bool can_add = forms::can_add;
     template <bool Rectified>
     using adding = typename summed<Rectified>::form;
+    /// Whether its last form can write its channels from `Offset` on of a map with `MapStride` elements a
+    /// pixel: for branches of a concatenation.
+    template <std::size_t MapStride, std::size_t Offset>
+    static constexpr bool can_go_among = forms::template can_go_among<MapStride, Offset>;
+    template <std::size_t MapStride, std::size_t Offset>
+    using among = typename detail::ending_among<MapStride, Offset, detail::form_list<>, forms>::form;
 };
 
 /// The steps of a network whose input lies pixel by pixel without gaps, and how its parameters fold into

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tactnet/layers/concatenation.hpp>
+#include <tactnet/layers/named.hpp>
 #include <tactnet/layers/norm_relu_pool.hpp>
 #include <tactnet/layers/relu.hpp>
 #include <tactnet/layers/residual.hpp>
@@ -33,16 +35,22 @@ struct fused_list<sequence<Done...>, batch_norm, relu, max_pool<Window, Stride, 
     : fused_list<sequence<Done..., norm_relu_pool<Window, Stride, Padding>>, Rest...> {};
 
 template <class... Specs>
-struct fused_spec<sequence<Specs...>> : fused_list<sequence<>, Specs...> {};
+struct fused_spec<sequence<Specs...>> : fused_list<sequence<>, tactnet::without_name<Specs>...> {};
 template <class Main, class Skip>
 struct fused_spec<residual<Main, Skip>> {
-    using type = residual<typename fused_spec<Main>::type, typename fused_spec<Skip>::type>;
+    using type = residual<typename fused_spec<tactnet::without_name<Main>>::type,
+                          typename fused_spec<tactnet::without_name<Skip>>::type>;
+};
+
+template <class... Branches>
+struct fused_spec<concatenation<Branches...>> {
+    using type = concatenation<typename fused_spec<tactnet::without_name<Branches>>::type...>;
 };
 
 } // namespace detail
 
 /// A list with the same results and the same arrays in the same order, in which layers that wait for memory
-/// are joined: this is what is trained.
+/// are joined: this is what is trained. Names are left out.
 template <class List>
 using fused = typename detail::fused_spec<List>::type;
 

@@ -162,6 +162,11 @@ struct layer_without_parameters {
 // the layer itself: of a class with a failed assertion Clang takes no constant, and the sentence would drown
 // in what follows.
 
+/// How PyTorch names what lies in something named: with a point between, unless there is no name.
+[[nodiscard]] inline std::string joined_name(const std::string& outer, const std::string& inner) {
+    return outer.empty() || inner.empty() ? outer + inner : outer + "." + inner;
+}
+
 /// Appends an array behind those that the layer has described so far.
 inline void describe_array(std::vector<parameter>& list, std::string name, role what,
                            std::vector<std::size_t> extents, std::size_t offset, std::size_t fan_in = 1) {

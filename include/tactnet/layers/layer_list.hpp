@@ -17,6 +17,12 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
+/// Whether a list has named a layer (named.hpp).
+template <class Spec>
+concept has_given_name = requires {
+    requires Spec::has_given_name;
+};
+
 /// A layer at its place in a list. Offsets count from the start of the list's arrays.
 template <class Layer, std::size_t Parameters, std::size_t Statistics>
 struct placed {
@@ -117,18 +123,19 @@ public:
         return most;
     }();
 
-    /// Appends the arrays of all layers: each under the name of its kind, with a number where there are many.
+    /// Appends the arrays of all layers: each under the name that it was given, or that of its kind, with a
+    /// number where there are many.
     static void describe(const std::string& prefix, std::vector<parameter>& list) {
         std::array<std::string_view, size> kinds{};
         kernels::unroll<size>([&](auto i) { kinds[i] = spec_name<i>; });
         kernels::unroll<size>([&](auto i) {
             const auto before = std::count(kinds.begin(), kinds.begin() + i, kinds[i]);
             const auto all = std::count(kinds.begin(), kinds.end(), kinds[i]);
-            std::string full = prefix.empty() ? std::string(kinds[i]) : prefix + "." + std::string(kinds[i]);
-            if (spec_numbered<i> || all > 1)
-                full += std::to_string(before + 1);
+            std::string own(kinds[i]);
+            if (!spec_given<i> && (spec_numbered<i> || all > 1))
+                own += std::to_string(before + 1);
             const std::size_t first = list.size();
-            at<i>::describe(full, list);
+            at<i>::describe(joined_name(prefix, own), list);
             for (std::size_t p = first; p < list.size(); ++p)
                 list[p].offset +=
                     learnable(list[p].what) ? place<i>::parameter_offset : place<i>::statistic_offset;
@@ -140,6 +147,8 @@ private:
     static constexpr auto spec_name = std::array<std::string_view, size>{Specs::name...}[I];
     template <std::size_t I>
     static constexpr bool spec_numbered = std::array<bool, size>{Specs::numbered...}[I];
+    template <std::size_t I>
+    static constexpr bool spec_given = std::array<bool, size>{detail::has_given_name<Specs>...}[I];
 };
 
 } // namespace TACTNET_ARCH

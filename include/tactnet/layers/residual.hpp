@@ -29,7 +29,8 @@ template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannel
 using identity = sequence<>;
 
 /// Residual block (He, Zhang, Ren, Sun, 2016): main(x) + skip(x), where skip is `identity` or a projection.
-/// A branch is a list of layers or a single one. The ReLU behind the sum is a layer of its own.
+/// A branch is a list of layers or a single one. The ReLU behind the sum is a layer of its own. The arrays of
+/// the skip go by "projection", or by the name that it is given.
 template <class Main, class Skip = identity>
 struct residual {
     static constexpr std::string_view name = "block";
@@ -77,7 +78,7 @@ struct residual {
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             main::describe(prefix, list);
             const std::size_t first = list.size();
-            skip::describe(prefix + ".projection", list);
+            skip::describe(joined_name(prefix, std::string(skip_name)), list);
             for (std::size_t p = first; p < list.size(); ++p)
                 list[p].offset += learnable(list[p].what) ? main::parameters : main::statistics;
         }
@@ -124,6 +125,12 @@ struct residual {
         }
 
     private:
+        static constexpr std::string_view skip_name = [] {
+            if constexpr (detail::has_given_name<Skip>)
+                return Skip::name;
+            else
+                return std::string_view("projection");
+        }();
         /// The sum may take the place of the main branch's result unless the way back needs that.
         static output_view<T, output> main_result(memory& m, output_view<T, output> out) {
             if constexpr (main::keeps_output)

@@ -30,7 +30,7 @@ struct split_softmax<sequence<Kept...>, softmax> {
 };
 template <class... Kept, class... Inner>
 struct split_softmax<sequence<Kept...>, sequence<Inner...>> {
-    using inner = split_softmax<sequence<>, Inner...>;
+    using inner = split_softmax<sequence<>, tactnet::without_name<Inner>...>;
     using logits = sequence<Kept..., typename inner::logits>;
     static constexpr bool found = inner::found;
 };
@@ -46,7 +46,7 @@ struct split_softmax<sequence<Kept...>, sequence<Inner...>> {
 /// ask for logits, so that no softmax is taken twice. T is the number type; gradients are checked in double.
 template <class T, shape Input, class... Specs>
 class basic_network {
-    using split = detail::split_softmax<sequence<>, Specs...>;
+    using split = detail::split_softmax<sequence<>, without_name<Specs>...>;
     using logit_layers = typename fused<typename split::logits>::template layer<T, Input>;
 
 public:

@@ -37,7 +37,7 @@ struct extent {
 /// must add is halved, and an odd rest goes to the bottom and to the right (so an even kernel pads only
 /// there).
 struct padding {
-    enum class rule { same, given };
+    enum class rule { same, given, ceil_mode };
 
     rule how = rule::same;
     std::size_t top = 0, bottom = 0, left = 0, right = 0;
@@ -57,6 +57,14 @@ inline constexpr padding valid{padding::rule::given};
     return {padding::rule::given, top, bottom, left, right};
 }
 
+/// Zeros as given, and at the bottom and on the right what a last window lacks that no longer fits: outputs
+/// are rounded up, as by PyTorch's ceil_mode. That window must begin inside the image or its padding at the
+/// top and on the left.
+[[nodiscard]] constexpr padding ceil_mode(padding around = valid) {
+    around.how = padding::rule::ceil_mode;
+    return around;
+}
+
 /// A window that slides over an image: everything that is known about where its taps fall.
 struct sliding_window {
     shape input;
@@ -69,8 +77,12 @@ struct sliding_window {
                                                        padding around) {
         stride = {stride.rows > 0 ? stride.rows : 1, stride.columns > 0 ? stride.columns : 1};
         sliding_window w{input, kernel, stride};
-        if (around.how == padding::rule::given) {
+        if (around.how != padding::rule::same) {
             w.top = around.top, w.bottom = around.bottom, w.left = around.left, w.right = around.right;
+            if (around.how == padding::rule::ceil_mode) {
+                w.bottom = completed(input.rows, kernel.rows, stride.rows, w.top, w.bottom);
+                w.right = completed(input.columns, kernel.columns, stride.columns, w.left, w.right);
+            }
         } else {
             const std::size_t vertical = missing(input.rows, kernel.rows, stride.rows);
             const std::size_t horizontal = missing(input.columns, kernel.columns, stride.columns);
@@ -104,6 +116,17 @@ private:
         const std::size_t outputs = (size + stride - 1) / stride;
         const std::size_t reach = (outputs - 1) * stride + kernel;
         return reach > size ? reach - size : 0;
+    }
+    /// Padding behind the image with which the last window that begins in time is whole.
+    static constexpr std::size_t completed(std::size_t size, std::size_t kernel, std::size_t stride,
+                                           std::size_t before, std::size_t after) {
+        if (size + before + after < kernel)
+            return after;
+        std::size_t outputs = (size + before + after - kernel + stride - 1) / stride + 1;
+        while (outputs > 1 && (outputs - 1) * stride >= size + before)
+            --outputs;
+        const std::size_t reach = (outputs - 1) * stride + kernel;
+        return reach > size + before + after ? reach - size - before : after;
     }
     static constexpr std::size_t count(std::size_t outputs, std::size_t kernel, std::size_t stride,
                                        std::size_t before, std::size_t size) {

@@ -20,7 +20,15 @@ using mixed_network = tactnet::network<
     tactnet::residual<tactnet::sequence<tactnet::conv2d<20, 3>, tactnet::relu, tactnet::conv2d<20, 3>>,
                       tactnet::sequence<tactnet::conv2d<20, 1>, tactnet::batch_norm>>,
     tactnet::relu, tactnet::residual<tactnet::conv2d<20, 3>>, tactnet::max_pool<3, 1>, tactnet::relu,
-    tactnet::sequence<tactnet::conv2d<5, 2>, tactnet::max_pool<2>>, tactnet::dense<3>, tactnet::softmax>;
+    tactnet::sequence<tactnet::conv2d<5, 2>, tactnet::max_pool<2>>,
+    tactnet::conv2d<16, 3, 1, tactnet::same, tactnet::in_groups(1)>,
+    tactnet::named<"mixed",
+                   tactnet::concatenation<
+                       tactnet::conv2d<8, 1, 1, tactnet::same, tactnet::in_groups(2)>,
+                       tactnet::sequence<tactnet::conv2d<6, 1>, tactnet::relu,
+                                         tactnet::conv2d<5, 3, 1, tactnet::same, tactnet::without_bias>>,
+                       tactnet::identity>>,
+    tactnet::local_response_norm<>, tactnet::average_pool<2, 1>, tactnet::dense<3>, tactnet::softmax>;
 
 /// As a sensor may count: most of it untouched.
 template <class Network>

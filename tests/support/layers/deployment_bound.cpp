@@ -145,10 +145,9 @@ public:
             const described_layer& layer = layers[i];
             switch (layer.what) {
             case kind::convolution: {
-                const std::size_t taps =
-                    layer.window.input.channels * layer.window.kernel_rows * layer.window.kernel_columns;
+                const std::size_t taps = taps_of(layer);
                 const std::span<const float> w = take_values(layer.filters * taps),
-                                             b = take_values(layer.filters);
+                                             b = take_values(layer.bias ? layer.filters : 0);
                 std::size_t behind = i + 1;
                 while (behind < layers.size() && layers[behind].what == kind::dropout)
                     ++behind;
@@ -158,16 +157,15 @@ public:
                 if (behind < layers.size() && layers[behind].what == kind::norm)
                     folded = take_norm(layer.filters), i = behind;
                 for (std::size_t f = 0; f < layer.filters; ++f) {
-                    biases[f].value = static_cast<double>(b[f]);
+                    biases[f].value = layer.bias ? static_cast<double>(b[f]) : 0;
                     if (folded) {
-                        biases[f] = folded->shifted(f, static_cast<double>(b[f]));
+                        biases[f] = folded->shifted(f, biases[f].value);
                         for (std::size_t t = 0; t < taps; ++t)
                             weights[f * taps + t] *= folded->factor(f);
                     }
                 }
                 // The sum of a residual block is taken in the last convolution of its main branch.
-                x = bounded_convolution(layer.window, layer.filters, weights, biases, x,
-                                        i + 1 == layers.size() ? added : nullptr, layer.tiled);
+                x = by_groups(layer, weights, biases, x, i + 1 == layers.size() ? added : nullptr);
                 break;
             }
             case kind::dense: {
@@ -200,6 +198,21 @@ public:
             case kind::pool:
                 x = bounded_max_pool(layer.window, x);
                 break;
+            case kind::average:
+                x = average(layer, x);
+                break;
+            case kind::responses:
+                x = responses(layer, x);
+                break;
+            case kind::concatenation: {
+                rounded_map all;
+                for (const described_layer& branch : layer.branches) {
+                    const rounded_map own = through(branch.inner, x);
+                    all.insert(all.end(), own.begin(), own.end());
+                }
+                x = std::move(all);
+                break;
+            }
             case kind::softmax:
                 x = softmax(x, layer.filters);
                 break;
@@ -245,9 +258,7 @@ private:
             switch (layer.what) {
             case kind::convolution:
             case kind::dense:
-                take_values(layer.filters * (layer.window.input.channels * layer.window.kernel_rows *
-                                                 layer.window.kernel_columns +
-                                             1));
+                take_values(layer.filters * (taps_of(layer) + layer.bias));
                 break;
             case kind::norm:
                 take_norm(layer.filters);
@@ -257,12 +268,94 @@ private:
                 break;
             case kind::list:
             case kind::residual:
+            case kind::concatenation:
                 pass_over(layer.inner);
                 pass_over(layer.skip);
+                pass_over(layer.branches);
                 break;
             default:
                 break;
             }
+    }
+    static rounded_map average(const described_layer& layer, const rounded_map& x) {
+        const std::size_t pixels = layer.average_pixels.size(),
+                          area = x.size() / layer.average_output.channels;
+        rounded_map out(layer.average_output.size());
+        for (std::size_t o = 0; o < out.size(); ++o) {
+            double most = 0, size = 0;
+            rounded& y = out[o];
+            for (const std::size_t pixel : layer.average_pixels[o % pixels]) {
+                const rounded& from = x[o / pixels * area + pixel];
+                y.value += from.value, y.error += from.error, y.deviation += square(from.deviation);
+                most += magnitude(from), size += std::abs(from.value);
+            }
+            const double count = static_cast<double>(layer.average_pixels[o % pixels].size()),
+                         divisor = layer.average_divisors[o % pixels];
+            y = {y.value / divisor, (y.error + roundings(count + 1) * most) / divisor,
+                 std::sqrt(y.deviation + (count + 1) * square(roundoff * size)) / divisor};
+        }
+        return out;
+    }
+    /// y(c) = x(c) b(c)^−β, b = k + share Σ x². Of b: size + 3 roundings, the constants' included, of the
+    /// power at most five, then a product. What comes in wrong goes through the derivatives, taken where they
+    /// are largest: b less its error.
+    static rounded_map responses(const described_layer& layer, const rounded_map& x) {
+        const std::size_t area = x.size() / layer.response_channels;
+        const double beta = layer.response_beta, share = layer.response_share;
+        const double count = static_cast<double>(layer.response_size) + 3;
+        rounded_map out(x.size());
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            rounded base{layer.response_k, 0, 0};
+            double most = layer.response_k;
+            for (std::size_t w = 0; w < layer.response_size; ++w) {
+                const std::size_t place = i / area + w, before = layer.response_size / 2;
+                if (place < before || place - before >= layer.response_channels)
+                    continue;
+                const rounded& from = x[(place - before) * area + i % area];
+                base.value += share * square(from.value);
+                base.error += share * 2 * magnitude(from) * from.error;
+                base.deviation += square(share * 2 * from.value * from.deviation);
+                most += share * square(magnitude(from));
+            }
+            base.error += roundings(count) * most;
+            base.deviation = std::sqrt(base.deviation + count * square(roundoff * base.value));
+            const double least = std::max(base.value - base.error, layer.response_k / 2);
+            const double power = std::pow(base.value, -beta), largest = std::pow(least, -beta);
+            const double power_error = beta * largest / least * base.error + roundings(5) * largest;
+            out[i] = {x[i].value * power,
+                      x[i].error * largest + magnitude(x[i]) * power_error +
+                          roundings(1) * magnitude(x[i]) * (largest + power_error),
+                      std::sqrt(square(x[i].deviation * power) +
+                                square(x[i].value * beta * power / base.value * base.deviation) +
+                                6 * square(roundoff * x[i].value * power))};
+        }
+        return out;
+    }
+    static std::size_t taps_of(const described_layer& layer) {
+        return layer.window.input.channels / layer.groups * layer.window.kernel_rows *
+               layer.window.kernel_columns;
+    }
+    /// Each group as a convolution of its own.
+    static rounded_map by_groups(const described_layer& layer, std::span<const double> weights,
+                                 std::span<const rounded> biases, const rounded_map& x,
+                                 const rounded_map* added) {
+        reference_window window = layer.window;
+        window.input.channels /= layer.groups;
+        const std::size_t filters = layer.filters / layer.groups;
+        rounded_map out;
+        for (std::size_t g = 0; g < layer.groups; ++g) {
+            const auto part = [&](const rounded_map& all) {
+                const auto size = static_cast<std::ptrdiff_t>(all.size() / layer.groups);
+                const auto begin = all.begin() + static_cast<std::ptrdiff_t>(g) * size;
+                return rounded_map(begin, begin + size);
+            };
+            const rounded_map own_added = added ? part(*added) : rounded_map{};
+            const rounded_map own = bounded_convolution(
+                window, filters, weights.subspan(g * filters * taps_of(layer), filters * taps_of(layer)),
+                biases.subspan(g * filters, filters), part(x), added ? &own_added : nullptr, layer.tiled);
+            out.insert(out.end(), own.begin(), own.end());
+        }
+        return out;
     }
     /// Inputs off by e, and their distance d to the largest rounded: each exponential is off by a factor
     /// within exp(±(e + e of the largest + u |d|)), the sum of them by as much; exponentials are right to one

@@ -18,6 +18,8 @@
 //            magnitudes of all factors, |A|ᵀ [Σ (|G| |g| |G|ᵀ) ∘ (|B|ᵀ (|d| + e) |B|)] |A|. What comes in
 //            wrong goes through the exact, linear map: Σ|w| e, as with taps.
 // Max pool   passes the largest e of its window, ReLU passes e: neither rounds.
+// Average    a sum of n numbers and a quotient: γ(n) Σ (|x| + e) ÷ divisor.
+// Responses  see the code.
 // Softmax    see the code.
 // Double precision makes errors too: u is taken 2^-20 larger, thousands of times what they can add.
 // Underflow is left out: numbers of the tests are far from it.
@@ -47,12 +49,37 @@ using rounded_map = std::vector<rounded>;
 /// A layer of a network, as the bound needs it. Lists keep their nesting: a batch norm is folded into a
 /// convolution of its own list only.
 struct described_layer {
-    enum class kind { convolution, norm, relu, pool, dense, softmax, dropout, list, residual, own };
+    enum class kind {
+        convolution,
+        norm,
+        relu,
+        pool,
+        average,
+        responses,
+        dense,
+        softmax,
+        dropout,
+        list,
+        residual,
+        concatenation,
+        own
+    };
     kind what;
     reference_window window{}; ///< of convolutions, pools and (as large as the image) dense layers
     std::size_t filters = 0;   ///< outputs of dense layers
+    std::size_t groups = 1;    ///< of a convolution
+    bool bias = true;          ///< of a convolution
     bool tiled = false;        ///< whether a convolution is computed by Winograd's tiles
     std::vector<described_layer> inner{}, skip{};
+    /// Of a concatenation: lists.
+    std::vector<described_layer> branches{};
+    /// Of averages: of each output pixel the pixels that it is made of, and what their sum is divided by.
+    extents3 average_output{};
+    std::vector<std::vector<std::size_t>> average_pixels{};
+    std::vector<double> average_divisors{};
+    /// Of local responses: channels, the window, α ÷ size, β, k.
+    std::size_t response_channels = 0, response_size = 0;
+    double response_share = 0, response_beta = 0, response_k = 1;
     /// What a layer that this file does not know makes of a map, from its learnable parameters: `own_values`
     /// of them.
     std::function<rounded_map(rounded_map, std::span<const float>)> own{};

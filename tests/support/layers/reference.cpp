@@ -20,6 +20,20 @@ reference_window reference_window::same(extents3 input, std::size_t kernel_rows,
             rows / 2, rows - rows / 2, columns / 2,    columns - columns / 2};
 }
 
+reference_window reference_window::completed() const {
+    const auto behind = [](std::size_t size, std::size_t kernel, std::size_t stride, std::size_t before,
+                           std::size_t after) {
+        std::size_t last = 0; // where the last window begins
+        while (last + kernel < size + before + after && last + stride < size + before)
+            last += stride;
+        return std::max(last + kernel, size + before + after) - size - before;
+    };
+    reference_window w = *this;
+    w.bottom = behind(input.rows, kernel_rows, stride_rows, top, bottom);
+    w.right = behind(input.columns, kernel_columns, stride_columns, left, right);
+    return w;
+}
+
 namespace {
 
 double magnitude(const bounded& b) {
@@ -28,13 +42,17 @@ double magnitude(const bounded& b) {
 
 class convolution final : public reference_layer {
 public:
-    convolution(const reference_window& window, std::size_t filters) : window_(window) {
+    convolution(const reference_window& window, std::size_t filters, std::size_t groups, bool bias)
+        : window_(window),
+          channels_(window.input.channels / groups),
+          filters_(filters / groups),
+          bias_(bias) {
         input = window.input;
         output = {filters, window.output_rows(), window.output_columns()};
         taps_ = window.kernel_rows * window.kernel_columns;
-        weights_ = filters * input.channels * taps_;
-        parameters = weights_ + filters;
-        multiply_adds = output.size() * input.channels * taps_;
+        weights_ = filters * channels_ * taps_;
+        parameters = weights_ + (bias ? filters : 0);
+        multiply_adds = output.size() * channels_ * taps_;
         for_each_product([&](std::size_t, std::size_t, std::size_t) { ++multiply_adds_on_pixels; });
     }
 
@@ -43,7 +61,7 @@ public:
         for (std::size_t s = 0; s < in.size(); ++s) {
             std::vector<double> sizes(output.size());
             for (std::size_t o = 0; o < output.size(); ++o) {
-                out[s][o].value = call.values[weights_ + o / output.area()];
+                out[s][o].value = bias_ ? call.values[weights_ + o / output.area()] : 0;
                 sizes[o] = std::abs(out[s][o].value);
             }
             for_each_product([&](std::size_t o, std::size_t i, std::size_t w) {
@@ -68,7 +86,7 @@ public:
                 g.values[w].value += in[s][i].value * dy;
                 g.values[w].error += std::abs(in[s][i].value * dy);
             });
-            for (std::size_t o = 0; o < output.size(); ++o) {
+            for (std::size_t o = 0; bias_ && o < output.size(); ++o) {
                 g.values[weights_ + o / output.area()].value += out_gradient[s][o].value;
                 g.values[weights_ + o / output.area()].error += std::abs(out_gradient[s][o].value);
             }
@@ -84,19 +102,22 @@ public:
     }
 
 private:
-    [[nodiscard]] double terms() const { return static_cast<double>(input.channels * taps_); }
+    [[nodiscard]] double terms() const { return static_cast<double>(channels_ * taps_); }
 
     template <class Body>
     void for_each_product(Body&& body) const {
         for (std::size_t filter = 0; filter < output.channels; ++filter)
-            for (std::size_t channel = 0; channel < input.channels; ++channel)
+            for (std::size_t channel = 0; channel < channels_; ++channel)
                 window_.for_each_tap([&](std::size_t to, std::size_t from, std::size_t tap) {
-                    body(filter * output.area() + to, channel * input.area() + from,
-                         (filter * input.channels + channel) * taps_ + tap);
+                    body(filter * output.area() + to,
+                         (filter / filters_ * channels_ + channel) * input.area() + from,
+                         (filter * channels_ + channel) * taps_ + tap);
                 });
     }
 
     reference_window window_;
+    std::size_t channels_, filters_; // of a group
+    bool bias_;
     std::size_t taps_, weights_;
 };
 
@@ -295,6 +316,133 @@ private:
     reference_window window_;
 };
 
+/// Averages of pixels: what lies in which of them, and what the sums are divided by.
+class average final : public reference_layer {
+public:
+    average(extents3 in, extents3 out, std::vector<std::vector<std::size_t>> pixels,
+            std::vector<double> divisors)
+        : pixels_(std::move(pixels)), divisors_(std::move(divisors)) {
+        input = in;
+        output = out;
+    }
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples out(in.size(), sample(output.size()));
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t o = 0; o < output.size(); ++o) {
+                double size = 0;
+                for_each(o, [&](std::size_t i) {
+                    out[s][o].value += in[s][i].value;
+                    out[s][o].error += in[s][i].error;
+                    size += magnitude(in[s][i]);
+                });
+                const std::size_t pixel = o % output.area();
+                const double count = static_cast<double>(pixels_[pixel].size());
+                out[s][o].error += accumulated(call.roundoff, count + 1) * size;
+                out[s][o].value /= divisors_[pixel], out[s][o].error /= divisors_[pixel];
+            }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        samples g(in.size(), sample(input.size()));
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            for (std::size_t o = 0; o < output.size(); ++o)
+                for_each(o, [&](std::size_t i) {
+                    const double share = out_gradient[s][o].value / divisors_[o % output.area()];
+                    g[s][i].value += share;
+                    g[s][i].error += std::abs(share);
+                });
+            for (bounded& b : g[s])
+                b.error *= accumulated(call.roundoff, static_cast<double>(output.area()) + 1);
+        }
+        return {g, {}};
+    }
+
+private:
+    template <class Body>
+    void for_each(std::size_t o, Body&& body) const {
+        for (const std::size_t pixel : pixels_[o % output.area()])
+            body(o / output.area() * input.area() + pixel);
+    }
+    std::vector<std::vector<std::size_t>> pixels_;
+    std::vector<double> divisors_;
+};
+
+/// y(c) = x(c) b(c)^-beta with b(c) = k + alpha / size times the sum of x² over the window.
+class local_response_norm final : public reference_layer {
+public:
+    local_response_norm(extents3 in, std::size_t size, double alpha, double beta, double k)
+        : size_(size), share_(alpha / static_cast<double>(size)), beta_(beta), k_(k) {
+        input = output = in;
+    }
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples out(in.size(), sample(output.size()));
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t i = 0; i < input.size(); ++i) {
+                const bounded b = base(call, in[s], i);
+                const double most = std::pow(std::max(b.value - b.error, k_ / 2), -beta_),
+                             factor = std::pow(b.value, -beta_);
+                // By the mean value theorem; then the roundings of the power (at most five) and the product.
+                const double factor_error = beta_ * most / std::max(b.value - b.error, k_ / 2) * b.error +
+                                            accumulated(call.roundoff, 5) * most;
+                out[s][i] = {in[s][i].value * factor,
+                             in[s][i].error * most + magnitude(in[s][i]) * factor_error +
+                                 accumulated(call.roundoff, 1) * magnitude(in[s][i]) * (most + factor_error)};
+            }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        samples g(in.size(), sample(input.size()));
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            std::vector<double> sizes(input.size()); // of all terms of a gradient
+            for (std::size_t i = 0; i < input.size(); ++i) {
+                const double b = base(call, in[s], i).value, dy = out_gradient[s][i].value;
+                g[s][i].value += dy * std::pow(b, -beta_);
+                sizes[i] += std::abs(dy * std::pow(b, -beta_));
+                for_window(i, [&](std::size_t j) {
+                    const double term =
+                        2 * share_ * beta_ * in[s][j].value * dy * in[s][i].value * std::pow(b, -beta_ - 1);
+                    g[s][j].value -= term;
+                    sizes[j] += std::abs(term);
+                });
+            }
+            // Each term passes its base (size + 3 roundings, once in the power, once in the quotient), the
+            // power (5), four products and the sum.
+            const double n = static_cast<double>(size_);
+            for (std::size_t i = 0; i < input.size(); ++i)
+                g[s][i].error = accumulated(call.roundoff, (1 + beta_) * (n + 3) + 5 + 4 + n + 2) * sizes[i];
+        }
+        return {g, {}};
+    }
+
+private:
+    /// body(j) for all j in the window of i: those in front of it are as many as those behind, or one more.
+    template <class Body>
+    void for_window(std::size_t i, Body&& body) const {
+        const std::size_t c = i / input.area(), before = size_ / 2;
+        for (std::size_t w = 0; w < size_; ++w)
+            if (c + w >= before && c + w - before < input.channels)
+                body((c + w - before) * input.area() + i % input.area());
+    }
+    [[nodiscard]] bounded base(const reference_call& call, const sample& x, std::size_t i) const {
+        double sum = 0, wrong = 0, most = 0;
+        for_window(i, [&](std::size_t j) {
+            sum += x[j].value * x[j].value;
+            wrong += 2 * magnitude(x[j]) * x[j].error;
+            most += magnitude(x[j]) * magnitude(x[j]);
+        });
+        // Constants are rounded as well.
+        return {k_ + share_ * sum,
+                share_ * wrong +
+                    accumulated(call.roundoff, static_cast<double>(size_) + 3) * (k_ + share_ * most)};
+    }
+    std::size_t size_;
+    double share_, beta_, k_;
+};
+
 class softmax final : public reference_layer {
 public:
     explicit softmax(extents3 size) { input = output = size; }
@@ -425,15 +573,93 @@ private:
     reference_pointer main_, skip_;
 };
 
+/// Channels of all branches, one behind the other.
+class concatenation final : public reference_layer {
+public:
+    explicit concatenation(std::vector<reference_pointer> branches) : branches_(std::move(branches)) {
+        input = branches_.front()->input;
+        output = branches_.front()->output;
+        output.channels = 0;
+        for (const reference_pointer& branch : branches_) {
+            output.channels += branch->output.channels;
+            add_costs(*this, *branch);
+        }
+    }
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples all(in.size());
+        std::size_t values = 0, running = 0;
+        for (const reference_pointer& branch : branches_) {
+            const samples own = branch->forward(part_of(call, values, running, *branch), in);
+            for (std::size_t s = 0; s < in.size(); ++s)
+                all[s].insert(all[s].end(), own[s].begin(), own[s].end());
+            values += branch->parameters, running += branch->statistics;
+        }
+        return all;
+    }
+
+private:
+    std::vector<reference_pointer> branches_;
+};
+
+/// Windows of one direction.
+struct pixels_of {
+    std::size_t begin, end;
+};
+
 } // namespace
 
-reference_pointer reference_convolution(const reference_window& window, std::size_t filters) {
-    return std::make_unique<convolution>(window, filters);
+reference_pointer reference_average_pool(const reference_window& window, bool counts_padding,
+                                         std::size_t given_bottom, std::size_t given_right) {
+    const extents3 out{window.input.channels, window.output_rows(), window.output_columns()};
+    std::vector<std::vector<std::size_t>> pixels(out.area());
+    std::vector<double> divisors(out.area());
+    window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) { pixels[to].push_back(from); });
+    for (std::size_t o = 0; o < out.area(); ++o) {
+        const std::size_t row = o / out.columns * window.stride_rows,
+                          column = o % out.columns * window.stride_columns;
+        const std::size_t rows = std::min(row + window.kernel_rows,
+                                          window.top + window.input.rows + given_bottom) -
+                                 row,
+                          columns = std::min(column + window.kernel_columns,
+                                             window.left + window.input.columns + given_right) -
+                                    column;
+        divisors[o] = static_cast<double>(counts_padding ? rows * columns : pixels[o].size());
+    }
+    return std::make_unique<average>(window.input, out, std::move(pixels), std::move(divisors));
+}
+reference_pointer reference_adaptive_average(extents3 input, std::size_t rows, std::size_t columns) {
+    const auto bin = [](std::size_t i, std::size_t size, std::size_t bins) -> pixels_of {
+        const double width = static_cast<double>(size) / static_cast<double>(bins);
+        return {static_cast<std::size_t>(std::floor(static_cast<double>(i) * width + 1e-9)),
+                static_cast<std::size_t>(std::ceil(static_cast<double>(i + 1) * width - 1e-9))};
+    };
+    std::vector<std::vector<std::size_t>> pixels(rows * columns);
+    std::vector<double> divisors(rows * columns);
+    for (std::size_t o = 0; o < pixels.size(); ++o) {
+        const pixels_of r = bin(o / columns, input.rows, rows), c = bin(o % columns, input.columns, columns);
+        for (std::size_t y = r.begin; y < r.end; ++y)
+            for (std::size_t x = c.begin; x < c.end; ++x)
+                pixels[o].push_back(y * input.columns + x);
+        divisors[o] = static_cast<double>(pixels[o].size());
+    }
+    return std::make_unique<average>(input, extents3{input.channels, rows, columns}, std::move(pixels),
+                                     std::move(divisors));
+}
+reference_pointer reference_local_response_norm(extents3 input, std::size_t size, double alpha, double beta,
+                                                double k) {
+    return std::make_unique<local_response_norm>(input, size, alpha, beta, k);
+}
+reference_pointer reference_concatenation(std::vector<reference_pointer> branches) {
+    return std::make_unique<concatenation>(std::move(branches));
+}
+reference_pointer reference_convolution(const reference_window& window, std::size_t filters,
+                                        std::size_t groups, bool bias) {
+    return std::make_unique<convolution>(window, filters, groups, bias);
 }
 reference_pointer reference_dense(extents3 input, std::size_t outputs) {
     // One window, as large as the image.
     return std::make_unique<convolution>(reference_window{input, input.rows, input.columns, 1, 1, 0, 0, 0, 0},
-                                         outputs);
+                                         outputs, 1, true);
 }
 reference_pointer reference_batch_norm(extents3 input) {
     return std::make_unique<batch_norm>(input);

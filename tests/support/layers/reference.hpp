@@ -67,6 +67,9 @@ struct reference_window {
     /// right.
     static reference_window same(extents3 input, std::size_t kernel_rows, std::size_t kernel_columns,
                                  std::size_t stride_rows, std::size_t stride_columns);
+    /// PyTorch's ceil_mode, by its rule: as many windows as it takes to reach the end, but each begins in the
+    /// image or in the padding in front of it.
+    [[nodiscard]] reference_window completed() const;
     [[nodiscard]] std::size_t output_rows() const {
         return (input.rows + top + bottom - kernel_rows) / stride_rows + 1;
     }
@@ -89,15 +92,25 @@ struct reference_window {
     }
 };
 
-reference_pointer reference_convolution(const reference_window& window, std::size_t filters);
+reference_pointer reference_convolution(const reference_window& window, std::size_t filters,
+                                        std::size_t groups = 1, bool bias = true);
 reference_pointer reference_dense(extents3 input, std::size_t outputs);
 reference_pointer reference_batch_norm(extents3 input);
 reference_pointer reference_relu(extents3 input);
 reference_pointer reference_max_pool(const reference_window& window);
+/// The mean of each window over its pixels, or over its pixels and the padding as it was `given` at the
+/// bottom and on the right.
+reference_pointer reference_average_pool(const reference_window& window, bool counts_padding,
+                                         std::size_t given_bottom, std::size_t given_right);
+/// PyTorch's adaptive average pool.
+reference_pointer reference_adaptive_average(extents3 input, std::size_t rows, std::size_t columns);
+reference_pointer reference_local_response_norm(extents3 input, std::size_t size, double alpha, double beta,
+                                                double k);
 reference_pointer reference_softmax(extents3 input);
 /// Dropout of nothing, and any dropout after training.
 reference_pointer reference_identity(extents3 input);
 reference_pointer reference_sequence(extents3 input, std::vector<reference_pointer> layers);
 reference_pointer reference_residual(reference_pointer main, reference_pointer skip);
+reference_pointer reference_concatenation(std::vector<reference_pointer> branches);
 
 } // namespace support

@@ -4,6 +4,7 @@
 
 #include <tactnet/layers.hpp>
 
+#include <cstdint>
 #include <support/layers/reference.hpp>
 #include <utility>
 #include <vector>
@@ -17,14 +18,17 @@ inline reference_window window_over(extents3 in, tactnet::extent kernel, tactnet
                                     tactnet::padding around) {
     if (around.how == tactnet::padding::rule::same)
         return reference_window::same(in, kernel.rows, kernel.columns, stride.rows, stride.columns);
-    return {in,         kernel.rows,   kernel.columns, stride.rows, stride.columns,
-            around.top, around.bottom, around.left,    around.right};
+    const reference_window given{in,         kernel.rows,   kernel.columns, stride.rows, stride.columns,
+                                 around.top, around.bottom, around.left,    around.right};
+    return around.how == tactnet::padding::rule::ceil_mode ? given.completed() : given;
 }
 
-template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding>
-struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding>> {
+template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding,
+          tactnet::conv2d_options Options>
+struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static reference_pointer on(extents3 in) {
-        return reference_convolution(window_over(in, Kernel, Stride, Padding), Filters);
+        return reference_convolution(window_over(in, Kernel, Stride, Padding), Filters, Options.groups,
+                                     Options.bias);
     }
 };
 template <std::size_t Outputs>
@@ -53,6 +57,43 @@ struct reference_of<tactnet::norm_relu_pool<Window, Stride, Padding>> {
         layers.push_back(reference_relu(in));
         layers.push_back(reference_of<tactnet::max_pool<Window, Stride, Padding>>::on(in));
         return reference_sequence(in, std::move(layers));
+    }
+};
+template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding,
+          tactnet::average_over Over>
+struct reference_of<tactnet::average_pool<Window, Stride, Padding, Over>> {
+    static reference_pointer on(extents3 in) {
+        const reference_window window = window_over(in, Window, Stride, Padding);
+        const bool completed = Padding.how == tactnet::padding::rule::ceil_mode;
+        return reference_average_pool(window, Over == tactnet::average_over::pixels_and_padding,
+                                      completed ? Padding.bottom : window.bottom,
+                                      completed ? Padding.right : window.right);
+    }
+};
+template <tactnet::extent Output>
+struct reference_of<tactnet::adaptive_average_pool<Output>> {
+    static reference_pointer on(extents3 in) {
+        return reference_adaptive_average(in, Output.rows, Output.columns);
+    }
+};
+template <std::size_t Size, class Alpha, class Beta, class K>
+struct reference_of<tactnet::local_response_norm<Size, Alpha, Beta, K>> {
+    static reference_pointer on(extents3 in) {
+        const auto value = [](std::intmax_t over, std::intmax_t under) {
+            return static_cast<double>(over) / static_cast<double>(under);
+        };
+        return reference_local_response_norm(in, Size, value(Alpha::num, Alpha::den),
+                                             value(Beta::num, Beta::den), value(K::num, K::den));
+    }
+};
+template <tactnet::name_text Name, class Spec>
+struct reference_of<tactnet::named<Name, Spec>> : reference_of<Spec> {};
+template <class... Branches>
+struct reference_of<tactnet::concatenation<Branches...>> {
+    static reference_pointer on(extents3 in) {
+        std::vector<reference_pointer> branches;
+        (branches.push_back(reference_of<tactnet::as_sequence<Branches>>::on(in)), ...);
+        return reference_concatenation(std::move(branches));
     }
 };
 template <>

@@ -24,6 +24,32 @@ inline constexpr const char* format_name = nullptr;
 template <>
 inline constexpr const char* format_name<single_precision> = "tactnet::single_precision";
 
+/// An axis of average windows, and all of them, as C++.
+[[nodiscard]] inline std::string spelling_of(const kernels::average_axis& a) {
+    std::string text = "{"; // appended: GCC 12 warns of a sum that begins with so short a literal
+    for (const std::size_t number : {a.size, a.outputs, a.kernel, a.stride, a.before, a.after})
+        text += (text.size() > 1 ? ", " : "") + std::to_string(number);
+    return text + "}";
+}
+[[nodiscard]] inline std::string spelling_of(const kernels::average_windows& w) {
+    return "tactnet::kernels::average_windows{.rows = " + spelling_of(w.rows) +
+           ", .columns = " + spelling_of(w.columns) + ", .counts_padding = " + text_of(w.counts_padding) +
+           "}";
+}
+template <class Ratio>
+[[nodiscard]] std::string spelling_of_ratio() {
+    return "std::ratio<" + std::to_string(Ratio::num) + ", " + std::to_string(Ratio::den) + ">";
+}
+template <class Rule>
+struct rule_spelling;
+template <std::size_t Size, class Alpha, class Beta, class K>
+struct rule_spelling<kernels::response_rule<Size, Alpha, Beta, K>> {
+    static std::string of() {
+        return "tactnet::kernels::response_rule<" + std::to_string(Size) + ", " + spelling_of_ratio<Alpha>() +
+               ", " + spelling_of_ratio<Beta>() + ", " + spelling_of_ratio<K>() + ">";
+    }
+};
+
 /// tactnet::name<format, argument, …>
 [[nodiscard]] inline std::string step_type(const char* name, const char* format,
                                            std::initializer_list<std::string> arguments) {
@@ -107,6 +133,22 @@ struct step_spelling<pool_step<Format, Window, Stride>> {
                 detail::step_type<Format>("pool_step", {text_of(Window), stride})};
     }
 };
+template <class Format, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+struct step_spelling<average_pool_step<Format, Windows, Channels, Stride>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {"Average pool",
+                detail::step_type<Format>("average_pool_step",
+                                          {detail::spelling_of(Windows), std::to_string(Channels), stride})};
+    }
+};
+template <class Format, shape Map, std::size_t Stride, class Rule>
+struct step_spelling<local_response_norm_step<Format, Map, Stride, Rule>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {"Local response normalisation",
+                detail::step_type<Format>("local_response_norm_step",
+                                          {text_of(Map), stride, detail::rule_spelling<Rule>::of()})};
+    }
+};
 template <class Format, shape Map, std::size_t Stride>
 struct step_spelling<softmax_step<Format, Map, Stride>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
@@ -125,6 +167,17 @@ struct step_spelling<residual_step<Main, Skip, InputStride>> {
         const std::string main = text.define<Main>(input, stride), skip = text.define<Skip>(input, stride);
         return {"Both branches of a residual block",
                 "tactnet::residual_step<" + main + ", " + skip + ", " + stride + ">"};
+    }
+};
+template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+struct step_spelling<concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
+    static spelled_step of(step_text& text, const shape& input, const std::string& stride) {
+        std::string type = "tactnet::concatenation_step<" + std::string(detail::format_name<Format>) + ", " +
+                           text_of(Input) + ", " + stride + ", " + std::to_string(Stride);
+        ((type += ", tactnet::branch_step<" + text.define<typename Branches::step>(input, stride) + ", " +
+                  std::to_string(Branches::offset) + ">"),
+         ...);
+        return {"Branches side by side", type + ">"};
     }
 };
 template <class... Steps>

@@ -22,9 +22,16 @@ struct convolution_epilogue {
     extent pool = 1; ///< window and stride of a max pool
     std::size_t pooled_rows = 0, pooled_columns = 0;
     bool rectified = false, adds = false;
+    std::size_t map_stride = 0, map_offset = 0; ///< of a wider map that takes the output
 
     [[nodiscard]] constexpr bool pooled() const { return pooled_rows > 0; }
 };
+
+template <std::size_t MapStride, std::size_t MapOffset>
+[[nodiscard]] constexpr convolution_epilogue at_place(convolution_epilogue behind) {
+    behind.map_stride = MapStride, behind.map_offset = MapOffset;
+    return behind;
+}
 
 /// A convolution with the batch norm, the max pool and the ReLU behind it. `Norm` gives the norm's constants.
 template <class Place, class Norm = no_norm, convolution_epilogue Behind = convolution_epilogue{}>
@@ -37,7 +44,10 @@ struct convolution_form {
                                                        .pooled_rows = Behind.pooled_rows,
                                                        .pooled_columns = Behind.pooled_columns,
                                                        .rectified = Behind.rectified,
-                                                       .adds = Behind.adds};
+                                                       .adds = Behind.adds,
+                                                       .groups = layer::groups,
+                                                       .map_stride = Behind.map_stride,
+                                                       .map_offset = Behind.map_offset};
     using step = convolution_step<typename Place::format, kernel>;
 
     static void fold(const parameter_source& list, float* to) {
@@ -46,8 +56,8 @@ struct convolution_form {
         for (std::size_t w = 0; w < step::weights; ++w)
             to[w] = static_cast<float>(static_cast<double>(values[w]) * norm.factor(w / layer::fan_in));
         for (std::size_t f = 0; f < kernel.filters; ++f)
-            to[step::weights + f] =
-                static_cast<float>(norm.shifted(f, static_cast<double>(values[step::weights + f])));
+            to[step::weights + f] = static_cast<float>(
+                norm.shifted(f, layer::has_bias ? static_cast<double>(values[step::weights + f]) : 0.0));
     }
 
     template <class Spec, class NextPlace>
@@ -76,6 +86,13 @@ struct convolution_form {
         requires(!Behind.pooled() && !Behind.rectified)
     using adding = convolution_form<Place, Norm, convolution_epilogue{.rectified = Rectified, .adds = true}>;
 
+    /// Among the channels of a wider map, as a branch of a concatenation: where the filters fill vectors of
+    /// four, which all instruction sets have.
+    template <std::size_t MapStride, std::size_t MapOffset>
+    static constexpr bool fits_among = kernel.filters % 4 == 0 && MapOffset % 4 == 0 && MapStride % 4 == 0;
+    template <std::size_t MapStride, std::size_t MapOffset>
+    using among = convolution_form<Place, Norm, at_place<MapStride, MapOffset>(Behind)>;
+
 private:
     /// A max pool that a convolution can take along: windows side by side, none before the image, and no more
     /// pixels than a register block holds.
@@ -96,8 +113,8 @@ private:
     }
 };
 
-template <std::size_t Filters, extent Kernel, extent Stride, padding Padding>
-struct deployed_form<conv2d<Filters, Kernel, Stride, Padding>> {
+template <std::size_t Filters, extent Kernel, extent Stride, padding Padding, conv2d_options Options>
+struct deployed_form<conv2d<Filters, Kernel, Stride, Padding, Options>> {
     template <class Place>
     using at = convolution_form<Place>;
 };

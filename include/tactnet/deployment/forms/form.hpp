@@ -28,7 +28,9 @@
 //   channels<Place>       x · factor(channel) + offset: a batch norm; constructible from a parameter_source
 //   maximum<Place>        the sliding_window whose largest value it takes
 // A form on which the sum of a residual block can be left says `adding<bool Rectified>`: the form that adds
-// to what lies in the output already, with a ReLU behind the sum or not.
+// to what lies in the output already, with a ReLU behind the sum or not. One that can write among the
+// channels of a wider map says `fits_among<MapStride, MapOffset>`, and `among<MapStride, MapOffset>` is the
+// form that does.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

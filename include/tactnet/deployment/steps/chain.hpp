@@ -27,7 +27,9 @@ struct step_chain {
     static_assert((deployed_step<Steps> && ...),
                   "step_chain: what is listed must be steps; deployed_step says "
                   "what that is");
-    static_assert((detail::fills_map<Steps> && ...),
+    /// The last step may write among the channels of a wider map, which is then someone else's.
+    static constexpr bool fills_map = detail::fills_map<at<size - 1>>;
+    static_assert((std::size_t{0} + ... + !detail::fills_map<Steps>) == !fills_map,
                   "step_chain: a step that writes among the channels of a wider map cannot stand by itself");
     using activation = typename format::activation;
     using packed_number = typename format::packed;

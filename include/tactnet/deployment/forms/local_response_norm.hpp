@@ -1,0 +1,21 @@
+#pragma once
+
+#include <tactnet/deployment/forms/form.hpp>
+#include <tactnet/deployment/steps/local_response_norm.hpp>
+#include <tactnet/layers/local_response_norm.hpp>
+
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+template <std::size_t Size, class Alpha, class Beta, class K>
+struct deployed_form<local_response_norm<Size, Alpha, Beta, K>> {
+    template <class Place>
+    using at = form_without_parameters<
+        local_response_norm_step<typename Place::format, Place::layer::output, Place::input_stride,
+                                 kernels::response_rule<Size, Alpha, Beta, K>>>;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

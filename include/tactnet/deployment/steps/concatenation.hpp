@@ -1,0 +1,100 @@
+#pragma once
+
+#include <tactnet/deployment/steps/residual.hpp>
+#include <tactnet/deployment/steps/step.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <type_traits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A branch whose channels begin at `Offset` of the common map. Its last step writes them there, or, where it
+/// cannot, they are copied; a branch of no_step copies the input.
+template <class Step, std::size_t Offset>
+struct branch_step {
+    using step = Step;
+    static constexpr std::size_t offset = Offset;
+};
+
+/// Several branches over the same input of `Channels` channels, `InputStride` elements from one pixel to the
+/// next, side by side in one map of `Stride` elements a pixel.
+template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+struct concatenation_step {
+    using format = Format;
+    using activation = typename format::activation;
+    using packed_number = typename format::packed;
+
+private:
+    template <class Branch>
+    static constexpr bool passes_input_on = std::is_same_v<typename Branch::step, no_step>;
+    /// The map of a branch by itself.
+    template <class Branch>
+    static constexpr shape map = [] {
+        if constexpr (passes_input_on<Branch>)
+            return Input;
+        else
+            return Branch::step::output;
+    }();
+    /// Elements for a branch that is computed aside.
+    template <class Branch>
+    static constexpr std::size_t aside = [] {
+        if constexpr (passes_input_on<Branch>)
+            return std::size_t{0};
+        else
+            return detail::fills_map<typename Branch::step>
+                       ? whole_lines(map<Branch>.area() * Branch::step::output_stride)
+                       : 0;
+    }();
+
+public:
+    static constexpr shape output = [] {
+        shape all{0, 0, 0};
+        ((all = {map<Branches>.rows, map<Branches>.columns, all.channels + map<Branches>.channels}), ...);
+        return all;
+    }();
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr std::size_t folded = (Branches::step::folded + ...),
+                                 packed = (Branches::step::packed + ...);
+    static constexpr std::size_t scratch = std::max({(aside<Branches> + Branches::step::scratch)...});
+
+    static constexpr void pack(const float* from, packed_number* to) {
+        ((Branches::step::pack(from, to), from += Branches::step::folded, to += Branches::step::packed), ...);
+    }
+    static double reach(const float* from, double input) {
+        double most = 0;
+        ((most = std::max(most, Branches::step::reach(from, input)), from += Branches::step::folded), ...);
+        return most;
+    }
+    static void run(const packed_number* packed_values, const activation* in, activation* out,
+                    activation* memory) noexcept {
+        ((run_branch<Branches>(packed_values, in, out, memory), packed_values += Branches::step::packed),
+         ...);
+        if constexpr (output.channels < Stride)
+            for (std::size_t pixel = 0; pixel < output.area(); ++pixel)
+                std::fill(out + pixel * Stride + output.channels, out + (pixel + 1) * Stride, activation{});
+    }
+
+private:
+    template <class Branch>
+    static void run_branch(const packed_number* packed_values, const activation* in, activation* out,
+                           activation* memory) noexcept {
+        if constexpr (passes_input_on<Branch>) {
+            copy<Branch, InputStride>(in, out);
+        } else if constexpr (aside<Branch> == 0) {
+            Branch::step::run(packed_values, in, out, memory);
+        } else {
+            Branch::step::run(packed_values, in, memory, memory + aside<Branch>);
+            copy<Branch, Branch::step::output_stride>(memory, out);
+        }
+    }
+    template <class Branch, std::size_t From>
+    static void copy(const activation* from, activation* to) {
+        for (std::size_t pixel = 0; pixel < output.area(); ++pixel)
+            std::copy_n(from + pixel * From, map<Branch>.channels, to + pixel * Stride + Branch::offset);
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <tactnet/kernels/batch/average_pooling.hpp>
+#include <tactnet/layers/layer.hpp>
+#include <tactnet/layers/max_pool.hpp>
+
+#include <algorithm>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// What the sum of a window is divided by: the pixels in it, or the zeros around them as well (PyTorch's
+/// count_include_pad).
+enum class average_over { pixels, pixels_and_padding };
+
+namespace detail {
+
+/// Averages over windows that are known.
+template <class T, shape Input, kernels::average_windows Windows>
+struct average_layer : layer_without_parameters<T, Input, shape{}> {
+    static constexpr kernels::average_windows windows = Windows;
+    static constexpr shape output{Windows.rows.outputs, Windows.columns.outputs, Input.channels};
+    static constexpr bool by_parts = true;
+
+    static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+                      output_view<T, output> out) {
+        p.threads.for_each(in.groups(), [&](std::size_t g) {
+            kernels::average_pool_forward(windows, Input.channels, in.group(g), out.group(g));
+        });
+    }
+    static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
+                        output_view<T, output> out) {
+        infer(p, none, none, m, in, out);
+    }
+    static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>, input_view<T, output>,
+                         input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T*) {
+        if (in_gradient.data() == nullptr)
+            return;
+        p.threads.for_each(in_gradient.groups(), [&](std::size_t g) {
+            kernels::average_pool_backward(windows, Input.channels, out_gradient.group(g),
+                                           in_gradient.group(g));
+        });
+    }
+};
+
+template <std::size_t WindowRows, std::size_t WindowColumns, std::size_t StrideArea, std::size_t PaddedRows,
+          std::size_t PaddedColumns, std::size_t MostRowsOfPadding, std::size_t MostColumnsOfPadding>
+[[nodiscard]] constexpr kernels::average_windows average_pool_windows(kernels::average_windows windows) {
+    static_assert(WindowRows > 0 && WindowColumns > 0 && StrideArea > 0,
+                  "average_pool: window and stride must be at least 1");
+    static_assert(
+        window_fits_padded_input<WindowRows, WindowColumns, PaddedRows, PaddedColumns>,
+        "average_pool: the window is larger than the padded input; window_fits_padded_input shows window "
+        "rows, window columns, padded rows, padded columns");
+    static_assert(
+        every_window_holds_a_pixel<MostRowsOfPadding, MostColumnsOfPadding, WindowRows, WindowColumns>,
+        "average_pool: the padding must be smaller than the window, or a window holds no pixel; "
+        "every_window_holds_a_pixel shows rows and columns of padding on one side, window rows, window "
+        "columns");
+    return windows;
+}
+/// As PyTorch has them: what ceil mode adds behind the padding that was given is not counted as padding.
+[[nodiscard]] constexpr kernels::average_windows average_windows_of(const sliding_window& w, padding given,
+                                                                    average_over over) {
+    const bool completed = given.how == padding::rule::ceil_mode;
+    return {.rows = {w.input.rows, w.output_rows(), w.kernel.rows, w.stride.rows, w.top,
+                     completed ? given.bottom : w.bottom},
+            .columns = {w.input.columns, w.output_columns(), w.kernel.columns, w.stride.columns, w.left,
+                        completed ? given.right : w.right},
+            .counts_padding = over == average_over::pixels_and_padding};
+}
+
+template <std::size_t Rows, std::size_t Columns>
+[[nodiscard]] constexpr kernels::average_windows adaptive_windows(shape input) {
+    static_assert(Rows > 0 && Columns > 0, "adaptive_average_pool: there must be at least one output");
+    return {.rows = {input.rows, Rows}, .columns = {input.columns, Columns}};
+}
+
+} // namespace detail
+
+/// Average pooling. `same` padding gives ceil(size / stride) outputs.
+template <extent Window, extent Stride = Window, padding Padding = same,
+          average_over Over = average_over::pixels>
+struct average_pool {
+    static constexpr std::string_view name = "pool";
+    static constexpr bool numbered = true;
+
+    template <class T, shape Input>
+    static constexpr sliding_window window = sliding_window::over(Input, Window, Stride, Padding);
+    template <class T, shape Input>
+    using layer = detail::average_layer<
+        T, Input,
+        detail::average_pool_windows<Window.rows, Window.columns, Stride.area(),
+                                     Input.rows + window<T, Input>.top + window<T, Input>.bottom,
+                                     Input.columns + window<T, Input>.left + window<T, Input>.right,
+                                     std::max(window<T, Input>.top, window<T, Input>.bottom),
+                                     std::max(window<T, Input>.left, window<T, Input>.right)>(
+            detail::average_windows_of(window<T, Input>, Padding, Over))>;
+};
+
+/// Average pooling to a map of that size, whatever the input: bins as equal as can be. PyTorch's
+/// AdaptiveAvgPool2d, which also makes more of less.
+template <extent Output>
+struct adaptive_average_pool {
+    static constexpr std::string_view name = "pool";
+    static constexpr bool numbered = true;
+
+    template <class T, shape Input>
+    using layer =
+        detail::average_layer<T, Input, detail::adaptive_windows<Output.rows, Output.columns>(Input)>;
+};
+
+/// The mean of each channel (Lin, Chen, Yan, "Network in network", 2014).
+using global_average_pool = adaptive_average_pool<1>;
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

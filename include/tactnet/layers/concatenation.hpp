@@ -1,0 +1,193 @@
+#pragma once
+
+#include <tactnet/kernels/batch/elementwise.hpp>
+#include <tactnet/layers/named.hpp>
+#include <tactnet/layers/sequence.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+template <std::size_t Rows, std::size_t Columns, std::size_t FirstRows, std::size_t FirstColumns>
+concept maps_agree = (Rows == FirstRows) && (Columns == FirstColumns);
+
+namespace detail {
+
+template <class First, class... Branches>
+[[nodiscard]] constexpr shape concatenation_output() {
+    static_assert((maps_agree<Branches::output.rows, Branches::output.columns, First::output.rows,
+                              First::output.columns> &&
+                   ...),
+                  "concatenation: all branches must give the same rows and columns; maps_agree shows those "
+                  "of a branch, then those of the first");
+    return {First::output.rows, First::output.columns,
+            (First::output.channels + ... + Branches::output.channels)};
+}
+
+} // namespace detail
+
+/// The channels of several branches over the same input, one branch behind the other (Szegedy et al., 2015).
+/// A branch is a list of layers or a single one; `identity` passes the input on. Arrays go by "branch1",
+/// "branch2" …, or by the names that branches are given.
+template <class... Branches>
+struct concatenation {
+    static_assert(sizeof...(Branches) > 0, "concatenation: there must be at least one branch");
+    static constexpr std::string_view name = "concat";
+    static constexpr bool numbered = true;
+    static constexpr std::size_t size = sizeof...(Branches);
+
+    template <class T, shape Input>
+    struct layer {
+        template <std::size_t I>
+        using at = typename decltype(detail::type_at<I>(
+            std::declval<detail::indexed_leaves<
+                std::type_identity<typename as_sequence<Branches>::template layer<T, Input>>...>>()))::type;
+
+        using value_type = T;
+        static constexpr shape input = Input;
+        static constexpr shape output =
+            detail::concatenation_output<typename as_sequence<Branches>::template layer<T, Input>...>();
+        static constexpr std::size_t parameters =
+            (as_sequence<Branches>::template layer<T, Input>::parameters + ...);
+        static constexpr std::size_t statistics =
+            (as_sequence<Branches>::template layer<T, Input>::statistics + ...);
+        static constexpr std::size_t multiply_adds =
+            (as_sequence<Branches>::template layer<T, Input>::multiply_adds + ...);
+        static constexpr std::size_t multiply_adds_on_pixels =
+            (as_sequence<Branches>::template layer<T, Input>::multiply_adds_on_pixels + ...);
+        static constexpr std::size_t inner_activations =
+            output.size() + std::max({as_sequence<Branches>::template layer<T, Input>::inner_activations...});
+        static constexpr bool in_place = false, keeps_output = false;
+        static constexpr bool by_parts = false, observes = false; // branches have stages of their own
+
+        /// What lies in front of each branch: channels of the output, parameters and statistics.
+        struct position {
+            std::size_t channels = 0, parameters = 0, statistics = 0;
+        };
+        static constexpr std::array<position, size> positions = [] {
+            std::array<position, size> all{};
+            position next;
+            kernels::unroll<size>([&](auto i) {
+                all[i] = next;
+                next.channels += at<i>::output.channels;
+                next.parameters += at<i>::parameters;
+                next.statistics += at<i>::statistics;
+            });
+            return all;
+        }();
+
+        struct memory {
+            detail::indexed_leaves<typename as_sequence<Branches>::template layer<T, Input>::memory...> inner;
+            std::array<aligned_vector<T>, size> outputs;
+            aligned_vector<T> out_gradient, in_gradient; // of one branch
+            std::size_t samples = 0;
+            void resize(std::size_t count) {
+                samples = count;
+                kernels::unroll<size>([&](auto i) {
+                    detail::get<i>(inner).resize(count);
+                    outputs[i].resize(groups_of<T>(count) * kernels::lanes<T> * at<i>::output.size());
+                });
+            }
+        };
+
+        static void describe(const std::string& prefix, std::vector<parameter>& list) {
+            constexpr std::array<std::string_view, size> given{given_name<Branches>()...};
+            constexpr std::array<bool, size> has_name{detail::has_given_name<Branches>...};
+            kernels::unroll<size>([&](auto i) {
+                const std::size_t first = list.size();
+                const std::string own =
+                    has_name[i] ? std::string(given[i]) : "branch" + std::to_string(i + 1);
+                at<i>::describe(joined_name(prefix, own), list);
+                for (std::size_t p = first; p < list.size(); ++p)
+                    list[p].offset +=
+                        learnable(list[p].what) ? positions[i].parameters : positions[i].statistics;
+            });
+        }
+        static void prepare(const pass& p, const T* values, const T* running, memory& m) {
+            kernels::unroll<size>([&](auto i) {
+                at<i>::prepare(p, values + positions[i].parameters, running + positions[i].statistics,
+                               detail::get<i>(m.inner));
+            });
+        }
+        static void infer(const pass& p, const T* values, const T* running, memory& m,
+                          input_view<T, Input> in, output_view<T, output> out) {
+            kernels::unroll<size>([&](auto i) {
+                const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
+                at<i>::infer(at_depth(p, i), values + positions[i].parameters,
+                             running + positions[i].statistics, detail::get<i>(m.inner), in, own);
+                copy<at<i>::output, true>(p, own.data(), out.data(), in.groups(), positions[i].channels);
+            });
+        }
+        static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
+                            output_view<T, output> out) {
+            kernels::unroll<size>([&](auto i) {
+                const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
+                at<i>::forward(at_depth(p, i), values + positions[i].parameters,
+                               running + positions[i].statistics, detail::get<i>(m.inner), in, own);
+                copy<at<i>::output, true>(p, own.data(), out.data(), in.groups(), positions[i].channels);
+            });
+        }
+        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+                             input_view<T, output>, input_view<T, output> out_gradient,
+                             output_view<T, Input> in_gradient, T* gradients) {
+            grow(m.in_gradient, in.groups() * in.group_size);
+            kernels::unroll<size>([&](auto i) {
+                constexpr shape own = at<i>::output;
+                grow(m.out_gradient, in.groups() * kernels::lanes<T> * own.size());
+                copy<own, false>(p, m.out_gradient.data(), out_gradient.data(), in.groups(),
+                                 positions[i].channels);
+                // The first branch sets the input's gradient, the others add to it.
+                T* const to =
+                    in_gradient.data() == nullptr || i == 0 ? in_gradient.data() : m.in_gradient.data();
+                at<i>::backward(at_depth(p, i), values + positions[i].parameters, detail::get<i>(m.inner), in,
+                                {m.outputs[i].data(), in.samples()}, {m.out_gradient.data(), in.samples()},
+                                {to, in.samples()}, gradients + positions[i].parameters);
+                if (i > 0 && to != nullptr)
+                    p.threads.for_each(in.groups(), [&](std::size_t g) {
+                        T* const sum = in_gradient.group(g);
+                        kernels::add(sum, to + g * in.group_size, sum, in.group_size);
+                    });
+            });
+        }
+
+    private:
+        template <class Branch>
+        static constexpr std::string_view given_name() {
+            if constexpr (detail::has_given_name<Branch>)
+                return Branch::name;
+            else
+                return "";
+        }
+        static void grow(aligned_vector<T>& elements, std::size_t count) {
+            if (elements.size() < count)
+                elements.resize(count);
+        }
+        static pass at_depth(const pass& p, std::size_t index) {
+            pass inner = p;
+            inner.depth = p.depth * 64 + static_cast<std::uint32_t>(index) + 1;
+            return inner;
+        }
+        /// Between the map of a branch and its channels of the whole map, which comes last.
+        template <shape Branch, bool ToWhole, class BranchElement, class WholeElement>
+        static void copy(const pass& p, BranchElement* branch, WholeElement* whole, std::size_t groups,
+                         std::size_t first_channel) {
+            p.threads.for_each(groups, [&](std::size_t g) {
+                constexpr std::size_t count = Branch.size() * kernels::lanes<T>;
+                WholeElement* const place =
+                    whole + (g * output.size() + first_channel * output.area()) * kernels::lanes<T>;
+                if constexpr (ToWhole)
+                    std::copy_n(branch + g * count, count, place);
+                else
+                    std::copy_n(place, count, branch + g * count);
+            });
+        }
+    };
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <tactnet/kernels/batch/local_response.hpp>
+#include <tactnet/layers/layer.hpp>
+
+#include <ratio>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+template <std::size_t Size, class K>
+[[nodiscard]] constexpr shape local_response_output(shape output) {
+    static_assert(Size > 0, "local_response_norm: the window must hold at least one channel");
+    static_assert(std::ratio_greater_v<K, std::ratio<0>>, "local_response_norm: k must be above zero");
+    return output;
+}
+
+} // namespace detail
+
+/// Local response normalisation across channels (Krizhevsky, Sutskever, Hinton, 2012, section 3.3):
+/// y(c) = x(c) · (k + α ÷ size · Σ x(i)²)^−β over the `size` channels around c. As in Caffe, MATLAB and
+/// PyTorch, α is divided by the size: the paper's α = 1e-4 at size 5, k = 2, is their 5e-4. Of an even size
+/// the odd channel is in front, as in PyTorch. The constants are fractions (std::ratio).
+template <std::size_t Size = 5, class Alpha = std::ratio<1, 10000>, class Beta = std::ratio<3, 4>,
+          class K = std::ratio<1>>
+struct local_response_norm {
+    static constexpr std::string_view name = "lrn";
+    static constexpr bool numbered = true;
+    using rule = kernels::response_rule<Size, Alpha, Beta, K>;
+
+    template <class T, shape Input>
+    struct layer : layer_without_parameters<T, Input, Input> {
+        static constexpr shape output = detail::local_response_output<Size, K>(Input);
+        static constexpr bool by_parts = true;
+
+        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+                          output_view<T, Input> out) {
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                kernels::normalise_responses<rule>(Input.channels, Input.area(), in.group(g), out.group(g));
+            });
+        }
+        static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
+                            output_view<T, Input> out) {
+            infer(p, none, none, m, in, out);
+        }
+        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input> in,
+                             input_view<T, Input>, input_view<T, Input> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
+            if (in_gradient.data() == nullptr)
+                return;
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                kernels::normalise_responses_backward<rule>(Input.channels, Input.area(), in.group(g),
+                                                            out_gradient.group(g), in_gradient.group(g));
+            });
+        }
+    };
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,7 @@
+// expect: average_pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
+// at-most: 1
+#include <tactnet/layers/average_pool.hpp>
+#include <tactnet/networks/network.hpp>
+
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::average_pool<8, 1, tactnet::valid>>;
+constexpr auto parameters = net::parameters;

@@ -1,0 +1,66 @@
+#include "deployed_network.hpp"
+
+#include <tactnet/networks/resnet.hpp>
+#include <tactnet/networks/squeezenet.hpp>
+
+#include <doctest/doctest.h>
+
+#include <memory>
+#include <networks/stages.hpp>
+#include <vector>
+
+// Networks for ImageNet, small in rows and columns, and one whose maps are too large for a stack.
+
+using namespace tactnet;
+
+// Where a convolution is computed by tiles of 2 × 2 outputs, the terms that go through it are larger: for 3 ×
+// 3 taps of like size (8 ÷ 3)² times those of the taps, while channels + 11 roundings take the place of 9
+// channels + 3. So deviations are at most (8 ÷ 3)² × √(11 + 1) ÷ √12 ≈ 7 times as large (one channel),
+// and 2.4 times with many.
+TEST_CASE("deployed: squeezenet gives torchvision's logits") {
+    using net_type = squeezenet1_1<shape{67, 67, 3}, 10>;
+    net_type net;
+    support::fill_by_name(net);
+    const auto fast = deploy(net);
+    std::vector<float> image(net_type::input_shape.size()), logits(net_type::outputs);
+    support::draw_by_name("input", image);
+    const auto memory = std::make_unique<deployed<net_type>::scratch>();
+    CHECK(fast(tensor_view<const float, net_type::input_shape>(image.data()),
+               std::span<float, net_type::outputs>(logits), *memory) == frame_status::recognised);
+    support::golden_stages golden("squeezenet1_1");
+    golden.compare(
+        "classifier.3", logits.size(), [&](std::size_t e) { return logits[e]; }, 2.4);
+    MESSAGE("largest error ÷ its deviation: " << golden.worst);
+    CHECK(golden.compared == 1);
+}
+
+TEST_CASE("deployed: resnet's blocks, every logit lies within the bound of its error") {
+    using blocks = unnamed<resnet_stem,                                                                     //
+                           named<"layer1", sequential<basic_block<64, 1, false>, bottleneck<16, 2, true>>>, //
+                           named<"layer2", sequential<bottleneck<16, 1, false>>>>;
+    const support::error_shares errors = support::errors_of<resnet<shape{18, 20, 3}, blocks, 10>>(52, 1);
+    MESSAGE(errors);
+    CHECK(errors.good());
+}
+
+TEST_CASE("deployed: maps too large for a stack lie on the heap, one by one and on threads") {
+    using net = network<shape{200, 200, 1}, conv2d<16, 1>, relu, global_average_pool>;
+    net trained;
+    support::fill(trained, 53);
+    const auto fast = deploy(trained);
+    using fast_net = std::remove_const_t<decltype(fast)>;
+    static_assert(fast_net::scratch_bytes > fast_net::view_type::most_on_stack);
+    const std::vector<std::uint8_t> counts = support::make_frame(2 * net::input_shape.size(), 54);
+    const auto memory = std::make_unique<fast_net::scratch>();
+    std::vector<float> together(2 * net::outputs), alone(net::outputs);
+    thread_pool threads(2);
+    CHECK(fast(threads, std::span<const std::uint8_t>(counts), std::span<float>(together)) ==
+          frame_status::recognised);
+    for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(fast(tensor_view<const std::uint8_t, net::input_shape>(counts.data() +
+                                                                     i * net::input_shape.size()),
+                   std::span<float, net::outputs>(alone), *memory) == frame_status::recognised);
+        CHECK(std::equal(alone.begin(), alone.end(),
+                         together.begin() + static_cast<std::ptrdiff_t>(i * net::outputs)));
+    }
+}

@@ -1,0 +1,19 @@
+#include <tactnet/networks/alexnet.hpp>
+
+#include <doctest/doctest.h>
+
+#include <networks/stages.hpp>
+
+using namespace tactnet;
+
+static_assert(alexnet<shape{224, 224, 3}>::parameters == 61100840);
+static_assert(alexnet<shape{224, 224, 3}>::multiply_adds == 714188480);
+static_assert(alexnet_original<shape{227, 227, 3}>::parameters == 60965224);
+
+TEST_CASE("alexnet: every stage as torchvision") {
+    support::golden_stages golden("alexnet");
+    CHECK(golden.has_names_of<alexnet<shape{224, 224, 3}>>());
+    support::compare_stages<alexnet<shape{67, 67, 3}, 10, 48>>(golden, "classifier.6");
+    MESSAGE("largest error ÷ its deviation: " << golden.worst);
+    CHECK(golden.compared == 13 + 1 + 7 + 1);
+}

@@ -1,0 +1,18 @@
+#include <tactnet/networks/vgg16.hpp>
+
+#include <doctest/doctest.h>
+
+#include <networks/stages.hpp>
+
+using namespace tactnet;
+
+static_assert(vgg16<shape{224, 224, 3}>::parameters == 138357544);
+static_assert(vgg16<shape{224, 224, 3}>::multiply_adds == 15470264320);
+
+TEST_CASE("vgg16: every stage as torchvision") {
+    support::golden_stages golden("vgg16");
+    CHECK(golden.has_names_of<vgg16<shape{224, 224, 3}>>());
+    support::compare_stages<vgg16<shape{32, 32, 3}, 10, 48>>(golden, "classifier.6");
+    MESSAGE("largest error ÷ its deviation: " << golden.worst);
+    CHECK(golden.compared == 31 + 1 + 7 + 1);
+}
