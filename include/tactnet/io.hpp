@@ -10,11 +10,16 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/partial_file.hpp>
+#include <tactnet/io/pretrained.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>
+#include <tactnet/io/safetensors/elements.hpp>
 #include <tactnet/io/safetensors/header.hpp>
+#include <tactnet/io/safetensors/index.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
+#include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/io/stored_arrays.hpp>
 #include <tactnet/io/text.hpp>

@@ -4,7 +4,8 @@
 #include <tactnet/deployment/forms.hpp>
 #include <tactnet/deployment/plan.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/tensor/tensor.hpp>
+#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -161,8 +162,9 @@ deploy(const Network& network, std::span<const float, Network::input_shape.size(
 /// For inputs that are taken as they are.
 template <class Network>
 [[nodiscard]] deployed<Network> deploy(const Network& network) {
-    const tensor<float, Network::input_shape> zero;
-    return deployed<Network>(network, zero.view().elements(), 1);
+    // Not on the stack: the photographs of large networks take more than half a megabyte.
+    const std::vector<float> zero(Network::input_shape.size());
+    return deployed<Network>(network, std::span(zero).template first<Network::input_shape.size()>(), 1);
 }
 
 } // namespace TACTNET_ARCH

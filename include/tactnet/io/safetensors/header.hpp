@@ -197,29 +197,40 @@ inline std::size_t check_tiling(const safetensors_header& header, const std::str
 
 } // namespace detail
 
-/// Reads and checks the header of the whole file in `bytes`; `file` names it in errors.
-/// Throws file_error for whatever does not agree with the format or with itself, and for a file cut short.
-inline safetensors_header parse_safetensors_header(std::span<const std::byte> bytes,
-                                                   const std::string& file) {
-    constexpr std::size_t prefix = sizeof(std::uint64_t);
-    if (bytes.size() < prefix)
-        throw file_error(file, "", "a safetensors file of at least " + std::to_string(prefix) + " bytes",
-                         std::to_string(bytes.size()));
+/// How many bytes a file begins with that hold its header's length.
+inline constexpr std::size_t safetensors_prefix = sizeof(std::uint64_t);
+
+/// Where the data of a file begins, from its first bytes (all, or safetensors_prefix of them at least) and
+/// its size. Throws file_error when the header would be longer than the format allows, or than the file.
+inline std::size_t safetensors_data_begin(std::span<const std::byte> beginning, std::uintmax_t size,
+                                          const std::string& file) {
+    if (beginning.size() < safetensors_prefix)
+        throw file_error(file, "",
+                         "a safetensors file of at least " + std::to_string(safetensors_prefix) + " bytes",
+                         std::to_string(beginning.size()));
     std::uint64_t length = 0;
-    std::memcpy(&length, bytes.data(), prefix);
+    std::memcpy(&length, beginning.data(), safetensors_prefix);
     if (length > safetensors_header_limit)
         throw file_error(file, "header length",
                          "at most " + std::to_string(safetensors_header_limit) +
                              " bytes in a safetensors file",
                          std::to_string(length));
-    if (length > bytes.size() - prefix)
+    if (length > size - safetensors_prefix)
         throw file_error(file, "header", std::to_string(length) + " bytes",
-                         std::to_string(bytes.size() - prefix) + " up to the end of the file");
+                         std::to_string(size - safetensors_prefix) + " up to the end of the file");
+    return safetensors_prefix + static_cast<std::size_t>(length);
+}
 
+/// Reads and checks the header of a file of `size` bytes. `beginning` holds all of them, or those in front of
+/// the data at least; `file` names it in errors. Throws file_error for whatever does not agree with the
+/// format or with itself, and for a file cut short.
+inline safetensors_header parse_safetensors_header(std::span<const std::byte> beginning, std::uintmax_t size,
+                                                   const std::string& file) {
+    constexpr std::size_t prefix = safetensors_prefix;
     safetensors_header header;
-    header.data_begin = prefix + static_cast<std::size_t>(length);
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + prefix,
-                                static_cast<std::size_t>(length));
+    header.data_begin = safetensors_data_begin(beginning, size, file);
+    const std::string_view text(reinterpret_cast<const char*>(beginning.data()) + prefix,
+                                header.data_begin - prefix);
     if (text.substr(0, 1) != "{")
         throw file_error(file, "header, byte " + std::to_string(prefix), "'{'",
                          text.empty() ? "an empty header" : in_quotes(text.substr(0, 1)));
@@ -235,7 +246,7 @@ inline safetensors_header parse_safetensors_header(std::span<const std::byte> by
     scanner.end();
 
     const std::size_t covered = detail::check_tiling(header, file);
-    const std::size_t present = bytes.size() - header.data_begin;
+    const std::uintmax_t present = size - header.data_begin;
     if (covered != present)
         throw file_error(file, covered > present ? "file cut short" : "end of the file",
                          std::to_string(covered) + " bytes of data for all tensors", std::to_string(present));

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/stored_arrays.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+// Weights that others have trained, for networks of up to hundreds of megabytes.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Fills a network with the arrays of a file, under torchvision's names, in float32, float16, bfloat16 or any
+/// other type that converts to float. The file is read array by array into the network, so that no more
+/// memory is taken than the network's own and one megabyte. Arrays whose names begin with one of `unread`
+/// (such as "classifier.") are passed over, for a trunk that is read from the file of a whole network.
+///
+/// Throws file_error, one that names all of them, when arrays are missing, surplus or of other extents; the
+/// network is then as it was. Throws file_error for values that are not finite and for negative variances;
+/// the network then holds some of the arrays.
+template <class Network>
+void load_pretrained(Network& network, safetensors_source& file, std::span<const std::string> unread = {}) {
+    const stored_arrays arrays = stored_arrays_of<Network>();
+    require_arrays(file, arrays, Network::outputs, unread);
+    std::size_t index = 0;
+    network.for_each_parameter([&](const auto&, auto to) {
+        using number = typename decltype(to)::value_type;
+        const std::string& name = arrays.list[index++].name;
+        if constexpr (std::is_same_v<number, float>) {
+            file.read<float>(name, to);
+            detail::check_values(file, name, to);
+        } else {
+            const std::vector<float> values = file.values<float>(name);
+            detail::check_values(file, name, values);
+            std::copy(values.begin(), values.end(), to.begin());
+        }
+    });
+}
+
+template <class Network>
+void load_pretrained(Network& network, const std::filesystem::path& path,
+                     std::span<const std::string> unread = {}) {
+    safetensors_source file = safetensors_source::open(path);
+    load_pretrained(network, file, unread);
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

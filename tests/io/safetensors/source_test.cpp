@@ -1,0 +1,110 @@
+#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <support/files/bit_flips.hpp>
+#include <support/files/temporary_folder.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+/// Every element type, and one tensor of more bytes than are read at a time.
+safetensors_writer writer_of_all_types() {
+    safetensors_writer writer;
+    writer.metadata["network"] = "any";
+    std::vector<std::byte> bytes(48);
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        bytes[i] = static_cast<std::byte>(7 * i % 64);
+    for (const auto& row : detail::element_type_table)
+        writer.add(std::string(row.name), row.type, {2, 24 / row.size}, std::span(bytes));
+    writer.add("none", {0, 3}, std::span<const float>{});
+    std::vector<float> many(700'001);
+    std::iota(many.begin(), many.end(), 0.5F);
+    writer.add("many", {many.size()}, std::span<const float>(many));
+    return writer;
+}
+
+std::string error_of(const std::filesystem::path& path) {
+    try {
+        static_cast<void>(safetensors_source::open(path));
+    } catch (const file_error& error) {
+        return error.expected() + " | " + error.found();
+    }
+    return "no error";
+}
+
+} // namespace
+
+TEST_CASE("safetensors source: every tensor as a reader of the whole file gives it") {
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "all.safetensors";
+    writer_of_all_types().write(path);
+    const safetensors whole = safetensors::read(path);
+    safetensors_source source = safetensors_source::open(path);
+    CHECK(source.metadata() == whole.metadata());
+    CHECK(source.checksum() == checksum_state::verified);
+    CHECK(source.file() == path.string());
+    REQUIRE(source.tensors().size() == 15);
+    for (const auto& [name, tensor] : whole.tensors()) {
+        CAPTURE(name);
+        CHECK(source.at(name).extents == tensor.extents);
+        CHECK(source.values<float>(name) == whole.values<float>(name));
+        CHECK(source.values<double>(name) == whole.values<double>(name));
+    }
+    CHECK(source.values<std::int64_t>("I64") == whole.values<std::int64_t>("I64"));
+    CHECK_THROWS_AS(static_cast<void>(source.values<std::int64_t>("I32")), file_error);
+    CHECK_THROWS_AS(static_cast<void>(source.values<float>("absent")), file_error);
+    std::array<float, 3> room{};
+    CHECK_THROWS_AS(source.read<float>("F32", room), std::invalid_argument);
+}
+
+TEST_CASE("safetensors source: damage is noticed as in a file that is read whole") {
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "small.safetensors";
+    safetensors_writer writer;
+    writer.add("x", {4}, std::span<const float>(std::array{1.0F, 2.0F, 3.0F, 4.0F}));
+    const auto unnoticed = support::unnoticed_flips(
+        writer.to_bytes(),
+        [&](const auto& bytes) {
+            write_file(path, bytes);
+            return error_of(path) != "no error";
+        },
+        300);
+    CHECK(unnoticed.empty());
+
+    auto bytes = writer.to_bytes();
+    bytes.pop_back();
+    write_file(path, bytes);
+    CHECK(error_of(path) == "16 bytes of data for all tensors | 15");
+    bytes.resize(20);
+    write_file(path, bytes);
+    CHECK(error_of(path).ends_with(" | 12 up to the end of the file"));
+    write_file(path, std::string_view("abc"));
+    CHECK(error_of(path) == "a safetensors file of at least 8 bytes | 3");
+}
+
+TEST_CASE("safetensors source: what is no file, and a file that becomes shorter") {
+    const support::temporary_folder folder;
+    CHECK(error_of(folder.path()) == "a file | a folder");
+    CHECK(error_of(folder.path() / "absent") == "a file | nothing of that name");
+    if (std::filesystem::exists("/dev/zero"))
+        CHECK(error_of("/dev/zero") == "a file | a pipe or a device");
+
+    const auto path = folder.path() / "all.safetensors";
+    writer_of_all_types().write(path);
+    safetensors_source source = safetensors_source::open(path);
+    std::filesystem::resize_file(path, 1'000'000);
+    CHECK_THROWS_AS(static_cast<void>(source.values<float>("many")), file_error);
+}

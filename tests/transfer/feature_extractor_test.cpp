@@ -1,0 +1,99 @@
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/transfer/feature_extractor.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr shape grey{6, 9};
+using trunk = network<shape{12, 14, 3}, conv2d<8, 3, 2>, relu, conv2d<6, 1>, relu>;
+using extractor = feature_extractor<trunk, grey>;
+
+trunk seeded_trunk() {
+    trunk n;
+    float next = 0.37F;
+    n.for_each_parameter([&](const parameter&, std::span<float> values) {
+        for (float& value : values)
+            value = 0.2F * ((next = next * 1.7F + 0.11F) > 1 ? next -= 1 : next) - 0.07F;
+    });
+    return n;
+}
+std::vector<std::uint8_t> images(std::size_t count) {
+    std::vector<std::uint8_t> pixels(count * grey.size());
+    for (std::size_t e = 0; e < pixels.size(); ++e)
+        pixels[e] = static_cast<std::uint8_t>(e * e % 251);
+    return pixels;
+}
+
+} // namespace
+
+TEST_CASE("feature extractor: what the trunk gives for the photograph of an image") {
+    const trunk weights = seeded_trunk();
+    const photograph_form form = mean_photograph(100, 90, 80);
+    const auto pixels = images(5);
+    const std::vector<std::size_t> chosen{4, 0, 2};
+    thread_pool threads(2);
+    const std::vector<float> all = extractor(weights, form).rows(pixels, chosen, threads);
+    constexpr shape map = extractor::map;
+    REQUIRE(map == shape{6, 7, 6});
+    REQUIRE(all.size() == 3 * map.size());
+    const auto largest = extractor(weights, form, map_features::maximum).rows(pixels, chosen, threads);
+    REQUIRE(largest.size() == 3 * map.channels);
+
+    const auto alone = deploy(weights);
+    bool some = false;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        std::vector<float> picture(trunk::input_shape.size()), expected(map.size());
+        to_photograph(tensor_view<const std::uint8_t, grey>(pixels.data() + chosen[i] * grey.size()), form,
+                      tensor_view<float, trunk::input_shape>(picture.data()));
+        REQUIRE(alone(tensor_view<const float, trunk::input_shape>(picture.data()),
+                      std::span<float, map.size()>(expected)) == frame_status::recognised);
+        for (std::size_t e = 0; e < map.size(); ++e) {
+            REQUIRE(all[i * map.size() + e] == expected[e]);
+            some = some || expected[e] > 0;
+        }
+        for (std::size_t channel = 0; channel < map.channels; ++channel) {
+            std::vector<float> row(map.channels);
+            to_features(map_features::maximum, expected, map, row);
+            REQUIRE(largest[i * map.channels + channel] == row[channel]);
+        }
+    }
+    CHECK(some);
+}
+
+TEST_CASE("feature extractor: bit-exact on any number of threads") {
+    const extractor extract(seeded_trunk(), torchvision_photograph);
+    const auto pixels = images(7);
+    const std::vector<std::size_t> chosen{0, 1, 2, 3, 4, 5, 6};
+    thread_pool one, three(3);
+    CHECK(extract.rows(pixels, chosen, one) == extract.rows(pixels, chosen, three));
+}
+
+TEST_CASE("feature extractor: images that are not there, and weights that give no numbers") {
+    const extractor extract(seeded_trunk(), torchvision_photograph);
+    const auto pixels = images(2);
+    thread_pool threads;
+    const std::vector<std::size_t> third{2}, first{0};
+    CHECK_THROWS_WITH_AS(static_cast<void>(extract.rows(pixels, third, threads)),
+                         "feature_extractor: expected an image among 2, found 2", std::invalid_argument);
+    CHECK_THROWS_WITH_AS(static_cast<void>(extract.rows(std::span(pixels).first(60), first, threads)),
+                         "feature_extractor: expected images of 54 counts, found 60 counts",
+                         std::invalid_argument);
+    trunk large;
+    large.for_each_parameter([](const parameter&, std::span<float> values) {
+        for (float& value : values)
+            value = 1e29F;
+    });
+    CHECK_THROWS_AS(static_cast<void>(extractor(large, torchvision_photograph).rows(pixels, first, threads)),
+                    std::runtime_error);
+}
