@@ -31,6 +31,7 @@ class deployed {
 
 public:
     using view_type = deployed_view<Network::input_shape, typename plan::step>;
+    using activation = typename Format::activation;
     using scratch = typename view_type::scratch;
     static constexpr shape input_shape = Network::input_shape;
     static constexpr std::size_t outputs = view_type::outputs;
@@ -85,9 +86,11 @@ public:
                             std::span<float, outputs> to) const noexcept {
         return view()(counts, to);
     }
-    /// Frames one after the other, on all threads of a pool, with memory from the heap where a stack is too
-    /// small (deployed_view::most_on_stack): each bit-exact with itself alone. Tells whether all were
-    /// recognised. Throws std::invalid_argument unless there is a row of outputs for each frame.
+    /// Frames on all threads of a pool: each bit-exact with itself alone. A small network takes them one
+    /// after the other on each thread; of a large one, some frames pass together, so that weights are read
+    /// once for all of them, and all threads share each layer, for a single frame too. Tells whether all were
+    /// recognised. Throws std::invalid_argument unless there is a row of outputs for each frame, and
+    /// std::bad_alloc: a large network uses the heap here, unless it is given memory that is kept.
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames,
                             std::span<float> to) const {
         return recognise_all(threads, frames, to);
@@ -95,17 +98,84 @@ public:
     frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to) const {
         return recognise_all(threads, frames, to);
     }
+    /// Memory for such calls: it grows to what a call needs, and is kept for the next.
+    class shared_scratch {
+        friend deployed;
+        /// Not written to: pages that no call touches cost nothing.
+        activation* hold(std::size_t elements) {
+            if (elements > held_.size()) {
+                release();
+                held_ = {aligned_allocator<activation>().allocate(elements), elements};
+            }
+            return held_.data();
+        }
+        void release() noexcept {
+            if (!held_.empty())
+                aligned_allocator<activation>().deallocate(held_.data(), held_.size());
+            held_ = {};
+        }
+        std::span<activation> held_;
+
+    public:
+        shared_scratch() = default;
+        shared_scratch(const shared_scratch&) = delete;
+        shared_scratch& operator=(const shared_scratch&) = delete;
+        ~shared_scratch() { release(); }
+    };
+    frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames, std::span<float> to,
+                            shared_scratch& memory) const requires view_type::large {
+        return recognise_groups(threads, frames, to, memory);
+    }
+    frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to,
+                            shared_scratch& memory) const requires view_type::large {
+        return recognise_groups(threads, frames, to, memory);
+    }
 
 private:
+    /// Frames that pass together at most, beyond one for each thread.
+    static constexpr std::size_t most_together = 16;
+
+    template <class Count>
+    frame_status recognise_groups(thread_pool& threads, std::span<const Count> frames, std::span<float> to,
+                                  shared_scratch& memory) const {
+        const std::size_t count = checked_count(frames.size(), to.size());
+        const std::size_t group = std::max(most_together, threads.threads());
+        frame_status status = frame_status::recognised;
+        for (std::size_t first = 0; first < count; first += group) {
+            const frame_team<thread_pool> team{threads, std::min(group, count - first)};
+            if (view().recognise_together(frames.data() + first * input_shape.size(),
+                                          to.data() + first * outputs,
+                                          memory.hold(team.copies() * view_type::elements_together),
+                                          team) != frame_status::recognised)
+                status = frame_status::not_finite;
+        }
+        return status;
+    }
+    /// Frames, if there is a row of outputs for each.
+    static std::size_t checked_count(std::size_t counts, std::size_t numbers) {
+        const std::size_t count = counts / input_shape.size();
+        if (count * input_shape.size() != counts || count * outputs != numbers)
+            throw std::invalid_argument("deployed: expected frames of " + std::to_string(input_shape.size()) +
+                                        " counts and " + std::to_string(outputs) +
+                                        " outputs for each, found " + std::to_string(counts) +
+                                        " counts and " + std::to_string(numbers) + " outputs");
+        return count;
+    }
+
     template <class Count>
     frame_status recognise_all(thread_pool& threads, std::span<const Count> frames,
                                std::span<float> to) const {
-        const std::size_t count = frames.size() / input_shape.size();
-        if (count * input_shape.size() != frames.size() || count * outputs != to.size())
-            throw std::invalid_argument("deployed: expected frames of " + std::to_string(input_shape.size()) +
-                                        " counts and " + std::to_string(outputs) +
-                                        " outputs for each, found " + std::to_string(frames.size()) +
-                                        " counts and " + std::to_string(to.size()) + " outputs");
+        if constexpr (view_type::large) {
+            shared_scratch memory;
+            return recognise_groups(threads, frames, to, memory);
+        } else {
+            return recognise_one_by_one(threads, frames, to);
+        }
+    }
+    template <class Count>
+    frame_status recognise_one_by_one(thread_pool& threads, std::span<const Count> frames,
+                                      std::span<float> to) const {
+        const std::size_t count = checked_count(frames.size(), to.size());
         std::atomic<frame_status> status = frame_status::recognised;
         const auto one = [&](std::size_t i, auto&... memory) {
             const tensor_view<const Count, input_shape> frame(frames.data() + i * input_shape.size());

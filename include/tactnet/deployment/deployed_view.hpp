@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -65,6 +66,10 @@ public:
     static constexpr std::size_t scratch_bytes = sizeof(scratch);
     /// Networks that need more take their memory from the caller: stacks end at a few megabytes.
     static constexpr std::size_t most_on_stack = std::size_t{1} << 20;
+    /// Elements of memory for each of the frames or threads, whichever are more, that pass together.
+    static constexpr std::size_t elements_together = entrance::map + output_elements + Steps::scratch;
+    /// Whether frames had better pass together, and one frame occupy all threads.
+    static constexpr bool large = Steps::large;
 
     /// Packed weights as a value, for constants of a program.
     struct packed_weights {
@@ -105,6 +110,27 @@ public:
     frame_status operator()(tensor_view<const float, Input> counts,
                             std::span<float, outputs> to) const noexcept {
         return on_stack(counts.data(), to);
+    }
+    /// Frames and outputs one behind the other, on all threads of the team (deployment/steps/team.hpp);
+    /// `memory` holds elements_together for each of team.copies(). The same bits as frame by frame.
+    template <class Count, class Team>
+    frame_status recognise_together(const Count* counts, float* to, activation* memory,
+                                    const Team& team) const {
+        activation* const in = memory;
+        activation* const out = in + team.copies() * entrance::map;
+        std::atomic<bool> usual = true;
+        team.for_each_frame([&](std::size_t frame) {
+            if (!entrance::read(packed_, counts + frame * Input.size(), in + frame * entrance::map))
+                usual = false;
+        });
+        Steps::run_together(packed_ + entrance::packed, in, entrance::map, out,
+                            out + team.copies() * output_elements, team);
+        team.for_each_frame([&](std::size_t frame) {
+            if (!exit::write(out + frame * output_elements,
+                             std::span<float, outputs>(to + frame * outputs, outputs)))
+                usual = false;
+        });
+        return usual ? frame_status::recognised : frame_status::not_finite;
     }
 
 private:

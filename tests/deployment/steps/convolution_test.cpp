@@ -55,7 +55,7 @@ struct numbers_of {
 /// A channel of the output by plain sums: group by group.
 template <frame_convolution C>
 support::rounded_map expected_of(const std::vector<double>& in, const std::vector<float>& folded,
-                                 bool tiled) {
+                                 std::size_t tiled) {
     constexpr std::size_t channels = C.window.input.channels / C.groups, filters = C.filters / C.groups,
                           area = C.window.input.area();
     support::rounded_map all;
@@ -99,7 +99,7 @@ support::error_shares errors_of_step(std::uint64_t seed) {
                 wrong += C.map_stride > 0 ? !std::isnan(value) : value != 0;
         }
     CHECK(wrong == 0);
-    return support::shares_of(found, expected_of<C>(in.exact, numbers.folded, step::tiled));
+    return support::shares_of(found, expected_of<C>(in.exact, numbers.folded, step::tile_outputs));
 }
 
 constexpr sliding_window over(shape input, extent kernel, extent stride = 1) {

@@ -49,7 +49,7 @@ void compare_dense() {
     CHECK(output.untouched());
     const support::rounded_map expected = support::bounded_convolution(
         {{D.input.channels, D.input.rows, D.input.columns}, D.input.rows, D.input.columns, 1, 1, 0, 0, 0, 0},
-        D.outputs, weights, biases, in, nullptr, false);
+        D.outputs, weights, biases, in, nullptr, 0);
     std::size_t wrong = 0;
     for (std::size_t o = 0; o < D.outputs; ++o) {
         const double error = std::abs(static_cast<double>(output.data()[o]) - expected[o].value);

@@ -31,8 +31,8 @@ double square(double x) {
 class tile_magnitudes {
 public:
     tile_magnitudes(const reference_window& window, std::size_t filters, std::span<const double> weights,
-                    std::span<const double> in)
-        : window_(window), side_(window.kernel_rows + 1) {
+                    std::span<const double> in, std::size_t outputs)
+        : window_(window), side_(window.kernel_rows + outputs - 1) {
         const std::size_t channels = window.input.channels, rows = window.output_rows(),
                           columns = window.output_columns(), elements = side_ * side_;
         std::vector<double> kernels(filters * channels * elements);
@@ -41,8 +41,8 @@ public:
                              kernels.data() + k * elements);
         sizes.assign(filters * rows * columns, 0);
         std::vector<double> tile(channels * elements), products(elements);
-        for (std::size_t y = 0; y < rows; y += 2)
-            for (std::size_t x = 0; x < columns; x += 2) {
+        for (std::size_t y = 0; y < rows; y += outputs)
+            for (std::size_t x = 0; x < columns; x += outputs) {
                 for (std::size_t c = 0; c < channels; ++c)
                     transform_input(in, c, y, x, tile.data() + c * elements);
                 for (std::size_t f = 0; f < filters; ++f) {
@@ -51,10 +51,10 @@ public:
                         for (std::size_t e = 0; e < elements; ++e)
                             products[e] +=
                                 kernels[(f * channels + c) * elements + e] * tile[c * elements + e];
-                    for (std::size_t i = 0; i < 4; ++i)
-                        if (y + i / 2 < rows && x + i % 2 < columns)
-                            sizes[(f * rows + y + i / 2) * columns + x + i % 2] =
-                                output(products, i / 2, i % 2);
+                    for (std::size_t i = 0; i < outputs * outputs; ++i)
+                        if (y + i / outputs < rows && x + i % outputs < columns)
+                            sizes[(f * rows + y + i / outputs) * columns + x + i % outputs] =
+                                output(products, i / outputs, i % outputs);
                 }
             }
     }
@@ -62,24 +62,38 @@ public:
     std::vector<double> sizes;
 
 private:
+    static constexpr double root = 1.41421356237309504880;
     // |G|, |B|ᵀ and |A|ᵀ, line by line.
     [[nodiscard]] double g(std::size_t line, std::size_t at) const {
         static constexpr double of3[4][3] = {{1, 0, 0}, {.5, .5, .5}, {.5, .5, .5}, {0, 0, 1}};
         static constexpr double of2[3][2] = {{1, 0}, {1, 1}, {0, 1}};
-        return side_ == 4 ? of3[line][at] : of2[line][at];
+        static constexpr double of4[6][3] = {{1, 0, 0},
+                                             {2.0 / 3, root / 3, 1.0 / 3},
+                                             {2.0 / 3, root / 3, 1.0 / 3},
+                                             {1.0 / 6, root / 6, 1.0 / 3},
+                                             {1.0 / 6, root / 6, 1.0 / 3},
+                                             {0, 0, 1}};
+        return side_ == 6 ? of4[line][at] : side_ == 4 ? of3[line][at] : of2[line][at];
     }
     [[nodiscard]] double b(std::size_t line, std::size_t at) const {
         static constexpr double of3[4][4] = {{1, 0, 1, 0}, {0, 1, 1, 0}, {0, 1, 1, 0}, {0, 1, 0, 1}};
         static constexpr double of2[3][3] = {{1, 1, 0}, {0, 1, 0}, {0, 1, 1}};
-        return side_ == 4 ? of3[line][at] : of2[line][at];
+        static constexpr double of4[6][6] = {{1, 0, 2.5, 0, 1, 0},          {0, root, 2, root / 2, 1, 0},
+                                             {0, root, 2, root / 2, 1, 0},  {0, root / 2, .5, root, 1, 0},
+                                             {0, root / 2, .5, root, 1, 0}, {0, 1, 0, 2.5, 0, 1}};
+        return side_ == 6 ? of4[line][at] : side_ == 4 ? of3[line][at] : of2[line][at];
     }
     [[nodiscard]] double a(std::size_t line, std::size_t at) const {
         static constexpr double of3[2][4] = {{1, 1, 1, 0}, {0, 1, 1, 1}};
         static constexpr double of2[2][3] = {{1, 1, 0}, {0, 1, 1}};
-        return side_ == 4 ? of3[line][at] : of2[line][at];
+        static constexpr double of4[4][6] = {{1, 1, 1, 1, 1, 0},
+                                             {0, root / 2, root / 2, root, root, 0},
+                                             {0, .5, .5, 2, 2, 0},
+                                             {0, root / 4, root / 4, 2 * root, 2 * root, 1}};
+        return side_ == 6 ? of4[line][at] : side_ == 4 ? of3[line][at] : of2[line][at];
     }
     void transform_kernel(const double* kernel, double* to) const {
-        const std::size_t k = side_ - 1;
+        const std::size_t k = window_.kernel_rows;
         for (std::size_t y = 0; y < side_; ++y)
             for (std::size_t x = 0; x < side_; ++x) {
                 double sum = 0;
@@ -90,7 +104,7 @@ private:
     }
     void transform_input(std::span<const double> in, std::size_t channel, std::size_t row, std::size_t column,
                          double* to) const {
-        std::array<double, 16> d{};
+        std::array<double, 36> d{};
         for (std::size_t i = 0; i < side_ * side_; ++i) {
             const std::size_t y = row + i / side_, x = column + i % side_; // counted with the padding
             if (y >= window_.top && y < window_.top + window_.input.rows && x >= window_.left &&
@@ -175,7 +189,7 @@ public:
                 std::vector<rounded> biases(layer.filters);
                 for (std::size_t f = 0; f < layer.filters; ++f)
                     biases[f].value = static_cast<double>(b[f]);
-                x = bounded_convolution(layer.window, layer.filters, weights, biases, x, nullptr, false);
+                x = bounded_convolution(layer.window, layer.filters, weights, biases, x, nullptr, 0);
                 break;
             }
             case kind::norm: {
@@ -393,7 +407,7 @@ private:
 
 rounded_map bounded_convolution(const reference_window& window, std::size_t filters,
                                 std::span<const double> weights, std::span<const rounded> biases,
-                                const rounded_map& in, const rounded_map* added, bool tiled) {
+                                const rounded_map& in, const rounded_map* added, std::size_t tiled) {
     const std::size_t area = window.output_rows() * window.output_columns(),
                       taps = window.kernel_rows * window.kernel_columns, channels = window.input.channels;
     rounded_map out(filters * area);
@@ -412,13 +426,13 @@ rounded_map bounded_convolution(const reference_window& window, std::size_t filt
                 sizes[f * area + to] += std::abs(w * x.value);
             });
     double count = static_cast<double>(channels * taps) + 3;
-    if (tiled) {
+    if (tiled > 0) {
         std::vector<double> most(in.size()), values(in.size());
         for (std::size_t i = 0; i < in.size(); ++i)
             most[i] = magnitude(in[i]), values[i] = std::abs(in[i].value);
-        most_sizes = tile_magnitudes(window, filters, weights, most).sizes;
-        sizes = tile_magnitudes(window, filters, weights, values).sizes;
-        count = static_cast<double>(channels) + 11;
+        most_sizes = tile_magnitudes(window, filters, weights, most, tiled).sizes;
+        sizes = tile_magnitudes(window, filters, weights, values, tiled).sizes;
+        count = static_cast<double>(channels) + (tiled == 4 ? 23 : 11);
     }
     for (std::size_t o = 0; o < out.size(); ++o) {
         const rounded& bias = biases[o / area];

@@ -16,7 +16,9 @@
 //            (folding, G g Gᵀ in double), 2 in Bᵀ d B (one addition in each direction), c + 1 in the sum over
 //            the channels, 4 in Aᵀ m A, and 2 for bias and skip: γ(c + 11) times the same expression with the
 //            magnitudes of all factors, |A|ᵀ [Σ (|G| |g| |G|ᵀ) ∘ (|B|ᵀ (|d| + e) |B|)] |A|. What comes in
-//            wrong goes through the exact, linear map: Σ|w| e, as with taps.
+//            wrong goes through the exact, linear map: Σ|w| e, as with taps. Tiles of 4 × 4 outputs have
+//            factors that are rounded and multiplied: 4 roundings in each direction of Bᵀ d B, 5 in each of
+//            Aᵀ m A: γ(c + 23).
 // Max pool   passes the largest e of its window, ReLU passes e: neither rounds.
 // Average    a sum of n numbers and a quotient: γ(n) Σ (|x| + e) ÷ divisor.
 // Responses  see the code.
@@ -69,7 +71,7 @@ struct described_layer {
     std::size_t filters = 0;   ///< outputs of dense layers
     std::size_t groups = 1;    ///< of a convolution
     bool bias = true;          ///< of a convolution
-    bool tiled = false;        ///< whether a convolution is computed by Winograd's tiles
+    std::size_t tiled = 0; ///< rows of the outputs of Winograd's tiles, 2 or 4; 0 for a convolution by taps
     std::vector<described_layer> inner{}, skip{};
     /// Of a concatenation: lists.
     std::vector<described_layer> branches{};
@@ -94,7 +96,7 @@ struct described_layer {
 [[nodiscard]] rounded_map bounded_convolution(const reference_window& window, std::size_t filters,
                                               std::span<const double> weights,
                                               std::span<const rounded> biases, const rounded_map& in,
-                                              const rounded_map* added, bool tiled);
+                                              const rounded_map* added, std::size_t tiled);
 [[nodiscard]] rounded_map bounded_max_pool(const reference_window& window, const rounded_map& in);
 [[nodiscard]] rounded_map bounded_relu(rounded_map in);
 [[nodiscard]] rounded_map bounded_input(std::span<const float> counts, std::span<const float> mean,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/detail/indexed_leaves.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -47,6 +48,8 @@ struct step_chain {
     static constexpr std::size_t buffers = std::min<std::size_t>(size - 1, 2);
     static constexpr std::size_t scratch = buffers * buffer + std::max({Steps::scratch...});
 
+    static constexpr bool large = (detail::is_large<Steps> || ...);
+
     static constexpr void pack(const float* from, packed_number* to) {
         ((Steps::pack(from, to), from += Steps::folded, to += Steps::packed), ...);
     }
@@ -64,6 +67,19 @@ struct step_chain {
             at<i>::run(packed_values, in, to, inner);
             packed_values += at<i>::packed;
             in = to;
+        });
+    }
+    /// Frames whose inputs lie `in_distance` elements apart.
+    template <class Team>
+    static void run_together(const packed_number* packed_values, const activation* in,
+                             std::size_t in_distance, activation* out, activation* memory, const Team& team) {
+        const std::size_t turn = buffer * team.copies();
+        activation* const inner = memory + buffers * turn;
+        kernels::unroll<size>([&](auto i) {
+            activation* const to = i + 1 == size ? out : memory + i % 2 * turn;
+            detail::run_together<at<i>>(packed_values, in, in_distance, to, inner, team);
+            packed_values += at<i>::packed;
+            in = to, in_distance = detail::map_distance<at<i>>;
         });
     }
 };

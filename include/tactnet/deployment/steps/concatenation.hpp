@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/steps/residual.hpp>
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/deployment/steps/team.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -71,12 +72,28 @@ public:
                     activation* memory) noexcept {
         ((run_branch<Branches>(packed_values, in, out, memory), packed_values += Branches::step::packed),
          ...);
+        clear_rest(out);
+    }
+    static constexpr bool large = (detail::is_large<typename Branches::step> || ...);
+    /// Where all branches write to their places.
+    template <class Team>
+        requires((aside<Branches> == 0 && !passes_input_on<Branches>)&&...)
+    static void run_together(const packed_number* packed_values, const activation* in,
+                             std::size_t in_distance, activation* out, activation* memory, const Team& team) {
+        ((detail::run_together<typename Branches::step>(packed_values, in, in_distance, out, memory, team),
+          packed_values += Branches::step::packed),
+         ...);
+        team.for_each_frame(
+            [&](std::size_t frame) { clear_rest(out + frame * detail::map_distance<concatenation_step>); });
+    }
+
+private:
+    /// Lanes behind the last channel.
+    static void clear_rest(activation* out) {
         if constexpr (output.channels < Stride)
             for (std::size_t pixel = 0; pixel < output.area(); ++pixel)
                 std::fill(out + pixel * Stride + output.channels, out + (pixel + 1) * Stride, activation{});
     }
-
-private:
     template <class Branch>
     static void run_branch(const packed_number* packed_values, const activation* in, activation* out,
                            activation* memory) noexcept {

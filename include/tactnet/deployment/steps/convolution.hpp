@@ -3,6 +3,7 @@
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/frame/winograd.hpp>
+#include <tactnet/kernels/panels/large_convolution.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -42,15 +43,34 @@ private:
     static constexpr std::size_t parts = Kernel.groups_apart() ? Kernel.groups : 1;
     static constexpr kernels::frame_convolution part =
         Kernel.groups_apart() ? Kernel.group() : Kernel.joined();
+    static constexpr kernels::large_convolution large_plan{part};
     using tiles = kernels::winograd_tiles<part>;
 
 public:
-    /// Whether tiles take fewer operations than taps.
-    static constexpr bool tiled = tiles::pays;
-    static constexpr std::size_t packed_weights = whole_lines(tiled ? tiles::weights : part.weights());
+    /// Whether maps or weights are so large that it is computed by panels (kernels/panels).
+    static constexpr bool large = kernels::large_convolution::suits(part);
+    /// Rows and columns of outputs that make a tile, where tiles take fewer operations than taps; else 0.
+    static constexpr std::size_t tile_outputs = [] {
+        if constexpr (large)
+            return large_plan.tiles.outputs;
+        else
+            return std::size_t{tiles::pays ? 2 : 0};
+    }();
+    static constexpr bool tiled = tile_outputs > 0;
+    static constexpr std::size_t packed_weights = [] {
+        if constexpr (large)
+            return whole_lines(large_plan.weights());
+        else
+            return whole_lines(tiled ? tiles::weights : part.weights());
+    }();
     static constexpr std::size_t packed_part = packed_weights + whole_lines(part.padded_filters());
     static constexpr std::size_t packed = parts * packed_part;
-    static constexpr std::size_t scratch = tiled ? tiles::scratch : 0;
+    static constexpr std::size_t scratch = [] {
+        if constexpr (large)
+            return large_plan.scratch();
+        else
+            return tiled ? tiles::scratch : 0;
+    }();
 
     static constexpr void pack(const float* from, float* to) {
         for (std::size_t p = 0; p < parts; ++p, to += packed_part) {
@@ -59,7 +79,9 @@ public:
                 return weight_of(from, p * part.filters + filter, p * part.window.input.channels + channel,
                                  row, column);
             };
-            if constexpr (tiled)
+            if constexpr (large)
+                large_plan.pack(to, weight);
+            else if constexpr (tiled)
                 kernels::pack_winograd_weights<part>(to, weight);
             else
                 kernels::pack_frame_weights<part>(to, weight);
@@ -76,10 +98,22 @@ public:
             const float* const values = packed_values + p * packed_part;
             const float* const from = in + p * part.window.input.channels;
             float* const to = out + p * part.filters;
-            if constexpr (tiled)
+            if constexpr (large)
+                kernels::convolve_large(large_plan, {}, from, values, values + packed_weights, to, memory);
+            else if constexpr (tiled)
                 kernels::convolve_frame_by_tiles<part>(from, values, values + packed_weights, to, memory);
             else
                 kernels::convolve_frame<part>(from, values, values + packed_weights, to);
+        }
+    }
+    /// The share of one thread in a job.
+    static void run_share(const float* packed_values, const float* in, float* out, float* memory,
+                          const kernels::large_job& job) noexcept requires large {
+        out += Kernel.map_offset;
+        for (std::size_t p = 0; p < parts; ++p) {
+            const float* const values = packed_values + p * packed_part;
+            kernels::convolve_large(large_plan, job, in + p * part.window.input.channels, values,
+                                    values + packed_weights, out + p * part.filters, memory);
         }
     }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/deployment/steps/team.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -36,6 +37,8 @@ struct residual_step {
     }();
     static constexpr std::size_t scratch = std::max(Main::scratch, aside + Skip::scratch);
 
+    static constexpr bool large = detail::is_large<Main> || detail::is_large<Skip>;
+
     static constexpr void pack(const float* from, packed_number* to) {
         Main::pack(from, to);
         Skip::pack(from + Main::folded, to + Main::packed);
@@ -54,6 +57,19 @@ struct residual_step {
             copy_pixels<Skip::output_stride>(memory, out);
         }
         Main::run(packed_values, in, out, memory);
+    }
+    template <class Team>
+        requires(aside == 0)
+    static void run_together(const packed_number* packed_values, const activation* in,
+                             std::size_t in_distance, activation* out, activation* memory, const Team& team) {
+        if constexpr (std::is_same_v<Skip, no_step>)
+            team.for_each_frame([&](std::size_t frame) {
+                copy_pixels<InputStride>(in + frame * in_distance,
+                                         out + frame * detail::map_distance<residual_step>);
+            });
+        else
+            detail::run_together<Skip>(packed_values + Main::packed, in, in_distance, out, memory, team);
+        detail::run_together<Main>(packed_values, in, in_distance, out, memory, team);
     }
 
 private:

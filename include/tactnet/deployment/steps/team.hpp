@@ -1,0 +1,72 @@
+#pragma once
+
+#include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/panels/large_convolution.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Frames that pass the steps together, on the threads of a pool: `Pool` is a thread_pool. Maps of frames lie
+/// one behind the other, each in whole cache lines, and memory for as many frames or threads as there are. No
+/// bit depends on either number.
+///
+/// A step may say how it is shared: `run_share`, what one thread does of it, or `run_together`, of steps
+/// inside it. Others are run frame by frame.
+template <class Pool>
+struct frame_team {
+    Pool& pool;
+    std::size_t frames;
+
+    [[nodiscard]] std::size_t threads() const { return pool.threads(); }
+    /// How many times the memory holds what one call needs.
+    [[nodiscard]] std::size_t copies() const { return std::max(frames, threads()); }
+    /// body(frame) for all of them.
+    template <class Body>
+    void for_each_frame(const Body& body) const {
+        pool.for_each(frames, body);
+    }
+};
+
+namespace detail {
+
+/// Elements from the map that a step writes to that of the next frame.
+template <class Step>
+inline constexpr std::size_t map_distance = whole_lines(Step::output.area() * Step::output_stride);
+
+/// Whether a step has large ones in it, which frames and threads had better pass together.
+template <class Step>
+inline constexpr bool is_large = [] {
+    if constexpr (requires { Step::large; })
+        return Step::large;
+    else
+        return false;
+}();
+
+template <class Step, class Team>
+void run_together(const typename Step::format::packed* packed, const typename Step::format::activation* in,
+                  std::size_t in_distance, typename Step::format::activation* out,
+                  typename Step::format::activation* memory, const Team& team) {
+    if constexpr (requires { Step::run_together(packed, in, in_distance, out, memory, team); }) {
+        Step::run_together(packed, in, in_distance, out, memory, team);
+    } else if constexpr (requires { Step::run_share(packed, in, out, memory, kernels::large_job{}); }) {
+        const std::size_t scratches = team.copies() / team.threads();
+        team.pool.on_each_thread([&](auto share) {
+            Step::run_share(
+                packed, in, out, memory + share.index * scratches * Step::scratch,
+                {team.frames, in_distance, map_distance<Step>, share.index, share.threads, scratches});
+        });
+    } else {
+        team.for_each_frame([&](std::size_t frame) {
+            Step::run(packed, in + frame * in_distance, out + frame * map_distance<Step>,
+                      memory + frame * Step::scratch);
+        });
+    }
+}
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/panels/product.hpp>
+#include <tactnet/kernels/panels/staging.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+// Convolution of maps that no near cache holds: a product of the inputs under the taps and panels of filters
+// (product.hpp). Taps are cut into parts, so that a panel and the rows it meets stay near: while one part of
+// some outputs is near, all filters pass. Where an image has neither padding nor gaps that matter, its inputs
+// are read in place.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// How a convolution is computed by panels. Sizes only.
+struct panel_plan {
+    /// Taps of a part: four vectors of sixteen filters each make a panel of 32 kB. Outputs of a band, and
+    /// elements of their inputs.
+    static constexpr std::size_t most_taps = 128, most_pixels = 224, fewest_pixels = 56,
+                                 most_inputs = 64 * 1024;
+    /// Rows that lie a multiple of so many elements apart meet in the same lines of a cache.
+    static constexpr std::size_t clashing = 1024;
+
+    frame_convolution c; ///< of one row, where each pixel stands for itself; of one pixel, where all are one
+    bool staged;         ///< copied, with its padding around
+    std::size_t stride;  ///< elements from one pixel to the next of the copy, or of the input
+    bool joined;         ///< the taps of a kernel row lie side by side
+    std::size_t line;    ///< taps side by side: of a kernel row, or the channels of one tap
+    std::size_t pieces;  ///< parts that a line is cut into, or
+    std::size_t lines;   ///< lines that make a part
+    std::size_t band_rows, band_columns; ///< outputs for which all filters pass
+
+    constexpr explicit panel_plan(const frame_convolution& convolution) : c(convolution) {
+        sliding_window& w = c.window;
+        const auto reach = [](std::size_t outputs, std::size_t step, std::size_t kernel) {
+            return (outputs - 1) * step + kernel;
+        };
+        const bool padded = w.top + w.left > 0 ||
+                            reach(w.output_rows(), w.stride.rows, w.kernel.rows) > w.input.rows ||
+                            reach(w.output_columns(), w.stride.columns, w.kernel.columns) > w.input.columns;
+        if (!padded && c.input_stride == w.input.channels &&
+            w.kernel == extent(w.input.rows, w.input.columns)) {
+            w = {{1, 1, w.input.size()}, 1, 1};
+            c.input_stride = w.input.channels;
+        } else if (!padded && w.kernel == extent(1) && w.stride == extent(1)) {
+            w = {{1, w.input.area(), w.input.channels}, 1, 1};
+        }
+        const bool one_pixel = w.input.area() == 1;
+        staged = padded || (w.stride.columns * c.input_stride % clashing == 0 && !one_pixel);
+        const bool clashes = w.stride.columns * w.input.channels % clashing == 0 && !one_pixel;
+        stride = !staged ? c.input_stride : w.input.channels + (clashes ? 16 : 0);
+        joined = stride == w.input.channels;
+        line = joined ? w.kernel.columns * w.input.channels : w.input.channels;
+        pieces = (line + most_taps - 1) / most_taps;
+        lines = std::clamp<std::size_t>(most_taps / line, 1, joined ? w.kernel.rows : w.kernel.columns);
+        const std::size_t pixels =
+            std::clamp(most_inputs / (stride * w.stride.area()), fewest_pixels, most_pixels);
+        const std::size_t bands = (w.output_columns() + pixels - 1) / pixels;
+        band_columns = (w.output_columns() + bands - 1) / bands;
+        band_rows = std::clamp<std::size_t>(pixels / band_columns, 1, w.output_rows());
+    }
+    /// Whether the image is one row of pixels without a neighbourhood, so that several make a longer one.
+    [[nodiscard]] constexpr bool flat() const {
+        return c.window.kernel == extent(1) && c.window.input.rows == 1 && c.window.stride == extent(1);
+    }
+    /// Pixels of the input under a band.
+    [[nodiscard]] constexpr extent under(std::size_t rows, std::size_t columns) const {
+        const sliding_window& w = c.window;
+        return {(rows - 1) * w.stride.rows + w.kernel.rows,
+                (columns - 1) * w.stride.columns + w.kernel.columns};
+    }
+    /// Elements of memory that one thread needs.
+    [[nodiscard]] constexpr std::size_t scratch() const {
+        return staged ? under(band_rows, flat() ? most_pixels : band_columns).area() * stride : 0;
+    }
+    [[nodiscard]] constexpr std::size_t weights() const { return c.weights(); }
+
+    /// Some taps that are added up in registers.
+    struct part {
+        std::size_t first; ///< tap, in the order of the weights
+        std::size_t lines, depth;
+        std::size_t row, column, channel; ///< of the first tap
+    };
+    /// body(part) for all of them in order.
+    template <class Body>
+    constexpr void for_each_part(Body&& body) const {
+        const extent kernel = c.window.kernel;
+        const std::size_t rows = joined ? 1 : kernel.rows, of_row = joined ? kernel.rows : kernel.columns;
+        std::size_t first = 0;
+        for (std::size_t row = 0; row < rows; ++row)
+            for (std::size_t l = 0; l < of_row; l += lines)
+                for (std::size_t p = 0; p < pieces; ++p) {
+                    const std::size_t begin = line * p / pieces, depth = line * (p + 1) / pieces - begin;
+                    const part some{
+                        first, std::min(lines, of_row - l), depth, joined ? l : row, joined ? 0 : l, begin};
+                    body(some);
+                    first += some.lines * depth;
+                }
+    }
+};
+
+/// Weights in the order of use: [part of the taps][panel][tap][filter of the panel]; taps as [kernel row]
+/// [kernel column][channel], zeros where there is no filter. `weight(filter, channel, row, column)`.
+template <class Weight>
+constexpr void pack_panels(const frame_convolution& c, float* packed, Weight&& weight) {
+    const std::size_t columns = c.window.kernel.columns, channels = c.window.input.channels;
+    const filter_panels panels(c.padded_filters());
+    panel_plan(c).for_each_part([&](const panel_plan::part& part) {
+        for (std::size_t panel = 0; panel < panels.count; ++panel)
+            for (std::size_t tap = part.first; tap < part.first + part.lines * part.depth; ++tap)
+                for (std::size_t f = panels.begin(panel); f < panels.begin(panel + 1); ++f)
+                    *packed++ = f < c.filters ? weight(f, tap % channels, tap / channels / columns,
+                                                       tap / channels % columns)
+                                              : 0.0f;
+    });
+}
+
+/// Some of the outputs of a convolution: pixels of the plan's image, and panels of filters.
+struct panel_share {
+    std::size_t first_row, last_row, first_column, last_column, first_panel, last_panel;
+};
+
+/// output = bias + convolution, a sum, ReLU; no pool. `memory` holds plan.scratch() elements.
+inline void convolve_panels(const panel_plan& plan, const panel_share& share, const float* input,
+                            const float* weights, const float* bias, float* output, float* memory) {
+    const frame_convolution& c = plan.c;
+    const sliding_window& w = c.window;
+    const filter_panels panels(c.padded_filters());
+    const std::size_t out_columns = w.output_columns(), taps = c.taps();
+    for (std::size_t y = share.first_row; y < share.last_row; y += plan.band_rows)
+        for (std::size_t x = share.first_column; x < share.last_column; x += plan.band_columns) {
+            const std::size_t rows = std::min(plan.band_rows, share.last_row - y),
+                              columns = std::min(plan.band_columns, share.last_column - x);
+            const std::size_t top = y * w.stride.rows, left = x * w.stride.columns;
+            const float* from = input + (top * w.input.columns + left) * c.input_stride;
+            std::size_t row_distance = w.input.columns * c.input_stride;
+            if (plan.staged) {
+                const extent size = plan.under(rows, columns);
+                stage_map(w, c.input_stride, input, top, left, size, plan.stride, memory);
+                from = memory, row_distance = size.columns * plan.stride;
+            }
+            plan.for_each_part([&](const panel_plan::part& part) {
+                const float* const at =
+                    from + part.row * row_distance + part.column * plan.stride + part.channel;
+                const panel_end end{.bias = part.first == 0 ? bias : nullptr,
+                                    .adds = part.first > 0 || c.adds,
+                                    .rectified = c.rectified && part.first + part.lines * part.depth == taps};
+                for (std::size_t panel = share.first_panel; panel < share.last_panel; ++panel)
+                    for (std::size_t r = 0; r < rows; ++r) {
+                        const bool one = rows * columns == 1; // one row takes the panels together
+                        multiply_panels({.input = at + r * w.stride.rows * row_distance,
+                                         .input_stride = w.stride.columns * plan.stride,
+                                         .lines = part.lines,
+                                         .depth = part.depth,
+                                         .line_distance = plan.joined ? row_distance : plan.stride,
+                                         .output = output + ((y + r) * out_columns + x) * c.output_stride(),
+                                         .output_stride = c.output_stride()},
+                                        columns, panels, panel, one ? share.last_panel : panel + 1,
+                                        weights + part.first * c.padded_filters(), end);
+                        if (one)
+                            panel = share.last_panel;
+                    }
+            });
+        }
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

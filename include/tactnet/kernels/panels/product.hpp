@@ -1,0 +1,194 @@
+#pragma once
+
+#include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+// Products of rows and panels, which the convolutions and dense layers of large networks are made of. A panel
+// holds the weights of a few vectors of filters, [input][filter]. Sizes are arguments: all layers of all
+// networks share these few pieces of code. Each output is one chain of multiply-adds in the order of the
+// inputs, whichever rows are computed with it.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Vectors of filters in a panel at most: the more, the fewer inputs are read.
+inline constexpr std::size_t most_panel_vectors = vector_registers == 32 ? 4 : 2;
+/// Rows of a register block: as many as leave registers for the weights and one input.
+[[nodiscard]] constexpr std::size_t most_panel_rows(std::size_t vectors) {
+    constexpr std::size_t most = vector_registers == 32 ? 14 : 12;
+    return std::min((vector_registers - 1 - vectors) / vectors, most);
+}
+
+/// Filters cut into panels of nearly the same number of vectors.
+struct filter_panels {
+    std::size_t vectors, count;
+
+    constexpr explicit filter_panels(std::size_t padded_filters)
+        : vectors(padded_filters / lanes<float>),
+          count((vectors + most_panel_vectors - 1) / most_panel_vectors) {}
+    /// The first vector of a panel, and the first filter.
+    [[nodiscard]] constexpr std::size_t vector(std::size_t panel) const { return vectors * panel / count; }
+    [[nodiscard]] constexpr std::size_t begin(std::size_t panel) const {
+        return vector(panel) * lanes<float>;
+    }
+    /// Vectors of a panel.
+    [[nodiscard]] constexpr std::size_t size(std::size_t panel) const {
+        return vector(panel + 1) - vector(panel);
+    }
+};
+
+/// What becomes of the sums of a product.
+struct panel_end {
+    const float* bias = nullptr; ///< of the panel's filters; none for the second and later parts of a sum
+    bool adds = false;           ///< to what the output holds
+    bool rectified = false;
+};
+
+/// The rows of a product, in and out. A row of inputs is `lines` pieces of `depth` inputs each.
+struct panel_rows {
+    const float* input;
+    std::size_t input_stride; ///< elements from one row to the next
+    std::size_t lines, depth;
+    std::size_t line_distance; ///< elements from one line to the next
+    float* output;             ///< aligned
+    std::size_t output_stride;
+};
+
+/// How far ahead weights are asked for: as long as memory takes to answer, and no page too far.
+inline constexpr std::size_t weights_ahead = 8192 / sizeof(float);
+
+/// `Rows` rows times `Panels` panels of `Vectors` vectors of filters, `panel_distance` elements apart in the
+/// weights, side by side in the output. One row meets several panels, since one would wait for memory.
+template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
+[[gnu::flatten, gnu::noinline]] void multiply_panel(const panel_rows& rows, const float* panel,
+                                                    std::size_t panel_distance, panel_end end) {
+    using wide = vector<float>;
+    constexpr std::size_t width = lanes<float>, across = Vectors * Panels;
+    // Every third row has a pointer; those between are reached by the stride, so that registers suffice.
+    constexpr std::size_t pointers = (Rows + 2) / 3, sums_of_block = Rows * across;
+    const std::size_t stride = rows.input_stride, gap = rows.line_distance - rows.depth;
+    const std::size_t lines = rows.lines, depth = rows.depth;
+    std::array<const float*, pointers> at;
+#pragma GCC unroll 64
+    for (std::size_t p = 0; p < pointers; ++p)
+        at[p] = rows.input + 3 * p * stride;
+    register_block<wide, Rows, across> sums;
+#pragma GCC unroll 64
+    for (std::size_t v = 0; v < across; ++v) {
+        const wide start = end.bias ? load_as<wide>(end.bias + v * width) : wide(0.0f);
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < Rows; ++r)
+            sums[r][v] = start;
+    }
+    for (std::size_t line = 0; line < lines; ++line) {
+        for (std::size_t i = 0; i < depth; ++i) {
+            std::array<wide, across> w;
+#pragma GCC unroll 64
+            for (std::size_t v = 0; v < across; ++v) {
+                const float* const from = panel + v / Vectors * panel_distance + v % Vectors * width;
+                w[v] = load_as<wide>(from);
+                __builtin_prefetch(from + weights_ahead);
+            }
+            panel += Vectors * width;
+#pragma GCC unroll 64
+            for (std::size_t r = 0; r < Rows; ++r) {
+                const wide x(at[r / 3][r % 3 * stride]);
+#pragma GCC unroll 64
+                for (std::size_t v = 0; v < across; ++v)
+                    sums[r][v] = fused_multiply_add(w[v], x, sums[r][v]);
+            }
+#pragma GCC unroll 64
+            for (std::size_t p = 0; p < pointers; ++p)
+                ++at[p];
+        }
+#pragma GCC unroll 64
+        for (std::size_t p = 0; p < pointers; ++p)
+            at[p] += gap;
+    }
+    float* to = rows.output;
+    const std::size_t to_stride = rows.output_stride;
+    if (end.adds) {
+#pragma GCC unroll 64
+        for (std::size_t i = 0; i < sums_of_block; ++i) {
+            wide& sum = sums[i / across][i % across];
+            sum = sum + load_as<wide>(to + i % across * width);
+            if (i % across + 1 == across)
+                to += to_stride;
+        }
+        to = rows.output;
+    }
+    if (end.rectified) {
+#pragma GCC unroll 64
+        for (std::size_t i = 0; i < sums_of_block; ++i)
+            sums[i / across][i % across] = maximum_or_second(wide(0.0f), sums[i / across][i % across]);
+    }
+#pragma GCC unroll 64
+    for (std::size_t i = 0; i < sums_of_block; ++i) {
+        store_as(to + i % across * width, sums[i / across][i % across]);
+        if (i % across + 1 == across)
+            to += to_stride;
+    }
+}
+
+/// Panels that one row meets at once, if they have `vectors` vectors each.
+[[nodiscard]] constexpr std::size_t panels_of_one_row(std::size_t vectors) {
+    return std::max<std::size_t>((vector_registers == 32 ? 16 : 6) / vectors, 1);
+}
+
+/// `count` rows times the panels [first, last), which lie one behind the other in the weights, from `panel`
+/// on: the first of `first`. Output and bias are those of filter 0.
+inline void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& panels,
+                            std::size_t first, std::size_t last, const float* weights, panel_end end) {
+    using block = void (*)(const panel_rows&, const float*, std::size_t, panel_end);
+    static constexpr auto blocks = [] {
+        std::array<std::array<block, most_panel_rows(1)>, most_panel_vectors> all{};
+        unroll<most_panel_vectors>([&](auto v) {
+            constexpr std::size_t vectors = v + 1;
+            unroll<most_panel_rows(vectors)>([&](auto r) { all[v][r] = multiply_panel<r + 1, vectors>; });
+        });
+        return all;
+    }();
+    static constexpr auto one_row = [] {
+        std::array<block, most_panel_vectors> all{};
+        unroll<most_panel_vectors>([&](auto v) {
+            constexpr std::size_t vectors = v + 1;
+            all[v] = multiply_panel<1, vectors, panels_of_one_row(vectors)>;
+        });
+        return all;
+    }();
+    const std::size_t depth = rows.lines * rows.depth;
+    for (std::size_t panel = first; panel < last;) {
+        const std::size_t vectors = panels.size(panel), filter = panels.begin(panel);
+        const float* const from = weights + filter * depth;
+        panel_rows some = rows;
+        some.output += filter;
+        panel_end some_end = end;
+        if (end.bias)
+            some_end.bias += filter;
+        const std::size_t at_once = panels_of_one_row(vectors);
+        if (count == 1 && panel + at_once <= last &&
+            panels.begin(panel + at_once) - filter == at_once * vectors * lanes<float> &&
+            panels.size(panel + at_once - 1) == vectors) {
+            one_row[vectors - 1](some, from, vectors * lanes<float> * depth, some_end);
+            panel += at_once;
+            continue;
+        }
+        // Evenly: a rest of few rows would wait for its own sums.
+        const std::size_t most = most_panel_rows(vectors), pieces = (count + most - 1) / most;
+        for (std::size_t p = 0; p < pieces; ++p) {
+            const std::size_t size = count / pieces + (p < count % pieces);
+            blocks[vectors - 1][size - 1](some, from, 0, some_end);
+            some.input += size * rows.input_stride, some.output += size * rows.output_stride;
+        }
+        ++panel;
+    }
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

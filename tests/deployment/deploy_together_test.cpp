@@ -1,0 +1,93 @@
+#include <tactnet/deployment.hpp>
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <support/guarded_map.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr std::size_t wide = 2 * kernels::lanes<float>;
+/// Every kind of large step, and small ones between.
+using large_network =
+    network<shape{40, 44, 3}, conv2d<wide, 5, 2>, batch_norm, relu, max_pool<3, 2, valid>,
+            residual<sequence<conv2d<2 * wide, 1>, batch_norm, relu, conv2d<wide, 3>, batch_norm>>, relu,
+            conv2d<144 * kernels::lanes<float>, 1>, relu, max_pool<3, 3, valid>,
+            conv2d<4 * kernels::lanes<float>, 3>, dense<10>>;
+using plan = deployment_plan<large_network>;
+
+std::unique_ptr<large_network> random_network() {
+    auto net = std::make_unique<large_network>();
+    std::uint64_t state = 3;
+    net->for_each_parameter([&](const parameter& p, std::span<float> values) {
+        for (float& value : values)
+            value = p.what == role::running_variance
+                        ? 1 + 0.5f * support::draw(state)
+                        : support::draw(state) / std::sqrt(static_cast<float>(p.fan_in));
+    });
+    return net;
+}
+
+std::size_t bits_that_differ(const std::vector<float>& a, const std::vector<float>& b) {
+    std::size_t different = a.size() != b.size();
+    for (std::size_t i = 0; i < a.size(); ++i)
+        different += std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]);
+    return different;
+}
+
+} // namespace
+
+TEST_CASE("deployed: frames of a large network together, on any number of threads, leave the bits of each "
+          "alone") {
+    const auto net = random_network();
+    const auto recognise = deploy(*net);
+    using form = deployed<large_network>;
+    static_assert(form::view_type::large);
+    constexpr std::size_t frames = 19, size = form::input_shape.size(), outputs = form::outputs;
+    std::uint64_t state = 5;
+    std::vector<float> counts(frames * size), alone(frames * outputs);
+    for (float& value : counts)
+        value = support::draw(state);
+    const auto memory = std::make_unique<form::scratch>();
+    for (std::size_t f = 0; f < frames; ++f)
+        CHECK(recognise(tensor_view<const float, form::input_shape>(counts.data() + f * size),
+                        std::span<float, outputs>(alone.data() + f * outputs, outputs),
+                        *memory) == frame_status::recognised);
+    form::shared_scratch kept;
+    for (const std::size_t threads : {1, 2, 3}) {
+        thread_pool pool(threads);
+        for (const std::size_t some : {std::size_t{1}, std::size_t{2}, frames}) {
+            CAPTURE(threads);
+            CAPTURE(some);
+            std::vector<float> together(some * outputs, NAN);
+            CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
+                            std::span<float>(together)) == frame_status::recognised);
+            const std::vector<float> first(alone.begin(),
+                                           alone.begin() + static_cast<std::ptrdiff_t>(some * outputs));
+            CHECK(bits_that_differ(together, first) == 0);
+            std::fill(together.begin(), together.end(), NAN);
+            CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
+                            std::span<float>(together), kept) == frame_status::recognised);
+            CHECK(bits_that_differ(together, first) == 0);
+        }
+        // A broken frame among others is told.
+        std::vector<float> broken = counts;
+        broken[3 * size + 7] = std::numeric_limits<float>::infinity();
+        std::vector<float> to(frames * outputs);
+        CHECK(recognise(pool, std::span<const float>(broken), std::span<float>(to)) ==
+              frame_status::not_finite);
+        CHECK_THROWS_AS(
+            (void)recognise(pool, std::span<const float>(counts.data(), size + 1), std::span<float>(to)),
+            const std::invalid_argument&);
+    }
+}

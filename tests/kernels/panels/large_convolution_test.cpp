@@ -1,0 +1,72 @@
+#include <tactnet/kernels/panels/large_convolution.hpp>
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <kernels/panels/comparison.hpp>
+
+using namespace tactnet;
+using kernels::frame_convolution;
+using support::several_lanes;
+
+namespace {
+
+frame_convolution step(shape in, extent kernel, std::size_t filters, extent stride = 1,
+                       padding around = same) {
+    return {.window = sliding_window::over(in, kernel, stride, around),
+            .filters = filters,
+            .input_stride = in.channels,
+            .rectified = true};
+}
+
+std::size_t bits_that_differ(const float* a, const float* b, std::size_t count) {
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        different += std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]);
+    return different;
+}
+
+} // namespace
+
+TEST_CASE(
+    "large_convolution: taken for large from 40 000 elements of both maps on, or 256 thousand weights") {
+    using large = kernels::large_convolution;
+    CHECK(large::suits(step({13, 13, 48}, 1, 192)));
+    CHECK(large::suits(step({4, 4, 512}, 3, 512)));
+    CHECK_FALSE(large::suits(step({10, 18, 64}, 2, 128)));
+    CHECK_FALSE(large::suits(step({6, 12, 128}, 3, 128)));
+    // Filters that fill no vector are not, whatever the map.
+    if (kernels::lanes < float >> kernels::fewest_lanes<float>)
+        CHECK_FALSE(large::suits(step({200, 200, 3}, 3, kernels::fewest_lanes<float>)));
+}
+
+TEST_CASE("convolve_large: frames and threads leave the same bits as one frame on one thread") {
+    const frame_convolution kinds[] = {
+        step({7, 7, several_lanes}, 3, 5 * several_lanes),        // tiles of two, shared by filters
+        step({26, 25, several_lanes}, 3, several_lanes),          // tiles of four, shared by tiles
+        step({9, 9, 4 * several_lanes}, 1, 8 * several_lanes),    // a row of pixels
+        step({17, 15, 3}, 7, several_lanes, 2),                   // rows
+        step({7, 7, 3 * several_lanes}, 3, 5 * several_lanes, 2), // rows, shared by filters
+        step({4, 3, 8 * several_lanes}, extent(4, 3), 6 * several_lanes, 1, valid)};
+    for (const frame_convolution& c : kinds) {
+        CAPTURE(c.window.input.rows);
+        CAPTURE(c.window.kernel.rows);
+        constexpr std::size_t frames = 3;
+        support::large_numbers all(c, frames, 7);
+        const std::vector<float> together = all.run(1);
+        for (std::size_t frame = 0; frame < frames; ++frame) {
+            CHECK(all.wrong_outputs(frame, together.data()) == 0);
+            support::large_numbers alone(c, 1, 8);
+            std::copy_n(all.laid_inputs.data() + frame * all.input_distance, all.input_distance,
+                        alone.laid_inputs.data());
+            alone.weights = all.weights, alone.biases = all.biases;
+            const std::vector<float> one = alone.run(1);
+            CHECK(bits_that_differ(one.data(), together.data() + frame * all.output_distance,
+                                   c.output_rows() * c.output_columns() * c.output_stride()) == 0);
+        }
+        for (const std::size_t threads : {2, 3, 5, 64})
+            for (const std::size_t scratches : {1, 3})
+                CHECK(bits_that_differ(all.run(threads, scratches).data(), together.data(),
+                                       frames * all.output_distance) == 0);
+    }
+}
