@@ -53,8 +53,8 @@ photograph_form form_of(safetensors_source& weights) {
 
 /// Features of all images, some at a time, so that one sees how far it is.
 std::vector<float> features_of(const image_set& images, const trunk& network, const photograph_form& form,
-                               map_features kind, thread_pool& threads) {
-    const feature_extractor<trunk, frame> extract(network, form, kind);
+                               feature_pooling pooling, thread_pool& threads) {
+    const feature_extractor<trunk, frame> extract(network, form, pooling);
     std::vector<float> rows;
     const stopwatch watch;
     for (std::size_t first = 0; first < images.size();) {
@@ -128,10 +128,10 @@ void run(const std::filesystem::path& folder, const std::filesystem::path& file,
     // As the paper: all features behind fire9, one machine for each class, the cost that belongs to a
     // regularisation of 1 ÷ the number of images.
     test<linear_kernel>("all features, linear",
-                        features_of(images, *network, form, map_features::all, threads), images, splits,
+                        features_of(images, *network, form, feature_pooling::none, threads), images, splits,
                         {.cost = 1, .scheme = multiclass::one_versus_rest}, threads);
     // The largest value of each channel: 512 numbers, which do not change with the place of the touch.
-    const std::vector<float> largest = features_of(images, *network, form, map_features::maximum, threads);
+    const std::vector<float> largest = features_of(images, *network, form, feature_pooling::maximum, threads);
     test<linear_kernel>("largest of each channel, linear", largest, images, splits,
                         {.cost = 1, .standardise = true}, threads);
     test<rbf_kernel>("largest of each channel, RBF", largest, images, splits,

@@ -3,5 +3,5 @@
 // Transfer learning: networks trained on photographs, for pressure images.
 
 #include <tactnet/transfer/feature_extractor.hpp>
-#include <tactnet/transfer/map_features.hpp>
+#include <tactnet/transfer/feature_pooling.hpp>
 #include <tactnet/transfer/photograph.hpp>

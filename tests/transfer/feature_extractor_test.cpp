@@ -47,7 +47,7 @@ TEST_CASE("feature extractor: what the trunk gives for the photograph of an imag
     constexpr shape map = extractor::map;
     REQUIRE(map == shape{6, 7, 6});
     REQUIRE(all.size() == 3 * map.size());
-    const auto largest = extractor(weights, form, map_features::maximum).rows(pixels, chosen, threads);
+    const auto largest = extractor(weights, form, feature_pooling::maximum).rows(pixels, chosen, threads);
     REQUIRE(largest.size() == 3 * map.channels);
 
     const auto alone = deploy(weights);
@@ -64,7 +64,7 @@ TEST_CASE("feature extractor: what the trunk gives for the photograph of an imag
         }
         for (std::size_t channel = 0; channel < map.channels; ++channel) {
             std::vector<float> row(map.channels);
-            to_features(map_features::maximum, expected, map, row);
+            pool_features(feature_pooling::maximum, expected, map, row);
             REQUIRE(largest[i * map.channels + channel] == row[channel]);
         }
     }

@@ -4,7 +4,7 @@
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/tensor.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
-#include <tactnet/transfer/map_features.hpp>
+#include <tactnet/transfer/feature_pooling.hpp>
 #include <tactnet/transfer/photograph.hpp>
 
 #include <cstddef>
@@ -33,11 +33,12 @@ public:
     static constexpr shape map = trunk_type::view_type::output_shape;
 
     /// Takes the weights of a trained trunk. Throws as `deploy`.
-    feature_extractor(const Trunk& trunk, const photograph_form& form, map_features kind = map_features::all)
-        : trunk_(deploy(trunk)), form_(form), kind_(kind) {}
+    feature_extractor(const Trunk& trunk, const photograph_form& form,
+                      feature_pooling pooling = feature_pooling::none)
+        : trunk_(deploy(trunk)), form_(form), pooling_(pooling) {}
 
     /// Numbers of one image.
-    [[nodiscard]] std::size_t features() const { return feature_count(kind_, map); }
+    [[nodiscard]] std::size_t features() const { return feature_count(pooling_, map); }
 
     /// A row of features for each of the chosen images, which are stored one after the other: [row][column],
     /// counts of 8 bits. Throws std::invalid_argument when there are no whole images or no chosen one, and
@@ -81,12 +82,12 @@ private:
         if (trunk_(picture, own.last.view().elements(), own.scratch) != frame_status::recognised)
             throw std::runtime_error("feature_extractor: expected finite features of image " +
                                      std::to_string(index) + ", found some that are not");
-        to_features(kind_, own.last.view().elements(), map, to);
+        pool_features(pooling_, own.last.view().elements(), map, to);
     }
 
     trunk_type trunk_;
     photograph_form form_;
-    map_features kind_;
+    feature_pooling pooling_;
 };
 
 } // namespace TACTNET_ARCH

@@ -4,6 +4,7 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 #include <array>
 #include <cstddef>

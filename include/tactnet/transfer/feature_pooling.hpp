@@ -12,26 +12,27 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// What of a map becomes features.
-enum class map_features {
-    all,     ///< every value, as in the paper
+enum class feature_pooling {
+    none,    ///< every value, as in the paper
     maximum, ///< the largest of each channel: whether something is seen, wherever
     average  ///< the mean of each channel: how much of it is seen
 };
 
 /// How many features a map gives.
-[[nodiscard]] constexpr std::size_t feature_count(map_features kind, shape map) {
-    return kind == map_features::all ? map.size() : map.channels;
+[[nodiscard]] constexpr std::size_t feature_count(feature_pooling pooling, shape map) {
+    return pooling == feature_pooling::none ? map.size() : map.channels;
 }
 
-/// `map` is [channel][row][column]; `to` has room for feature_count(kind, extents) numbers.
-inline void to_features(map_features kind, std::span<const float> map, shape extents, std::span<float> to) {
-    if (kind == map_features::all) {
+/// `map` is [channel][row][column]; `to` has room for feature_count(pooling, extents) numbers.
+inline void pool_features(feature_pooling pooling, std::span<const float> map, shape extents,
+                          std::span<float> to) {
+    if (pooling == feature_pooling::none) {
         std::copy(map.begin(), map.end(), to.begin());
         return;
     }
     for (std::size_t channel = 0; channel < extents.channels; ++channel) {
         const auto plane = map.subspan(channel * extents.area(), extents.area());
-        if (kind == map_features::maximum) {
+        if (pooling == feature_pooling::maximum) {
             to[channel] = *std::max_element(plane.begin(), plane.end());
         } else {
             double sum = 0;
