@@ -49,8 +49,10 @@ TEST_SUITE("program") {
         writer.write(shop / "bare");
         refuses({"--weights", "bare"}, "bare: expected metadata that say which method it is for, or "
                                        "--method, --rows and --columns, found neither");
-        refuses({"--weights", "bare", "--network", "tactnet6-economical", "--rows", "7", "--columns", "13"},
-                "bare: expected a tensor 'conv4.weight' of 64x32x3x3, found none of that name");
+        refuses(
+            {"--weights", "bare", "--network", "tactnet6-economical", "--rows", "7", "--columns", "13"},
+            "bare: expected the 32 arrays of this network, found 12 missing: 'conv4.weight' of 64x32x3x3, "
+            "'conv4.bias' of 64, ");
         CHECK(shop.run({"classify", "--weights", "bare", "--network", "tactnet4", "--rows", "7", "--columns",
                         "13", image})
                   .out.find(",class_00,") != std::string::npos);
