@@ -43,7 +43,7 @@ std::string error_of(const content& list, std::size_t classes = 5, std::span<con
 
 } // namespace
 
-TEST_CASE("stored arrays: a file of the network") {
+TEST_CASE("stored_arrays: a file of the network") {
     CHECK(error_of(right) == "");
     content with_companions = right;
     with_companions.push_back({"conv1.num_batches_tracked", {}});
@@ -54,7 +54,7 @@ TEST_CASE("stored arrays: a file of the network") {
     CHECK(error_of(fewer, 3) == "");
 }
 
-TEST_CASE("stored arrays: one difference is told where it is") {
+TEST_CASE("stored_arrays: one difference is told where it is") {
     content list = right;
     list.erase(list.begin() + 1);
     CHECK(error_of(list) == "weights: expected a tensor 'conv1.bias' of 2, found none of that name");
@@ -68,7 +68,7 @@ TEST_CASE("stored arrays: one difference is told where it is") {
         "weights: expected only the 4 arrays of this network, found tensor 'conv2.bias' of another network");
 }
 
-TEST_CASE("stored arrays: all differences are named in one error") {
+TEST_CASE("stored_arrays: all differences are named in one error") {
     CHECK(
         error_of(
             {{"conv1.bias", {3}}, {"fc.weight", {5, 12}}, {"fc.bias", {1, 5}}, {"b", {1}}, {"a", {1}}}) ==
@@ -77,7 +77,7 @@ TEST_CASE("stored arrays: all differences are named in one error") {
         "'a', 'b'");
 }
 
-TEST_CASE("stored arrays: what is not to be read") {
+TEST_CASE("stored_arrays: what is not to be read") {
     content list = right;
     list.push_back({"classifier.1.weight", {1000, 512, 1, 1}});
     list.push_back({"classifier.1.bias", {1000}});

@@ -37,7 +37,7 @@ std::vector<std::uint8_t> images(std::size_t count) {
 
 } // namespace
 
-TEST_CASE("feature extractor: what the trunk gives for the photograph of an image") {
+TEST_CASE("feature_extractor: what the trunk gives for the photograph of an image") {
     const trunk weights = seeded_trunk();
     const photograph_form form = mean_photograph(100, 90, 80);
     const auto pixels = images(5);
@@ -71,7 +71,7 @@ TEST_CASE("feature extractor: what the trunk gives for the photograph of an imag
     CHECK(some);
 }
 
-TEST_CASE("feature extractor: bit-exact on any number of threads") {
+TEST_CASE("feature_extractor: bit-exact on any number of threads") {
     const extractor extract(seeded_trunk(), torchvision_photograph);
     const auto pixels = images(7);
     const std::vector<std::size_t> chosen{0, 1, 2, 3, 4, 5, 6};
@@ -79,7 +79,7 @@ TEST_CASE("feature extractor: bit-exact on any number of threads") {
     CHECK(extract.rows(pixels, chosen, one) == extract.rows(pixels, chosen, three));
 }
 
-TEST_CASE("feature extractor: images that are not there, and weights that give no numbers") {
+TEST_CASE("feature_extractor: images that are not there, and weights that give no numbers") {
     const extractor extract(seeded_trunk(), torchvision_photograph);
     const auto pixels = images(2);
     thread_pool threads;

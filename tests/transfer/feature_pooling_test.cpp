@@ -9,7 +9,7 @@
 
 using namespace tactnet;
 
-TEST_CASE("feature pooling: all, the largest and the mean of each channel") {
+TEST_CASE("feature_pooling: all, the largest and the mean of each channel") {
     constexpr shape map{2, 2, 3};
     static_assert(feature_count(feature_pooling::none, map) == 12);
     static_assert(feature_count(feature_pooling::maximum, map) == 3);

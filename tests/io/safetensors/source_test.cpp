@@ -47,7 +47,7 @@ std::string error_of(const std::filesystem::path& path) {
 
 } // namespace
 
-TEST_CASE("safetensors source: every tensor as a reader of the whole file gives it") {
+TEST_CASE("safetensors_source: every tensor as a reader of the whole file gives it") {
     const support::temporary_folder folder;
     const auto path = folder.path() / "all.safetensors";
     writer_of_all_types().write(path);
@@ -70,7 +70,7 @@ TEST_CASE("safetensors source: every tensor as a reader of the whole file gives 
     CHECK_THROWS_AS(source.read<float>("F32", room), std::invalid_argument);
 }
 
-TEST_CASE("safetensors source: damage is noticed as in a file that is read whole") {
+TEST_CASE("safetensors_source: damage is noticed as in a file that is read whole") {
     const support::temporary_folder folder;
     const auto path = folder.path() / "small.safetensors";
     safetensors_writer writer;
@@ -95,7 +95,7 @@ TEST_CASE("safetensors source: damage is noticed as in a file that is read whole
     CHECK(error_of(path) == "a safetensors file of at least 8 bytes | 3");
 }
 
-TEST_CASE("safetensors source: what is no file, and a file that becomes shorter") {
+TEST_CASE("safetensors_source: what is no file, and a file that becomes shorter") {
     const support::temporary_folder folder;
     CHECK(error_of(folder.path()) == "a file | a folder");
     CHECK(error_of(folder.path() / "absent") == "a file | nothing of that name");
