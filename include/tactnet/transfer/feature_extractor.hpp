@@ -42,7 +42,8 @@ public:
 
     /// A row of features for each of the chosen images, which are stored one after the other: [row][column],
     /// counts of 8 bits. Throws std::invalid_argument unless all images are whole and each chosen one is
-    /// among them, and std::runtime_error when a feature is not finite, which finite weights of a usual size do not give.
+    /// among them, and std::runtime_error when a feature is not finite, which finite weights of a usual size
+    /// do not give.
     [[nodiscard]] std::vector<float> rows(std::span<const std::uint8_t> images,
                                           std::span<const std::size_t> chosen, thread_pool& threads) const {
         check(images, chosen);
