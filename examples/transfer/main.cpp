@@ -32,6 +32,7 @@
 #include <stopwatch.hpp>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <vector>
 

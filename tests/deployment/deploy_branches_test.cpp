@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <ratio>
 #include <type_traits>
 
 // Groups, branches side by side, averages and local responses: what the networks for ImageNet are made of, at

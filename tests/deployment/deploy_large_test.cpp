@@ -5,8 +5,13 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <networks/stages.hpp>
+#include <span>
+#include <type_traits>
 #include <vector>
 
 // Networks for ImageNet, small in rows and columns, and one whose maps are too large for a stack.

@@ -1,15 +1,19 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
+#include <stdexcept>
 #include <support/guarded_map.hpp>
 #include <vector>
 

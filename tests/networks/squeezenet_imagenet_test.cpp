@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <networks/stages.hpp>
 #include <support/files/data_folder.hpp>
 #include <vector>

@@ -6,6 +6,7 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/runtime/random.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <doctest/doctest.h>
 
@@ -16,6 +17,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace support {

@@ -3,6 +3,7 @@
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/forms.hpp>
 #include <tactnet/deployment/plan.hpp>
+#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
@@ -98,7 +99,8 @@ public:
     frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to) const {
         return recognise_all(threads, frames, to);
     }
-    /// Memory for such calls: it grows to what a call needs, and is kept for the next.
+    /// Memory for such calls: it grows to what a call needs, and is kept for the next. It serves one call at
+    /// a time.
     class shared_scratch {
         friend deployed;
         /// Not written to: pages that no call touches cost nothing.

@@ -5,6 +5,8 @@
 #include <tactnet/layers/max_pool.hpp>
 
 #include <algorithm>
+#include <cstddef>
+#include <string_view>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

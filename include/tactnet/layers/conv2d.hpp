@@ -52,7 +52,8 @@ template <std::size_t Filters, std::size_t KernelArea, std::size_t StrideArea, s
 
 } // namespace detail
 
-/// Two-dimensional convolution (cross-correlation, as everywhere in the field) with bias.
+/// Two-dimensional convolution (cross-correlation, as everywhere in the field), with bias unless the options
+/// leave it out.
 /// Weights are [filter][channel][row][column] (PyTorch's OIHW), the channels those of the filter's group.
 template <std::size_t Filters, extent Kernel, extent Stride = 1, padding Padding = same,
           conv2d_options Options = conv2d_options{}>

@@ -3,7 +3,9 @@
 #include <tactnet/kernels/batch/local_response.hpp>
 #include <tactnet/layers/layer.hpp>
 
+#include <cstddef>
 #include <ratio>
+#include <string_view>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -3,6 +3,8 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
+#include <cstddef>
+
 // AlexNet (Krizhevsky, Sutskever, Hinton, "ImageNet classification with deep convolutional neural networks",
 // 2012), for images of three channels.
 

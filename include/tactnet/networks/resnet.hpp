@@ -3,7 +3,9 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
+#include <cstddef>
 #include <type_traits>
+#include <utility>
 
 // Residual networks (He, Zhang, Ren, Sun, "Deep residual learning for image recognition", 2016, table 1), for
 // images of three channels, by convention 224 × 224. As torchvision has them: the stride of a bottleneck is

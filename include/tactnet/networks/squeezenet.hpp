@@ -3,6 +3,8 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
+#include <cstddef>
+
 // SqueezeNet (Iandola et al., "SqueezeNet: AlexNet-level accuracy with 50x fewer parameters", 2016), for
 // images of three channels, by convention 227 × 227 or 224 × 224; any size will do whose maps hold the pools'
 // windows. Arrays go by torchvision's names.

@@ -3,6 +3,8 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
+#include <cstddef>
+
 // VGG16 (Simonyan, Zisserman, "Very deep convolutional networks for large-scale image recognition", 2015,
 // configuration D), for images of three channels, by convention 224 × 224. Arrays go by torchvision's names.
 

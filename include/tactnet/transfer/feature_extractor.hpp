@@ -41,8 +41,9 @@ public:
     [[nodiscard]] std::size_t features() const { return feature_count(pooling_, map); }
 
     /// A row of features for each of the chosen images, which are stored one after the other: [row][column],
-    /// counts of 8 bits. Throws std::invalid_argument when there are no whole images or no chosen one, and
-    /// std::runtime_error when a feature is not finite, which finite weights of a usual size do not give.
+    /// counts of 8 bits. Throws std::invalid_argument unless all images are whole and each chosen one is
+    /// among them, and std::runtime_error when a feature is not finite, which finite weights of a usual size
+    /// do not give.
     [[nodiscard]] std::vector<float> rows(std::span<const std::uint8_t> images,
                                           std::span<const std::size_t> chosen, thread_pool& threads) const {
         check(images, chosen);

@@ -11,6 +11,7 @@
 #include <support/guarded_map.hpp>
 #include <support/layers/deployment_bound.hpp>
 #include <support/layers/window_of.hpp>
+#include <utility>
 #include <vector>
 
 // A large convolution of one frame or several on random numbers, held to the bound of its error, between

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <kernels/panels/comparison.hpp>
 
 using namespace tactnet;

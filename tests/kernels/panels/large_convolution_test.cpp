@@ -2,8 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <kernels/panels/comparison.hpp>
+#include <vector>
 
 using namespace tactnet;
 using kernels::frame_convolution;

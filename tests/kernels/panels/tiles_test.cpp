@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cstddef>
 #include <kernels/panels/comparison.hpp>
 
 using namespace tactnet;

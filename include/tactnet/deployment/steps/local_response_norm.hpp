@@ -3,6 +3,7 @@
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/local_response.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
