@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -121,7 +122,7 @@ void run(const std::filesystem::path& folder, const std::filesystem::path& file,
     thread_pool threads(std::max(1U, std::thread::hardware_concurrency()));
     safetensors_source weights = safetensors_source::open(file);
     const auto network = std::make_unique<trunk>();
-    const std::array<std::string, 2> unread{"classifier.", "input_mean"};
+    const std::array<std::string, 1> unread{"classifier."};
     load_pretrained(*network, weights, unread);
     const photograph_form form = form_of(weights);
     const image_set images = load_images(list_image_folder(folder), frame.rows, frame.columns, decode_image);
@@ -150,6 +151,9 @@ std::size_t splits_in(std::string_view text) {
 } // namespace
 
 int main(int count, char** arguments) {
+#if defined(SIGPIPE)
+    std::signal(SIGPIPE, SIG_IGN); // writing to a reader that has gone then fails, and is told
+#endif
     if (count != 3 && count != 4) {
         std::fprintf(stderr, "tactnet_transfer: expected a folder of images, a file of weights and perhaps a "
                              "number of splits\n");

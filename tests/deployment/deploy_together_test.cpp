@@ -28,10 +28,19 @@ using large_network =
             residual<sequence<conv2d<2 * wide, 1>, batch_norm, relu, conv2d<wide, 3>, batch_norm>>, relu,
             conv2d<144 * kernels::lanes<float>, 1>, relu, max_pool<3, 3, valid>,
             conv2d<4 * kernels::lanes<float>, 3>, dense<10>>;
-using plan = deployment_plan<large_network>;
+/// What large networks are made of besides: branches side by side, groups, a projection as skip; and a kernel
+/// of 2 × 2, whose tiles have nine elements.
+using branched_network =
+    network<shape{40, 44, 3}, conv2d<wide, 5, 2>, relu,
+            concatenation<sequence<conv2d<wide, 1>, relu>, sequence<conv2d<wide, 3>, relu>>,
+            conv2d<144 * kernels::lanes<float>, 1>, relu, max_pool<3, 3, valid>,
+            conv2d<wide, 3, 1, same, in_groups(2)>, relu,
+            residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
+            conv2d<8, 2, 1, valid>, relu, dense<10>>;
 
-std::unique_ptr<large_network> random_network() {
-    auto net = std::make_unique<large_network>();
+template <class Network>
+std::unique_ptr<Network> random_network() {
+    auto net = std::make_unique<Network>();
     std::uint64_t state = 3;
     net->for_each_parameter([&](const parameter& p, std::span<float> values) {
         for (float& value : values)
@@ -51,23 +60,25 @@ std::size_t bits_that_differ(const std::vector<float>& a, const std::vector<floa
 
 } // namespace
 
-TEST_CASE("deployed: frames of a large network together, on any number of threads, leave the bits of each "
-          "alone") {
-    const auto net = random_network();
+TEST_CASE_TEMPLATE(
+    "deployed: frames of a large network together, on any number of threads, leave the bits of each "
+    "alone",
+    Network, large_network, branched_network) {
+    const auto net = random_network<Network>();
     const auto recognise = deploy(*net);
-    using form = deployed<large_network>;
+    using form = deployed<Network>;
     static_assert(form::view_type::large);
     constexpr std::size_t frames = 19, size = form::input_shape.size(), outputs = form::outputs;
     std::uint64_t state = 5;
     std::vector<float> counts(frames * size), alone(frames * outputs);
     for (float& value : counts)
         value = support::draw(state);
-    const auto memory = std::make_unique<form::scratch>();
+    const auto memory = std::make_unique<typename form::scratch>();
     for (std::size_t f = 0; f < frames; ++f)
         CHECK(recognise(tensor_view<const float, form::input_shape>(counts.data() + f * size),
                         std::span<float, outputs>(alone.data() + f * outputs, outputs),
                         *memory) == frame_status::recognised);
-    form::shared_scratch kept;
+    typename form::shared_scratch kept;
     for (const std::size_t threads : {1, 2, 3}) {
         thread_pool pool(threads);
         for (const std::size_t some : {std::size_t{1}, std::size_t{2}, frames}) {

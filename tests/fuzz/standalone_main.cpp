@@ -133,6 +133,8 @@ int pack(const std::filesystem::path& folder, const std::filesystem::path& corpu
 void add_corpus(const std::filesystem::path& path, std::vector<input>& seeds) {
     const std::vector<std::byte> bytes = tactnet::read_file(path);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (text.empty())
+        throw tactnet::file_error(path.string(), "", "one input or more", "none");
     for (std::size_t at = 0; at < text.size();) {
         std::size_t size = 0;
         const auto number = std::from_chars(text.data() + at, text.data() + text.size(), size);

@@ -56,6 +56,7 @@ struct resnet_stage<First, Other, std::index_sequence<I...>> {
 
 /// Blocks of one size.
 template <class First, class Other, std::size_t Blocks>
+    requires(Blocks > 0)
 using resnet_stage = typename detail::resnet_stage<First, Other, std::make_index_sequence<Blocks - 1>>::type;
 
 /// From the image to the first stage.

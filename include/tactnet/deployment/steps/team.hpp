@@ -50,6 +50,8 @@ template <class Step, class Team>
 void run_together(const typename Step::format::packed* packed, const typename Step::format::activation* in,
                   std::size_t in_distance, typename Step::format::activation* out,
                   typename Step::format::activation* memory, const Team& team) {
+    static_assert(Step::scratch == whole_lines(Step::scratch),
+                  "a step's scratch memory must be whole cache lines, so that the next frame's is aligned");
     if constexpr (requires { Step::run_together(packed, in, in_distance, out, memory, team); }) {
         Step::run_together(packed, in, in_distance, out, memory, team);
     } else if constexpr (requires { Step::run_share(packed, in, out, memory, kernels::large_job{}); }) {

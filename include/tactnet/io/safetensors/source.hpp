@@ -40,6 +40,8 @@ public:
         const std::string name = path.string();
         std::error_code code;
         const auto status = std::filesystem::status(path, code);
+        if (status.type() == std::filesystem::file_type::none)
+            throw file_error(name, "", "a readable file", "'" + code.message() + "'");
         if (status.type() != std::filesystem::file_type::regular)
             throw file_error(name, "", "a file",
                              status.type() == std::filesystem::file_type::not_found   ? "nothing of that name"

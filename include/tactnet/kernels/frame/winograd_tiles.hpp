@@ -62,9 +62,10 @@ struct winograd_tiles {
         return (band + (band + most - 1) / most - 1) / ((band + most - 1) / most);
     }();
 
-    /// Up to a whole cache line, so that the products behind are aligned.
+    /// Up to a whole cache line, so that what lies behind is aligned: the products, the memory of another
+    /// frame.
     static constexpr std::size_t transformed_input = whole_lines(elements * band * input_stride);
-    static constexpr std::size_t products = elements * band * block_stride;
+    static constexpr std::size_t products = whole_lines(elements * band * block_stride);
     /// Elements of scratch memory.
     static constexpr std::size_t scratch = transformed_input + products;
     /// Elements of the transformed, packed kernels.
