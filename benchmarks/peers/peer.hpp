@@ -18,7 +18,8 @@ public:
     virtual void run(std::span<const float> frames, std::span<float> logits) = 0;
 };
 
-/// oneDNN, primitives called one after the other on one thread, in the layouts that it prefers.
-[[nodiscard]] std::unique_ptr<peer> make_onednn(const described_network& network, std::size_t batch);
+/// oneDNN, primitives called one after the other, in the layouts that it prefers.
+[[nodiscard]] std::unique_ptr<peer> make_onednn(const described_network& network, std::size_t batch,
+                                                std::size_t threads = 1);
 
 } // namespace benchmark

@@ -3,6 +3,7 @@
 #include <tactnet/deployment.hpp>
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 // A network as other libraries take it: operations on numbered maps, batch norms folded. Made from the steps
@@ -11,10 +12,11 @@
 namespace benchmark {
 
 struct operation {
-    enum class kind { convolution, pool, dense };
+    enum class kind { convolution, pool, average, dense, relu, concatenation };
 
     kind what;
     std::size_t input, output;                ///< numbers of maps; 0 is the frame
+    std::vector<std::size_t> inputs{};        ///< of concatenations, in order
     tactnet::sliding_window window{{}, 1, 1}; ///< of convolutions and pools
     tactnet::shape from{}, to{};              ///< sizes of the maps
     bool rectified = false;
@@ -38,6 +40,13 @@ public:
     }
     [[nodiscard]] const std::vector<operation>& operations() const { return operations_; }
     [[nodiscard]] const std::vector<tactnet::shape>& maps() const { return maps_; }
+    /// Terms of the sum of one output, of all layers together: what roundings grow with.
+    [[nodiscard]] std::size_t terms() const {
+        std::size_t all = 0;
+        for (const operation& o : operations_)
+            all += o.bias.empty() ? 0 : o.weights.size() / o.bias.size();
+        return all;
+    }
 
 private:
     std::size_t new_map(tactnet::shape s) {
@@ -54,6 +63,7 @@ private:
     template <tactnet::kernels::frame_convolution C>
     std::size_t add(tactnet::convolution_step<tactnet::single_precision, C>, const float* folded,
                     std::size_t from) {
+        static_assert(C.groups == 1, "described_network: convolutions in groups are not described");
         using step = tactnet::convolution_step<tactnet::single_precision, C>;
         const tactnet::shape full{C.window.output_rows(), C.window.output_columns(), C.filters};
         const std::size_t to = C.adds ? other_term_ : new_map(full);
@@ -84,6 +94,48 @@ private:
                     std::size_t from) {
         return add_pool(Window, from);
     }
+    template <tactnet::kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+    std::size_t add(tactnet::average_pool_step<tactnet::single_precision, Windows, Channels, Stride>,
+                    const float*, std::size_t from) {
+        constexpr auto rows = Windows.rows, columns = Windows.columns;
+        static_assert(rows.kernel == 0 && columns.kernel == 0 && rows.size % rows.outputs == 0 &&
+                          columns.size % columns.outputs == 0,
+                      "described_network: average pools are described where all windows are of one size and "
+                      "side by side");
+        constexpr tactnet::extent window(rows.size / rows.outputs, columns.size / columns.outputs);
+        if (window == tactnet::extent(1))
+            return from;
+        return add_pool({{rows.size, columns.size, Channels}, window, window}, from,
+                        operation::kind::average);
+    }
+    template <tactnet::shape Map, std::size_t Stride>
+    std::size_t add(tactnet::relu_step<tactnet::single_precision, Map, Stride>, const float*,
+                    std::size_t from) {
+        const std::size_t to = new_map(Map);
+        operations_.push_back(
+            {.what = operation::kind::relu, .input = from, .output = to, .from = Map, .to = Map});
+        return to;
+    }
+    template <tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+    std::size_t
+    add(tactnet::concatenation_step<tactnet::single_precision, Input, InputStride, Stride, Branches...>,
+        const float* folded, std::size_t from) {
+        using step =
+            tactnet::concatenation_step<tactnet::single_precision, Input, InputStride, Stride, Branches...>;
+        std::vector<std::size_t> branches;
+        ((branches.push_back(add(typename Branches::step{}, folded, from)), folded += Branches::step::folded),
+         ...);
+        const std::size_t to = new_map(step::output);
+        operations_.push_back({.what = operation::kind::concatenation,
+                               .input = from,
+                               .output = to,
+                               .inputs = std::move(branches),
+                               .from = Input,
+                               .to = step::output});
+        return to;
+    }
+    /// A branch that passes its input on.
+    static std::size_t add(tactnet::no_step, const float*, std::size_t from) { return from; }
     template <tactnet::kernels::frame_dense D>
     std::size_t add(tactnet::dense_step<tactnet::single_precision, D>, const float* folded,
                     std::size_t from) {
@@ -106,10 +158,11 @@ private:
         other_term_ = term;
         return add(Main{}, folded, from);
     }
-    std::size_t add_pool(const tactnet::sliding_window& window, std::size_t from) {
+    std::size_t add_pool(const tactnet::sliding_window& window, std::size_t from,
+                         operation::kind what = operation::kind::pool) {
         const tactnet::shape to{window.output_rows(), window.output_columns(), window.input.channels};
         const std::size_t output = new_map(to);
-        operations_.push_back({.what = operation::kind::pool,
+        operations_.push_back({.what = what,
                                .input = from,
                                .output = output,
                                .window = window,

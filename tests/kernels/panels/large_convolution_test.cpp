@@ -49,13 +49,15 @@ TEST_CASE("convolve_large: frames and threads leave the same bits as one frame o
         step({7, 7, several_lanes}, 3, 5 * several_lanes),        // tiles of two, shared by filters
         step({26, 25, several_lanes}, 3, several_lanes),          // tiles of four, shared by tiles
         step({9, 9, 4 * several_lanes}, 1, 8 * several_lanes),    // a row of pixels
+        step({5, 5, 1024}, 1, several_lanes),                     // the same, copied
         step({17, 15, 3}, 7, several_lanes, 2),                   // rows
         step({7, 7, 3 * several_lanes}, 3, 5 * several_lanes, 2), // rows, shared by filters
         step({4, 3, 8 * several_lanes}, extent(4, 3), 6 * several_lanes, 1, valid)};
     for (const frame_convolution& c : kinds) {
         CAPTURE(c.window.input.rows);
         CAPTURE(c.window.kernel.rows);
-        constexpr std::size_t frames = 3;
+        // Of single pixels more than a register block has rows.
+        const std::size_t frames = c.window.kernel == extent(4, 3) ? 17 : 3;
         support::large_numbers all(c, frames, 7);
         const std::vector<float> together = all.run(1);
         for (std::size_t frame = 0; frame < frames; ++frame) {
@@ -73,4 +75,19 @@ TEST_CASE("convolve_large: frames and threads leave the same bits as one frame o
                 CHECK(bits_that_differ(all.run(threads, scratches).data(), together.data(),
                                        frames * all.output_distance) == 0);
     }
+}
+
+TEST_CASE("panel_plan: the weights of a dense layer pass once for all frames") {
+    const kernels::panel_plan fc6(step({6, 6, 256}, 6, 4096, 1, valid));
+    REQUIRE(fc6.flat());
+    CHECK(fc6.band_columns == 1);
+    for (const std::size_t frames : {2, 16, 56})
+        CHECK(fc6.side_by_side(frames).band_columns == frames);
+    // More would not stay near: bands of nearly the same size.
+    CHECK(fc6.side_by_side(57).band_columns == 29);
+
+    const kernels::panel_plan pixels(step({7, 7, 512}, 1, 2048));
+    CHECK(pixels.band_columns == 49);
+    CHECK(pixels.side_by_side(16).band_columns == 112);
+    CHECK(pixels.side_by_side(1).band_columns == 49);
 }

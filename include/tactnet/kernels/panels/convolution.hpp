@@ -57,11 +57,15 @@ struct panel_plan {
         line = joined ? w.kernel.columns * w.input.channels : w.input.channels;
         pieces = (line + most_taps - 1) / most_taps;
         lines = std::clamp<std::size_t>(most_taps / line, 1, joined ? w.kernel.rows : w.kernel.columns);
-        const std::size_t pixels =
-            std::clamp(most_inputs / (stride * w.stride.area()), fewest_pixels, most_pixels);
-        const std::size_t bands = (w.output_columns() + pixels - 1) / pixels;
-        band_columns = (w.output_columns() + bands - 1) / bands;
-        band_rows = std::clamp<std::size_t>(pixels / band_columns, 1, w.output_rows());
+        cut_bands();
+    }
+    /// Several such images side by side, if they are flat(): one band holds pixels of as many as stay near,
+    /// so that weights are read once for all of them.
+    [[nodiscard]] constexpr panel_plan side_by_side(std::size_t images) const {
+        panel_plan longer = *this;
+        longer.c.window.input.columns *= images;
+        longer.cut_bands();
+        return longer;
     }
     /// Whether the image is one row of pixels without a neighbourhood, so that several make a longer one.
     [[nodiscard]] constexpr bool flat() const {
@@ -100,6 +104,17 @@ struct panel_plan {
                     body(some);
                     first += some.lines * depth;
                 }
+    }
+
+private:
+    /// As many outputs as stay near, in bands of nearly the same size.
+    constexpr void cut_bands() {
+        const sliding_window& w = c.window;
+        const std::size_t pixels =
+            std::clamp(most_inputs / (stride * w.stride.area()), fewest_pixels, most_pixels);
+        const std::size_t bands = (w.output_columns() + pixels - 1) / pixels;
+        band_columns = (w.output_columns() + bands - 1) / bands;
+        band_rows = std::clamp<std::size_t>(pixels / band_columns, 1, w.output_rows());
     }
 };
 

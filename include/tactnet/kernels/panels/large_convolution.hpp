@@ -88,11 +88,11 @@ inline void convolve_large(const large_convolution& plan, const large_job& job, 
         return;
     }
     panel_plan panels = plan.panels;
-    sliding_window& w = panels.c.window;
+    const sliding_window& w = panels.c.window;
     std::size_t frames = job.frames;
     if (panels.flat() && job.input_distance == w.input.columns * panels.c.input_stride &&
         job.output_distance == w.input.columns * panels.c.output_stride()) {
-        w.input.columns *= frames; // side by side: one row
+        panels = panels.side_by_side(frames);
         frames = 1;
     }
     const std::size_t rows = w.output_rows(), columns = w.output_columns();
