@@ -21,21 +21,20 @@ using namespace tactnet;
 
 namespace {
 
-constexpr std::size_t wide = 2 * kernels::lanes<float>;
+/// Filters of a vector, and enough of them for large steps where vectors are short.
+constexpr std::size_t vector = std::max<std::size_t>(kernels::lanes<float>, 8), wide = 2 * vector;
 /// Every kind of large step, and small ones between.
 using large_network =
     network<shape{40, 44, 3}, conv2d<wide, 5, 2>, batch_norm, relu, max_pool<3, 2, valid>,
             residual<sequence<conv2d<2 * wide, 1>, batch_norm, relu, conv2d<wide, 3>, batch_norm>>, relu,
-            conv2d<144 * kernels::lanes<float>, 1>, relu, max_pool<3, 3, valid>,
-            conv2d<4 * kernels::lanes<float>, 3>, dense<10>>;
+            conv2d<144 * vector, 1>, relu, max_pool<3, 3, valid>, conv2d<4 * vector, 3>, dense<10>>;
 /// What large networks are made of besides: branches side by side, groups, a projection as skip; and a kernel
 /// of 2 × 2, whose tiles have nine elements.
 using branched_network =
     network<shape{40, 44, 3}, conv2d<wide, 5, 2>, relu,
             concatenation<sequence<conv2d<wide, 1>, relu>, sequence<conv2d<wide, 3>, relu>>,
-            conv2d<144 * kernels::lanes<float>, 1>, relu, max_pool<3, 3, valid>,
-            conv2d<wide, 3, 1, same, in_groups(2)>, relu,
-            residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
+            conv2d<144 * vector, 1>, relu, max_pool<3, 3, valid>, conv2d<wide, 3, 1, same, in_groups(2)>,
+            relu, residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
             conv2d<8, 2, 1, valid>, relu, dense<10>>;
 
 template <class Network>
@@ -79,7 +78,7 @@ TEST_CASE_TEMPLATE(
                         std::span<float, outputs>(alone.data() + f * outputs, outputs),
                         *memory) == frame_status::recognised);
     typename form::shared_scratch kept;
-    for (const std::size_t threads : {1, 2, 3}) {
+    for (const std::size_t threads : {1U, 2U, 3U}) {
         thread_pool pool(threads);
         for (const std::size_t some : {std::size_t{1}, std::size_t{2}, frames}) {
             CAPTURE(threads);

@@ -57,9 +57,10 @@ TEST_CASE("safetensors_source: every tensor as a reader of the whole file gives 
     CHECK(source.checksum() == checksum_state::verified);
     CHECK(source.file() == path.string());
     REQUIRE(source.tensors().size() == 15);
-    for (const auto& [name, tensor] : whole.tensors()) {
+    for (const auto& entry : whole.tensors()) {
+        const std::string& name = entry.first;
         CAPTURE(name);
-        CHECK(source.at(name).extents == tensor.extents);
+        CHECK(source.at(name).extents == entry.second.extents);
         CHECK(source.values<float>(name) == whole.values<float>(name));
         CHECK(source.values<double>(name) == whole.values<double>(name));
     }

@@ -70,8 +70,8 @@ TEST_CASE("convolve_large: frames and threads leave the same bits as one frame o
             CHECK(bits_that_differ(one.data(), together.data() + frame * all.output_distance,
                                    c.output_rows() * c.output_columns() * c.output_stride()) == 0);
         }
-        for (const std::size_t threads : {2, 3, 5, 64})
-            for (const std::size_t scratches : {1, 3})
+        for (const std::size_t threads : {2U, 3U, 5U, 64U})
+            for (const std::size_t scratches : {1U, 3U})
                 CHECK(bits_that_differ(all.run(threads, scratches).data(), together.data(),
                                        frames * all.output_distance) == 0);
     }
@@ -81,7 +81,7 @@ TEST_CASE("panel_plan: the weights of a dense layer pass once for all frames") {
     const kernels::panel_plan fc6(step({6, 6, 256}, 6, 4096, 1, valid));
     REQUIRE(fc6.flat());
     CHECK(fc6.band_columns == 1);
-    for (const std::size_t frames : {2, 16, 56})
+    for (const std::size_t frames : {2U, 16U, 56U})
         CHECK(fc6.side_by_side(frames).band_columns == frames);
     // More would not stay near: bands of nearly the same size.
     CHECK(fc6.side_by_side(57).band_columns == 29);
