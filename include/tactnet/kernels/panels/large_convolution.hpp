@@ -59,17 +59,17 @@ struct large_convolution {
         if (tiled())
             pack_tiles(tiles, packed, weight);
         else
-            pack_panels(tiles.c, packed, weight);
+            pack_panels(tiles.convolution, packed, weight);
     }
 };
 
 /// output = convolution, bias, a sum, max pool, ReLU: the share of one thread. `memory` is the thread's own.
 inline void convolve_large(const large_convolution& plan, const large_job& job, const float* input,
                            const float* weights, const float* bias, float* output, float* memory) {
-    const filter_panels filters(plan.tiles.c.padded_filters());
+    const filter_panels filters(plan.tiles.convolution.padded_filters());
     // Threads share what is larger: the weights, which then each reads in part, or the maps.
-    const bool by_filters =
-        plan.weights() > job.frames * plan.tiles.c.window.input.size() && filters.count >= job.share.threads;
+    const bool by_filters = plan.weights() > job.frames * plan.tiles.convolution.window.input.size() &&
+                            filters.count >= job.share.threads;
     const std::size_t first_panel = by_filters ? job.share.begin(filters.count) : 0,
                       last_panel = by_filters ? job.share.end(filters.count) : filters.count;
     const auto begin = [&](std::size_t count) { return by_filters ? 0 : job.share.begin(count); };
@@ -83,10 +83,10 @@ inline void convolve_large(const large_convolution& plan, const large_job& job, 
         return;
     }
     panel_plan panels = plan.panels;
-    const sliding_window& w = panels.c.window;
+    const sliding_window& w = panels.convolution.window;
     std::size_t frames = job.frames;
-    if (panels.flat() && job.input_distance == w.input.columns * panels.c.input_stride &&
-        job.output_distance == w.input.columns * panels.c.output_stride()) {
+    if (panels.flat() && job.input_distance == w.input.columns * panels.convolution.input_stride &&
+        job.output_distance == w.input.columns * panels.convolution.output_stride()) {
         panels = panels.side_by_side(frames);
         frames = 1;
     }
