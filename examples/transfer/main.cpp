@@ -10,7 +10,7 @@
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
 #include <tactnet/io/pretrained.hpp>
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 #include <tactnet/svm.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/metrics.hpp>

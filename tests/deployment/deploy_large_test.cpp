@@ -1,14 +1,14 @@
 #include "deployed_network.hpp"
 
-#include <tactnet/networks/resnet.hpp>
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/resnet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 
 #include <doctest/doctest.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <networks/stages.hpp>
+#include <networks/imagenet/stages.hpp>
 #include <span>
 #include <support/same_bits.hpp>
 #include <vector>
