@@ -19,7 +19,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -159,9 +158,7 @@ void decode(const arguments& asked) {
 } // namespace
 
 int main(int count, char** words) {
-#if defined(SIGPIPE)
-    std::signal(SIGPIPE, SIG_IGN); // writing to a reader that has gone then fails, and is told
-#endif
+    ignore_broken_pipes();
     try {
         const arguments asked = read_arguments(std::span(words + 1, words + std::max(count, 1)));
         if (asked.help) {

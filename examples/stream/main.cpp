@@ -16,7 +16,6 @@
 
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -81,7 +80,7 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
 } // namespace
 
 int main(int count, char** arguments) {
-    std::signal(SIGPIPE, SIG_IGN);
+    ignore_broken_pipes();
     const bool own = count == 3 && std::strcmp(arguments[2], "own") == 0;
     if (count != 2 && !own) {
         std::fputs("usage: tactnet_stream WEIGHTS [own] <STREAM\n", stderr);

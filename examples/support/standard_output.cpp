@@ -3,6 +3,7 @@
 #include <tactnet/io/file_error.hpp>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <string>
 #include <system_error>
@@ -16,6 +17,12 @@ namespace {
 }
 
 } // namespace
+
+void ignore_broken_pipes() noexcept {
+#if defined(SIGPIPE)
+    std::signal(SIGPIPE, SIG_IGN);
+#endif
+}
 
 void print(std::string_view text) {
     errno = 0;

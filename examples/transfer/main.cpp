@@ -10,7 +10,7 @@
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
 #include <tactnet/io/pretrained.hpp>
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 #include <tactnet/svm.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/metrics.hpp>
@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -151,9 +150,7 @@ std::size_t splits_in(std::string_view text) {
 } // namespace
 
 int main(int count, char** arguments) {
-#if defined(SIGPIPE)
-    std::signal(SIGPIPE, SIG_IGN); // writing to a reader that has gone then fails, and is told
-#endif
+    ignore_broken_pipes();
     if (count != 3 && count != 4) {
         std::fprintf(stderr, "tactnet_transfer: expected a folder of images, a file of weights and perhaps a "
                              "number of splits\n");

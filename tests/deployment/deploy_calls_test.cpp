@@ -10,6 +10,7 @@
 #include <memory>
 #include <stdexcept>
 #include <support/allocations.hpp>
+#include <support/same_bits.hpp>
 #include <thread>
 
 #if defined(__linux__)
@@ -24,6 +25,7 @@
 // on where memory lies or on who calls too, and nothing is asked of the heap or of the system.
 
 using namespace tactnet;
+using support::same_bits;
 
 namespace {
 
@@ -67,9 +69,6 @@ const fast_net& fast() {
 }
 std::vector<float> as_floats(const std::vector<std::uint8_t>& counts) {
     return std::vector<float>(counts.begin(), counts.end());
-}
-bool same_bits(std::span<const float> a, std::span<const float> b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
 logits of(const std::vector<std::uint8_t>& counts) {
     logits out;

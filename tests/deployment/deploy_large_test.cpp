@@ -1,20 +1,19 @@
 #include "deployed_network.hpp"
 
-#include <tactnet/networks/resnet.hpp>
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/resnet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <networks/stages.hpp>
+#include <networks/imagenet/stages.hpp>
 #include <span>
-#include <type_traits>
+#include <support/same_bits.hpp>
 #include <vector>
 
-// Networks for ImageNet, small in rows and columns, and one whose maps are too large for a stack.
+// Networks for ImageNet, small in rows and columns, and two whose maps are too large for a stack.
 
 using namespace tactnet;
 
@@ -48,24 +47,30 @@ TEST_CASE("deployed: resnet's blocks, every logit lies within the bound of its e
     CHECK(errors.good());
 }
 
-TEST_CASE("deployed: maps too large for a stack lie on the heap, one by one and on threads") {
-    using net = network<shape{200, 200, 1}, conv2d<16, 1>, relu, global_average_pool>;
+// All threads share each step of the first network; each takes frames of its own through the second, whose
+// steps are small whatever the vectors, in memory of its own.
+using shared_steps = network<shape{200, 200, 1}, conv2d<16, 1>, relu, global_average_pool>;
+using small_steps = network<shape{600, 600, 1}, max_pool<8>, conv2d<3, 3>, relu, global_average_pool>;
+static_assert(deployed<shared_steps>::view_type::large && !deployed<small_steps>::view_type::large);
+
+TEST_CASE_TEMPLATE("deployed: maps too large for a stack lie on the heap, one by one and on threads", net,
+                   shared_steps, small_steps) {
+    constexpr std::size_t frames = 3;
     net trained;
     support::fill(trained, 53);
     const auto fast = deploy(trained);
-    using fast_net = std::remove_const_t<decltype(fast)>;
+    using fast_net = deployed<net>;
     static_assert(fast_net::scratch_bytes > fast_net::view_type::most_on_stack);
-    const std::vector<std::uint8_t> counts = support::make_frame(2 * net::input_shape.size(), 54);
-    const auto memory = std::make_unique<fast_net::scratch>();
-    std::vector<float> together(2 * net::outputs), alone(net::outputs);
+    const std::vector<std::uint8_t> counts = support::make_frame(frames * net::input_shape.size(), 54);
+    const auto memory = std::make_unique<typename fast_net::scratch>();
+    std::vector<float> together(frames * net::outputs), alone(net::outputs);
     thread_pool threads(2);
     CHECK(fast(threads, std::span<const std::uint8_t>(counts), std::span<float>(together)) ==
           frame_status::recognised);
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < frames; ++i) {
         CHECK(fast(tensor_view<const std::uint8_t, net::input_shape>(counts.data() +
                                                                      i * net::input_shape.size()),
                    std::span<float, net::outputs>(alone), *memory) == frame_status::recognised);
-        CHECK(std::equal(alone.begin(), alone.end(),
-                         together.begin() + static_cast<std::ptrdiff_t>(i * net::outputs)));
+        CHECK(support::same_bits(alone, std::span(together).subspan(i * net::outputs, net::outputs)));
     }
 }

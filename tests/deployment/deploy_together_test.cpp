@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 #include <support/guarded_map.hpp>
+#include <support/same_bits.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -50,13 +50,6 @@ std::unique_ptr<Network> random_network() {
     return net;
 }
 
-std::size_t bits_that_differ(const std::vector<float>& a, const std::vector<float>& b) {
-    std::size_t different = a.size() != b.size();
-    for (std::size_t i = 0; i < a.size(); ++i)
-        different += std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]);
-    return different;
-}
-
 } // namespace
 
 TEST_CASE_TEMPLATE(
@@ -88,11 +81,11 @@ TEST_CASE_TEMPLATE(
                             std::span<float>(together)) == frame_status::recognised);
             const std::vector<float> first(alone.begin(),
                                            alone.begin() + static_cast<std::ptrdiff_t>(some * outputs));
-            CHECK(bits_that_differ(together, first) == 0);
+            CHECK(support::numbers_that_differ(together, first) == 0);
             std::fill(together.begin(), together.end(), NAN);
             CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
                             std::span<float>(together), kept) == frame_status::recognised);
-            CHECK(bits_that_differ(together, first) == 0);
+            CHECK(support::numbers_that_differ(together, first) == 0);
         }
         // A broken frame among others is told.
         std::vector<float> broken = counts;

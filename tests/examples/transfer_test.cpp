@@ -1,7 +1,7 @@
 // The program `tactnet_transfer` from outside, with weights that are drawn at random.
 
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>

@@ -7,11 +7,11 @@
 
 #include <doctest/doctest.h>
 
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <support/same_bits.hpp>
 
 // Frames to try effects on, and what holds for every effect.
 
@@ -38,13 +38,6 @@ frame<Shape> filled(float value) {
         each = value;
     return values;
 }
-template <tactnet::shape Shape>
-bool same_bits(const frame<Shape>& a, const frame<Shape>& b) {
-    for (std::size_t i = 0; i < Shape.size(); ++i)
-        if (std::bit_cast<std::uint32_t>(a.data()[i]) != std::bit_cast<std::uint32_t>(b.data()[i]))
-            return false;
-    return true;
-}
 
 template <tactnet::shape Shape, class Effect>
 frame<Shape> after(const Effect& effect, frame<Shape> values, const tactnet::simulation::moment& now = {},
@@ -59,9 +52,9 @@ template <tactnet::shape Shape, class Effect>
 void check_changes_no_bit(const Effect& effect) {
     const tactnet::simulation::moment now{.seconds = 100, .celsius = 60};
     for (std::uint32_t sample = 0; sample < 10; ++sample)
-        CHECK(same_bits<Shape>(after<Shape>(effect, pressed<Shape>(sample), now), pressed<Shape>(sample)));
+        CHECK(same_bits(after<Shape>(effect, pressed<Shape>(sample), now), pressed<Shape>(sample)));
     for (const float value : {-0.0f, -5.0f, 1e-40f, 1e30f})
-        CHECK(same_bits<Shape>(after<Shape>(effect, filled<Shape>(value), now), filled<Shape>(value)));
+        CHECK(same_bits(after<Shape>(effect, filled<Shape>(value), now), filled<Shape>(value)));
 }
 
 /// Finite values, however large, small or below zero, never become NaN; NaN is not hidden.

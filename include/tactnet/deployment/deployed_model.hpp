@@ -61,10 +61,10 @@ public:
     }
     /// With scratch memory on the stack: scratch_bytes of it.
     [[nodiscard]] std::optional<recognition> operator()(counts_view counts) const& noexcept {
-        return recognise_on_stack(counts);
+        return recognise(counts);
     }
     [[nodiscard]] std::optional<recognition> operator()(numbers_view counts) const& noexcept {
-        return recognise_on_stack(counts);
+        return recognise(counts);
     }
     // The name would be gone with the classes.
     std::optional<recognition> operator()(counts_view, scratch&) const&& = delete;
@@ -73,18 +73,10 @@ public:
     std::optional<recognition> operator()(numbers_view) const&& = delete;
 
 private:
-    template <class View>
-    [[nodiscard]] std::optional<recognition> recognise_on_stack(View counts) const noexcept {
-        static_assert(fits_stack<base::scratch_bytes, base::view_type::most_on_stack>,
-                      "deployed: this network needs more scratch memory than a stack should hold: give it "
-                      "some from the heap; fits_stack shows bytes needed, bytes at most");
-        scratch memory;
-        return recognise(counts, memory);
-    }
-    template <class View>
-    [[nodiscard]] std::optional<recognition> recognise(View counts, scratch& memory) const noexcept {
+    template <class View, class... Memory>
+    [[nodiscard]] std::optional<recognition> recognise(View counts, Memory&... memory) const noexcept {
         std::array<float, outputs> found;
-        if (base::operator()(counts, std::span<float, outputs>(found), memory) != frame_status::recognised)
+        if (base::operator()(counts, std::span<float, outputs>(found), memory...) != frame_status::recognised)
             return std::nullopt;
         if constexpr (Network::ends_in_softmax)
             return most_probable(found, classes_);

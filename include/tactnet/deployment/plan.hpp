@@ -3,7 +3,7 @@
 #include <tactnet/deployment/forms/form.hpp>
 #include <tactnet/deployment/steps/chain.hpp>
 #include <tactnet/detail/indexed_leaves.hpp>
-#include <tactnet/layers/sequence.hpp>
+#include <tactnet/layers/composition/sequence.hpp>
 
 #include <cstddef>
 #include <type_traits>

@@ -2,9 +2,8 @@
 
 #include <tactnet/kernels/batch/average_pooling.hpp>
 #include <tactnet/layers/layer.hpp>
-#include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/pool_window.hpp>
 
-#include <algorithm>
 #include <cstddef>
 #include <string_view>
 
@@ -45,22 +44,6 @@ struct average_layer : layer_without_parameters<T, Input, shape{}> {
     }
 };
 
-template <std::size_t WindowRows, std::size_t WindowColumns, std::size_t StrideArea, std::size_t PaddedRows,
-          std::size_t PaddedColumns, std::size_t MostRowsOfPadding, std::size_t MostColumnsOfPadding>
-[[nodiscard]] constexpr kernels::average_windows average_pool_windows(kernels::average_windows windows) {
-    static_assert(WindowRows > 0 && WindowColumns > 0 && StrideArea > 0,
-                  "average_pool: window and stride must be at least 1");
-    static_assert(
-        window_fits_padded_input<WindowRows, WindowColumns, PaddedRows, PaddedColumns>,
-        "average_pool: the window is larger than the padded input; window_fits_padded_input shows window "
-        "rows, window columns, padded rows, padded columns");
-    static_assert(
-        every_window_holds_a_pixel<MostRowsOfPadding, MostColumnsOfPadding, WindowRows, WindowColumns>,
-        "average_pool: the padding must be smaller than the window, or a window holds no pixel; "
-        "every_window_holds_a_pixel shows rows and columns of padding on one side, window rows, window "
-        "columns");
-    return windows;
-}
 /// As PyTorch has them: what ceil mode adds behind the padding that was given is not counted as padding.
 [[nodiscard]] constexpr kernels::average_windows average_windows_of(const sliding_window& w, padding given,
                                                                     average_over over) {
@@ -88,16 +71,10 @@ struct average_pool {
     static constexpr bool numbered = true;
 
     template <class T, shape Input>
-    static constexpr sliding_window window = sliding_window::over(Input, Window, Stride, Padding);
+    static constexpr sliding_window window = detail::pool_window<Input, Window, Stride, Padding>();
     template <class T, shape Input>
-    using layer = detail::average_layer<
-        T, Input,
-        detail::average_pool_windows<Window.rows, Window.columns, Stride.area(),
-                                     Input.rows + window<T, Input>.top + window<T, Input>.bottom,
-                                     Input.columns + window<T, Input>.left + window<T, Input>.right,
-                                     std::max(window<T, Input>.top, window<T, Input>.bottom),
-                                     std::max(window<T, Input>.left, window<T, Input>.right)>(
-            detail::average_windows_of(window<T, Input>, Padding, Over))>;
+    using layer =
+        detail::average_layer<T, Input, detail::average_windows_of(window<T, Input>, Padding, Over)>;
 };
 
 /// Average pooling to a map of that size, whatever the input: bins as equal as can be. PyTorch's

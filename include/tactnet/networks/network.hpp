@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/layers/fused.hpp>
+#include <tactnet/layers/composition/fused.hpp>
 #include <tactnet/layers/softmax.hpp>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/runtime/work_share.hpp>
 
 #include <atomic>
 #include <cstddef>
@@ -38,14 +39,7 @@ public:
 
     [[nodiscard]] std::size_t threads() const { return threads_; }
 
-    /// One thread's part of some work: which of `threads` it is.
-    struct share {
-        std::size_t index, threads;
-
-        /// Its part of 0 … count − 1.
-        [[nodiscard]] std::size_t begin(std::size_t count) const { return count * index / threads; }
-        [[nodiscard]] std::size_t end(std::size_t count) const { return count * (index + 1) / threads; }
-    };
+    using share = work_share;
 
     /// body(share) on every thread; must not call this again. What a body throws reaches the caller once all
     /// shares have ended, the others undisturbed; of several exceptions it is that of the lowest share, so

@@ -1,4 +1,5 @@
-// expect: average_pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
+// expect: pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
+// expect: average_pool<
 // at-most: 1
 #include <tactnet/layers/average_pool.hpp>
 #include <tactnet/networks/network.hpp>

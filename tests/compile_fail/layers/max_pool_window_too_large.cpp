@@ -1,5 +1,6 @@
-// expect: max_pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
+// expect: pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
 // expect: PaddedColumns = 4; WindowColumns = 5|window_fits_padded_input<5UL, 5UL, 7UL, 4UL>
+// expect: max_pool<
 // at-most: 1
 #include <tactnet/networks.hpp>
 

@@ -1,3 +1,5 @@
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
@@ -5,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +17,7 @@
 #include <string>
 #include <support/files/bit_flips.hpp>
 #include <support/files/temporary_folder.hpp>
+#include <system_error>
 #include <vector>
 
 using namespace tactnet;
@@ -102,6 +106,9 @@ TEST_CASE("safetensors_source: what is no file, and a file that becomes shorter"
     CHECK(error_of(folder.path() / "absent") == "a file | nothing of that name");
     if (std::filesystem::exists("/dev/zero"))
         CHECK(error_of("/dev/zero") == "a file | a pipe or a device");
+    // Longer than any file system takes: not even whether there is such a file can be known.
+    CHECK(error_of(folder.path() / std::string(5000, 'n')) ==
+          "a readable file | '" + std::system_category().message(ENAMETOOLONG) + "'");
 
     const auto path = folder.path() / "all.safetensors";
     writer_of_all_types().write(path);

@@ -93,7 +93,7 @@ struct large_numbers {
         const std::vector<float> before = fresh_outputs();
         std::copy(before.begin(), before.end(), output.data());
         for (std::size_t thread = 0; thread < threads; ++thread)
-            convolve_large(plan, {frames, input_distance, output_distance, thread, threads, scratches},
+            convolve_large(plan, {frames, input_distance, output_distance, {thread, threads}, scratches},
                            laid_inputs.data(), packed.data(), bias.data(), output.data(), memory.data());
         CHECK(packed.untouched());
         CHECK(memory.untouched());

@@ -24,12 +24,12 @@ constexpr frame_convolution step(shape in, extent kernel, std::size_t filters, s
 TEST_CASE("panel_plan: an image whose pixels stand for themselves is one row, one under a single kernel one "
           "pixel") {
     constexpr kernels::panel_plan row(step({14, 13, 96}, 1, 64, 96));
-    static_assert(row.flat() && row.c.window.input == shape{1, 182, 96} && !row.staged);
+    static_assert(row.flat() && row.convolution.window.input == shape{1, 182, 96} && !row.staged);
     constexpr kernels::panel_plan pixel(step({6, 5, 32}, extent(6, 5), 64, 32, 1, valid));
-    static_assert(pixel.flat() && pixel.c.window.input == shape{1, 1, 960} && !pixel.staged);
+    static_assert(pixel.flat() && pixel.convolution.window.input == shape{1, 1, 960} && !pixel.staged);
     // Not where there are gaps between the pixels, or padding.
     constexpr kernels::panel_plan gaps(step({6, 5, 30}, extent(6, 5), 64, 32, 1, valid));
-    static_assert(!gaps.flat() && gaps.c.window.input == shape{6, 5, 30});
+    static_assert(!gaps.flat() && gaps.convolution.window.input == shape{6, 5, 30});
     constexpr kernels::panel_plan padded(step({14, 13, 96}, 1, 64, 96, 1, pad(1)));
     static_assert(!padded.flat() && padded.staged);
 }
@@ -45,7 +45,7 @@ TEST_CASE("panel_plan: parts have all taps in the order of the weights, and rows
             CHECK(part.first == taps);
             CHECK(part.first == (part.row * c.window.kernel.columns + part.column) * c.window.input.channels +
                                     part.channel);
-            CHECK(part.lines * part.depth <= std::max(kernels::panel_plan::most_taps, plan.line));
+            CHECK(part.lines * part.depth <= std::max(kernels::panel_plan::most_taps, plan.line_taps));
             taps += part.lines * part.depth;
         });
         CHECK(taps == c.taps());

@@ -3,10 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <kernels/panels/comparison.hpp>
+#include <span>
+#include <support/same_bits.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -21,13 +21,6 @@ frame_convolution step(shape in, extent kernel, std::size_t filters, extent stri
             .filters = filters,
             .input_stride = in.channels,
             .rectified = true};
-}
-
-std::size_t bits_that_differ(const float* a, const float* b, std::size_t count) {
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < count; ++i)
-        different += std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]);
-    return different;
 }
 
 } // namespace
@@ -67,13 +60,14 @@ TEST_CASE("convolve_large: frames and threads leave the same bits as one frame o
                         alone.laid_inputs.data());
             alone.weights = all.weights, alone.biases = all.biases;
             const std::vector<float> one = alone.run(1);
-            CHECK(bits_that_differ(one.data(), together.data() + frame * all.output_distance,
-                                   c.output_rows() * c.output_columns() * c.output_stride()) == 0);
+            const std::size_t size = c.output_rows() * c.output_columns() * c.output_stride();
+            CHECK(support::numbers_that_differ(
+                      std::span(one).first(size),
+                      std::span(together).subspan(frame * all.output_distance, size)) == 0);
         }
         for (const std::size_t threads : {2U, 3U, 5U, 64U})
             for (const std::size_t scratches : {1U, 3U})
-                CHECK(bits_that_differ(all.run(threads, scratches).data(), together.data(),
-                                       frames * all.output_distance) == 0);
+                CHECK(support::numbers_that_differ(all.run(threads, scratches), together) == 0);
     }
 }
 

@@ -10,11 +10,13 @@
 #include <string>
 #include <support/allocations.hpp>
 #include <support/layers/conformance.hpp>
+#include <support/same_bits.hpp>
 #include <vector>
 
 namespace support {
 namespace {
 
+using support::same_bits;
 using tactnet::random_stream;
 using tactnet::kernels::lanes;
 template <class T>
@@ -60,10 +62,6 @@ bool same_bits(const array<T>& a, std::size_t from, const array<T>& b, std::size
                 return false;
         }
     return true;
-}
-template <class T>
-bool same_bits(const array<T>& a, const array<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 /// Inputs all different, by more than any step of a finite difference, and none at zero: no ties, no kinks of

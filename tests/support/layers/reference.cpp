@@ -239,70 +239,83 @@ private:
     }
 };
 
-class relu final : public reference_layer {
+/// A layer without parameters that takes each sample by itself.
+class sample_by_sample : public reference_layer {
+public:
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const final {
+        samples out;
+        for (const sample& each : in)
+            out.push_back(output_of(call, each));
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const final { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const final {
+        reference_gradients g;
+        for (std::size_t s = 0; s < in.size(); ++s)
+            g.input.push_back(gradient_of(call, in[s], out_gradient[s]));
+        return g;
+    }
+    [[nodiscard]] virtual sample output_of(const reference_call& call, const sample& in) const = 0;
+    [[nodiscard]] virtual sample gradient_of(const reference_call& call, const sample& in,
+                                             const sample& out_gradient) const = 0;
+};
+
+class relu final : public sample_by_sample {
 public:
     explicit relu(extents3 size) { input = output = size; }
 
-    [[nodiscard]] samples forward(const reference_call&, const samples& in) const override {
-        samples out = in;
-        for (sample& each : out)
-            for (bounded& b : each)
-                b.value = b.value < 0 ? 0 : b.value;
+    [[nodiscard]] sample output_of(const reference_call&, const sample& in) const override {
+        sample out = in;
+        for (bounded& b : out)
+            b.value = b.value < 0 ? 0 : b.value;
         return out;
     }
-    [[nodiscard]] bool has_backward() const override { return true; }
-    [[nodiscard]] reference_gradients backward(const reference_call&, const samples& in,
-                                               const samples& out_gradient) const override {
-        samples g = out_gradient;
-        for (std::size_t s = 0; s < in.size(); ++s)
-            for (std::size_t i = 0; i < input.size(); ++i)
-                g[s][i] = {in[s][i].value > 0 ? g[s][i].value : 0, 0};
-        return {g, {}};
+    [[nodiscard]] sample gradient_of(const reference_call&, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g = out_gradient;
+        for (std::size_t i = 0; i < input.size(); ++i)
+            g[i] = {in[i].value > 0 ? g[i].value : 0, 0};
+        return g;
     }
 };
 
-class max_pool final : public reference_layer {
+class max_pool final : public sample_by_sample {
 public:
     explicit max_pool(const reference_window& window) : window_(window) {
         input = window.input;
         output = {input.channels, window.output_rows(), window.output_columns()};
     }
 
-    [[nodiscard]] samples forward(const reference_call&, const samples& in) const override {
-        samples out(in.size(), sample(output.size()));
-        for (std::size_t s = 0; s < in.size(); ++s) {
-            std::vector<bool> seen(output.size());
-            for_each([&](std::size_t o, std::size_t i) {
-                bounded& to = out[s][o];
-                const bounded& from = in[s][i];
-                const double error = std::max(seen[o] ? to.error : 0, from.error);
-                if (!seen[o] || from.value > to.value || std::isnan(from.value))
-                    to.value = std::isnan(to.value) ? to.value : from.value;
-                to.error = error;
-                seen[o] = true;
-            });
-        }
+    [[nodiscard]] sample output_of(const reference_call&, const sample& in) const override {
+        sample out(output.size());
+        std::vector<bool> seen(output.size());
+        for_each([&](std::size_t o, std::size_t i) {
+            bounded& to = out[o];
+            const bounded& from = in[i];
+            const double error = std::max(seen[o] ? to.error : 0, from.error);
+            if (!seen[o] || from.value > to.value || std::isnan(from.value))
+                to.value = std::isnan(to.value) ? to.value : from.value;
+            to.error = error;
+            seen[o] = true;
+        });
         return out;
     }
-    [[nodiscard]] bool has_backward() const override { return true; }
-    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
-                                               const samples& out_gradient) const override {
-        samples g(in.size(), sample(input.size()));
-        for (std::size_t s = 0; s < in.size(); ++s) {
-            std::vector<std::size_t> first(output.size(), input.size()); // of the largest
-            for_each([&](std::size_t o, std::size_t i) {
-                if (first[o] == input.size() || in[s][i].value > in[s][first[o]].value)
-                    first[o] = i;
-            });
-            for (std::size_t o = 0; o < output.size(); ++o) {
-                g[s][first[o]].value += out_gradient[s][o].value;
-                g[s][first[o]].error +=
-                    std::abs(out_gradient[s][o].value) *
-                    accumulated(call.roundoff,
-                                static_cast<double>(window_.kernel_rows * window_.kernel_columns));
-            }
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g(input.size());
+        std::vector<std::size_t> first(output.size(), input.size()); // of the largest
+        for_each([&](std::size_t o, std::size_t i) {
+            if (first[o] == input.size() || in[i].value > in[first[o]].value)
+                first[o] = i;
+        });
+        for (std::size_t o = 0; o < output.size(); ++o) {
+            g[first[o]].value += out_gradient[o].value;
+            g[first[o]].error +=
+                std::abs(out_gradient[o].value) *
+                accumulated(call.roundoff, static_cast<double>(window_.kernel_rows * window_.kernel_columns));
         }
-        return {g, {}};
+        return g;
     }
 
 private:
@@ -317,7 +330,7 @@ private:
 };
 
 /// Averages of pixels: what lies in which of them, and what the sums are divided by.
-class average final : public reference_layer {
+class average final : public sample_by_sample {
 public:
     average(extents3 in, extents3 out, std::vector<std::vector<std::size_t>> pixels,
             std::vector<double> divisors)
@@ -325,38 +338,34 @@ public:
         input = in;
         output = out;
     }
-    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
-        samples out(in.size(), sample(output.size()));
-        for (std::size_t s = 0; s < in.size(); ++s)
-            for (std::size_t o = 0; o < output.size(); ++o) {
-                double size = 0;
-                for_each(o, [&](std::size_t i) {
-                    out[s][o].value += in[s][i].value;
-                    out[s][o].error += in[s][i].error;
-                    size += magnitude(in[s][i]);
-                });
-                const std::size_t pixel = o % output.area();
-                const double count = static_cast<double>(pixels_[pixel].size());
-                out[s][o].error += accumulated(call.roundoff, count + 1) * size;
-                out[s][o].value /= divisors_[pixel], out[s][o].error /= divisors_[pixel];
-            }
+    [[nodiscard]] sample output_of(const reference_call& call, const sample& in) const override {
+        sample out(output.size());
+        for (std::size_t o = 0; o < output.size(); ++o) {
+            double size = 0;
+            for_each(o, [&](std::size_t i) {
+                out[o].value += in[i].value;
+                out[o].error += in[i].error;
+                size += magnitude(in[i]);
+            });
+            const std::size_t pixel = o % output.area();
+            const double count = static_cast<double>(pixels_[pixel].size());
+            out[o].error += accumulated(call.roundoff, count + 1) * size;
+            out[o].value /= divisors_[pixel], out[o].error /= divisors_[pixel];
+        }
         return out;
     }
-    [[nodiscard]] bool has_backward() const override { return true; }
-    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
-                                               const samples& out_gradient) const override {
-        samples g(in.size(), sample(input.size()));
-        for (std::size_t s = 0; s < in.size(); ++s) {
-            for (std::size_t o = 0; o < output.size(); ++o)
-                for_each(o, [&](std::size_t i) {
-                    const double share = out_gradient[s][o].value / divisors_[o % output.area()];
-                    g[s][i].value += share;
-                    g[s][i].error += std::abs(share);
-                });
-            for (bounded& b : g[s])
-                b.error *= accumulated(call.roundoff, static_cast<double>(output.area()) + 1);
-        }
-        return {g, {}};
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample&,
+                                     const sample& out_gradient) const override {
+        sample g(input.size());
+        for (std::size_t o = 0; o < output.size(); ++o)
+            for_each(o, [&](std::size_t i) {
+                const double share = out_gradient[o].value / divisors_[o % output.area()];
+                g[i].value += share;
+                g[i].error += std::abs(share);
+            });
+        for (bounded& b : g)
+            b.error *= accumulated(call.roundoff, static_cast<double>(output.area()) + 1);
+        return g;
     }
 
 private:
@@ -370,52 +379,48 @@ private:
 };
 
 /// y(c) = x(c) b(c)^-beta with b(c) = k + alpha / size times the sum of x² over the window.
-class local_response_norm final : public reference_layer {
+class local_response_norm final : public sample_by_sample {
 public:
     local_response_norm(extents3 in, std::size_t size, double alpha, double beta, double k)
         : size_(size), share_(alpha / static_cast<double>(size)), beta_(beta), k_(k) {
         input = output = in;
     }
-    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
-        samples out(in.size(), sample(output.size()));
-        for (std::size_t s = 0; s < in.size(); ++s)
-            for (std::size_t i = 0; i < input.size(); ++i) {
-                const bounded b = base(call, in[s], i);
-                const double most = std::pow(std::max(b.value - b.error, k_ / 2), -beta_),
-                             factor = std::pow(b.value, -beta_);
-                // By the mean value theorem; then the roundings of the power (at most five) and the product.
-                const double factor_error = beta_ * most / std::max(b.value - b.error, k_ / 2) * b.error +
-                                            accumulated(call.roundoff, 5) * most;
-                out[s][i] = {in[s][i].value * factor,
-                             in[s][i].error * most + magnitude(in[s][i]) * factor_error +
-                                 accumulated(call.roundoff, 1) * magnitude(in[s][i]) * (most + factor_error)};
-            }
+    [[nodiscard]] sample output_of(const reference_call& call, const sample& in) const override {
+        sample out(output.size());
+        for (std::size_t i = 0; i < input.size(); ++i) {
+            const bounded b = base(call, in, i);
+            const double most = std::pow(std::max(b.value - b.error, k_ / 2), -beta_),
+                         factor = std::pow(b.value, -beta_);
+            // By the mean value theorem; then the roundings of the power (at most five) and the product.
+            const double factor_error = beta_ * most / std::max(b.value - b.error, k_ / 2) * b.error +
+                                        accumulated(call.roundoff, 5) * most;
+            out[i] = {in[i].value * factor,
+                      in[i].error * most + magnitude(in[i]) * factor_error +
+                          accumulated(call.roundoff, 1) * magnitude(in[i]) * (most + factor_error)};
+        }
         return out;
     }
-    [[nodiscard]] bool has_backward() const override { return true; }
-    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
-                                               const samples& out_gradient) const override {
-        samples g(in.size(), sample(input.size()));
-        for (std::size_t s = 0; s < in.size(); ++s) {
-            std::vector<double> sizes(input.size()); // of all terms of a gradient
-            for (std::size_t i = 0; i < input.size(); ++i) {
-                const double b = base(call, in[s], i).value, dy = out_gradient[s][i].value;
-                g[s][i].value += dy * std::pow(b, -beta_);
-                sizes[i] += std::abs(dy * std::pow(b, -beta_));
-                for_window(i, [&](std::size_t j) {
-                    const double term =
-                        2 * share_ * beta_ * in[s][j].value * dy * in[s][i].value * std::pow(b, -beta_ - 1);
-                    g[s][j].value -= term;
-                    sizes[j] += std::abs(term);
-                });
-            }
-            // Each term passes its base (size + 3 roundings, once in the power, once in the quotient), the
-            // power (5), four products and the sum.
-            const double n = static_cast<double>(size_);
-            for (std::size_t i = 0; i < input.size(); ++i)
-                g[s][i].error = accumulated(call.roundoff, (1 + beta_) * (n + 3) + 5 + 4 + n + 2) * sizes[i];
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g(input.size());
+        std::vector<double> sizes(input.size()); // of all terms of a gradient
+        for (std::size_t i = 0; i < input.size(); ++i) {
+            const double b = base(call, in, i).value, dy = out_gradient[i].value;
+            g[i].value += dy * std::pow(b, -beta_);
+            sizes[i] += std::abs(dy * std::pow(b, -beta_));
+            for_window(i, [&](std::size_t j) {
+                const double term =
+                    2 * share_ * beta_ * in[j].value * dy * in[i].value * std::pow(b, -beta_ - 1);
+                g[j].value -= term;
+                sizes[j] += std::abs(term);
+            });
         }
-        return {g, {}};
+        // Each term passes its base (size + 3 roundings, once in the power, once in the quotient), the
+        // power (5), four products and the sum.
+        const double n = static_cast<double>(size_);
+        for (std::size_t i = 0; i < input.size(); ++i)
+            g[i].error = accumulated(call.roundoff, (1 + beta_) * (n + 3) + 5 + 4 + n + 2) * sizes[i];
+        return g;
     }
 
 private:
@@ -443,59 +448,56 @@ private:
     double share_, beta_, k_;
 };
 
-class softmax final : public reference_layer {
+class softmax final : public sample_by_sample {
 public:
     explicit softmax(extents3 size) { input = output = size; }
 
-    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
-        samples out(in.size(), sample(output.size()));
-        for (std::size_t s = 0; s < in.size(); ++s)
-            for (std::size_t p = 0; p < input.area(); ++p) {
-                double largest = in[s][p].value, wrong = 0, sum = 0;
-                for (std::size_t c = 0; c < input.channels; ++c) {
-                    largest = std::max(largest, in[s][p + c * input.area()].value);
-                    wrong = std::max(wrong, in[s][p + c * input.area()].error);
-                }
-                for (std::size_t c = 0; c < input.channels; ++c)
-                    sum += std::exp(in[s][p + c * input.area()].value - largest);
-                for (std::size_t c = 0; c < input.channels; ++c) {
-                    const double distance = in[s][p + c * input.area()].value - largest;
-                    bounded& to = out[s][p + c * input.area()];
-                    to.value = std::exp(distance) / sum;
-                    // Logits off by e: numerator and sum off by a factor e^±e each. Sums and exponentials in
-                    // double.
-                    to.error = to.value *
-                               (std::expm1(2 * wrong) + accumulated(call.roundoff, 2) +
+    [[nodiscard]] sample output_of(const reference_call& call, const sample& in) const override {
+        sample out(output.size());
+        for (std::size_t p = 0; p < input.area(); ++p) {
+            double largest = in[p].value, wrong = 0, sum = 0;
+            for (std::size_t c = 0; c < input.channels; ++c) {
+                largest = std::max(largest, in[p + c * input.area()].value);
+                wrong = std::max(wrong, in[p + c * input.area()].error);
+            }
+            for (std::size_t c = 0; c < input.channels; ++c)
+                sum += std::exp(in[p + c * input.area()].value - largest);
+            for (std::size_t c = 0; c < input.channels; ++c) {
+                const double distance = in[p + c * input.area()].value - largest;
+                bounded& to = out[p + c * input.area()];
+                to.value = std::exp(distance) / sum;
+                // Logits off by e: numerator and sum off by a factor e^±e each. Sums and exponentials in
+                // double.
+                to.error =
+                    to.value * (std::expm1(2 * wrong) + accumulated(call.roundoff, 2) +
                                 accumulated(unit_roundoff<double>,
                                             std::abs(distance) + 4 + static_cast<double>(input.channels)));
-                }
             }
+        }
         return out;
     }
-    [[nodiscard]] bool has_backward() const override { return true; }
-    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
-                                               const samples& out_gradient) const override {
-        const samples y = forward(call, in);
-        samples g(in.size(), sample(input.size()));
-        for (std::size_t s = 0; s < in.size(); ++s)
-            for (std::size_t p = 0; p < input.area(); ++p) {
-                double product = 0, size = 0, wrong = 0;
-                for (std::size_t c = 0; c < input.channels; ++c) {
-                    const std::size_t i = p + c * input.area();
-                    product += y[s][i].value * out_gradient[s][i].value;
-                    size += std::abs(y[s][i].value * out_gradient[s][i].value);
-                    wrong += y[s][i].error * std::abs(out_gradient[s][i].value);
-                }
-                for (std::size_t c = 0; c < input.channels; ++c) {
-                    const std::size_t i = p + c * input.area();
-                    const double distance = out_gradient[s][i].value - product;
-                    const double inner = std::abs(out_gradient[s][i].value) + size;
-                    g[s][i].value = y[s][i].value * distance;
-                    g[s][i].error = y[s][i].error * inner +
-                                    y[s][i].value * (wrong + accumulated(call.roundoff, 2) * inner);
-                }
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample& in,
+                                     const sample& out_gradient) const override {
+        const sample y = output_of(call, in);
+        sample g(input.size());
+        for (std::size_t p = 0; p < input.area(); ++p) {
+            double product = 0, size = 0, wrong = 0;
+            for (std::size_t c = 0; c < input.channels; ++c) {
+                const std::size_t i = p + c * input.area();
+                product += y[i].value * out_gradient[i].value;
+                size += std::abs(y[i].value * out_gradient[i].value);
+                wrong += y[i].error * std::abs(out_gradient[i].value);
             }
-        return {g, {}};
+            for (std::size_t c = 0; c < input.channels; ++c) {
+                const std::size_t i = p + c * input.area();
+                const double distance = out_gradient[i].value - product;
+                const double inner = std::abs(out_gradient[i].value) + size;
+                g[i].value = y[i].value * distance;
+                g[i].error =
+                    y[i].error * inner + y[i].value * (wrong + accumulated(call.roundoff, 2) * inner);
+            }
+        }
+        return g;
     }
 };
 

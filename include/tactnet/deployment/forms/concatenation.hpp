@@ -3,7 +3,7 @@
 #include <tactnet/deployment/forms/residual.hpp>
 #include <tactnet/deployment/plan.hpp>
 #include <tactnet/deployment/steps/concatenation.hpp>
-#include <tactnet/layers/concatenation.hpp>
+#include <tactnet/layers/composition/concatenation.hpp>
 
 #include <cstddef>
 #include <type_traits>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/forms/form.hpp>
-#include <tactnet/layers/named.hpp>
+#include <tactnet/layers/composition/named.hpp>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -3,7 +3,7 @@
 #include <tactnet/deployment/forms/sequence.hpp>
 #include <tactnet/deployment/plan.hpp>
 #include <tactnet/deployment/steps/residual.hpp>
-#include <tactnet/layers/residual.hpp>
+#include <tactnet/layers/composition/residual.hpp>
 
 #include <type_traits>
 

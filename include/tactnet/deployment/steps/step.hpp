@@ -14,11 +14,17 @@
 //   folded                  numbers that remain of the layers' parameters once batch norms are folded in
 //                           ([output][channel][row][column], then biases), in single precision
 //   packed                  the same in the order of use, padded to whole vectors, in the number format
-//   scratch                 elements of memory it needs while it runs
+//   scratch                 elements of memory it needs while it runs, whole cache lines
 // and its functions:
 //   pack                    from folded to packed numbers, into zeros; usable when compiling
 //   run                     from one map to the next
 //   reach                   the largest magnitude that an output can have where inputs have at most `input`
+// It may say besides:
+//   large                   whether frames had better pass it together, and one frame occupy all threads
+//   fills_map               false if it writes only some channels of a map that others write to as well
+//   run_share               the share of one thread in frames that pass together
+//   run_together            how frames pass the steps inside it together, each on the threads of a team
+// A step that says neither of the last two takes such frames one by one (team.hpp).
 // Lanes behind the last channel of a pixel hold zeros in every map.
 //
 // The headers in this folder need neither exceptions nor run-time type information nor files.

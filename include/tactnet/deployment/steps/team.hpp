@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
+#include <tactnet/runtime/work_share.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
@@ -56,10 +57,9 @@ void run_together(const typename Step::format::packed* packed, const typename St
         Step::run_together(packed, in, in_distance, out, memory, team);
     } else if constexpr (requires { Step::run_share(packed, in, out, memory, kernels::large_job{}); }) {
         const std::size_t scratches = team.copies() / team.threads();
-        team.pool.on_each_thread([&](auto share) {
-            Step::run_share(
-                packed, in, out, memory + share.index * scratches * Step::scratch,
-                {team.frames, in_distance, map_distance<Step>, share.index, share.threads, scratches});
+        team.pool.on_each_thread([&](work_share share) {
+            Step::run_share(packed, in, out, memory + share.index * scratches * Step::scratch,
+                            {team.frames, in_distance, map_distance<Step>, share, scratches});
         });
     } else {
         team.for_each_frame([&](std::size_t frame) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>

@@ -25,55 +25,58 @@ struct panel_plan {
     /// Rows that lie a multiple of so many elements apart meet in the same lines of a cache.
     static constexpr std::size_t clashing = 1024;
 
-    frame_convolution c; ///< of one row, where each pixel stands for itself; of one pixel, where all are one
-    bool staged;         ///< copied, with its padding around
-    std::size_t stride;  ///< elements from one pixel to the next of the copy, or of the input
-    bool joined;         ///< the taps of a kernel row lie side by side
-    std::size_t line;    ///< taps side by side: of a kernel row, or the channels of one tap
-    std::size_t pieces;  ///< parts that a line is cut into, or
-    std::size_t lines;   ///< lines that make a part
+    /// Of one row, where each pixel stands for itself; of one pixel, where all are one.
+    frame_convolution convolution;
+    bool staged;               ///< copied, with its padding around
+    std::size_t stride;        ///< elements from one pixel to the next of the copy, or of the input
+    bool joined;               ///< the taps of a kernel row lie side by side
+    std::size_t line_taps;     ///< that lie side by side: of a kernel row, or the channels of one tap
+    std::size_t parts_of_line; ///< more than one where lines are long
+    std::size_t lines_of_part; ///< more than one where lines are short
     std::size_t band_rows, band_columns; ///< outputs for which all filters pass
 
-    constexpr explicit panel_plan(const frame_convolution& convolution) : c(convolution) {
-        sliding_window& w = c.window;
+    constexpr explicit panel_plan(const frame_convolution& as_given) : convolution(as_given) {
+        sliding_window& w = convolution.window;
         const auto reach = [](std::size_t outputs, std::size_t step, std::size_t kernel) {
             return (outputs - 1) * step + kernel;
         };
         const bool padded = w.top + w.left > 0 ||
                             reach(w.output_rows(), w.stride.rows, w.kernel.rows) > w.input.rows ||
                             reach(w.output_columns(), w.stride.columns, w.kernel.columns) > w.input.columns;
-        if (!padded && c.input_stride == w.input.channels &&
+        if (!padded && convolution.input_stride == w.input.channels &&
             w.kernel == extent(w.input.rows, w.input.columns)) {
             w = {{1, 1, w.input.size()}, 1, 1};
-            c.input_stride = w.input.channels;
+            convolution.input_stride = w.input.channels;
         } else if (!padded && w.kernel == extent(1) && w.stride == extent(1)) {
             w = {{1, w.input.area(), w.input.channels}, 1, 1};
         }
         const bool one_pixel = w.input.area() == 1;
-        staged = padded || (w.stride.columns * c.input_stride % clashing == 0 && !one_pixel);
+        staged = padded || (w.stride.columns * convolution.input_stride % clashing == 0 && !one_pixel);
         const bool clashes = w.stride.columns * w.input.channels % clashing == 0 && !one_pixel;
-        stride = !staged ? c.input_stride : w.input.channels + (clashes ? 16 : 0);
+        stride = !staged ? convolution.input_stride : w.input.channels + (clashes ? 16 : 0);
         joined = stride == w.input.channels;
-        line = joined ? w.kernel.columns * w.input.channels : w.input.channels;
-        pieces = (line + most_taps - 1) / most_taps;
-        lines = std::clamp<std::size_t>(most_taps / line, 1, joined ? w.kernel.rows : w.kernel.columns);
+        line_taps = joined ? w.kernel.columns * w.input.channels : w.input.channels;
+        parts_of_line = (line_taps + most_taps - 1) / most_taps;
+        lines_of_part =
+            std::clamp<std::size_t>(most_taps / line_taps, 1, joined ? w.kernel.rows : w.kernel.columns);
         cut_bands();
     }
     /// Several such images side by side, if they are flat(): one band holds pixels of as many as stay near,
     /// so that weights are read once for all of them.
     [[nodiscard]] constexpr panel_plan side_by_side(std::size_t images) const {
         panel_plan longer = *this;
-        longer.c.window.input.columns *= images;
+        longer.convolution.window.input.columns *= images;
         longer.cut_bands();
         return longer;
     }
     /// Whether the image is one row of pixels without a neighbourhood, so that several make a longer one.
     [[nodiscard]] constexpr bool flat() const {
-        return c.window.kernel == extent(1) && c.window.input.rows == 1 && c.window.stride == extent(1);
+        return convolution.window.kernel == extent(1) && convolution.window.input.rows == 1 &&
+               convolution.window.stride == extent(1);
     }
     /// Pixels of the input under a band.
     [[nodiscard]] constexpr extent under(std::size_t rows, std::size_t columns) const {
-        const sliding_window& w = c.window;
+        const sliding_window& w = convolution.window;
         return {(rows - 1) * w.stride.rows + w.kernel.rows,
                 (columns - 1) * w.stride.columns + w.kernel.columns};
     }
@@ -81,35 +84,40 @@ struct panel_plan {
     [[nodiscard]] constexpr std::size_t scratch() const {
         return staged ? under(band_rows, flat() ? most_pixels : band_columns).area() * stride : 0;
     }
-    [[nodiscard]] constexpr std::size_t weights() const { return c.weights(); }
+    [[nodiscard]] constexpr std::size_t weights() const { return convolution.weights(); }
 
     /// Some taps that are added up in registers.
     struct part {
-        std::size_t first; ///< tap, in the order of the weights
-        std::size_t lines, depth;
+        std::size_t first;                ///< tap, in the order of the weights
+        std::size_t lines, depth;         ///< so many lines, of each so many taps
         std::size_t row, column, channel; ///< of the first tap
     };
     /// body(part) for all of them in order.
     template <class Body>
     constexpr void for_each_part(Body&& body) const {
-        const extent kernel = c.window.kernel;
-        const std::size_t rows = joined ? 1 : kernel.rows, of_row = joined ? kernel.rows : kernel.columns;
+        const extent kernel = convolution.window.kernel;
+        const std::size_t rows = joined ? 1 : kernel.rows, lines = joined ? kernel.rows : kernel.columns;
         std::size_t first = 0;
         for (std::size_t row = 0; row < rows; ++row)
-            for (std::size_t l = 0; l < of_row; l += lines)
-                for (std::size_t p = 0; p < pieces; ++p) {
-                    const std::size_t begin = line * p / pieces, depth = line * (p + 1) / pieces - begin;
-                    const part some{
-                        first, std::min(lines, of_row - l), depth, joined ? l : row, joined ? 0 : l, begin};
+            for (std::size_t line = 0; line < lines; line += lines_of_part)
+                for (std::size_t piece = 0; piece < parts_of_line; ++piece) {
+                    const std::size_t begin = line_taps * piece / parts_of_line,
+                                      end = line_taps * (piece + 1) / parts_of_line;
+                    const part some{.first = first,
+                                    .lines = std::min(lines_of_part, lines - line),
+                                    .depth = end - begin,
+                                    .row = joined ? line : row,
+                                    .column = joined ? 0 : line,
+                                    .channel = begin};
                     body(some);
-                    first += some.lines * depth;
+                    first += some.lines * some.depth;
                 }
     }
 
 private:
     /// As many outputs as stay near, in bands of nearly the same size.
     constexpr void cut_bands() {
-        const sliding_window& w = c.window;
+        const sliding_window& w = convolution.window;
         const std::size_t pixels =
             std::clamp(most_inputs / (stride * w.stride.area()), fewest_pixels, most_pixels);
         const std::size_t bands = (w.output_columns() + pixels - 1) / pixels;
@@ -142,7 +150,7 @@ struct panel_share {
 /// output = bias + convolution, a sum, ReLU; no pool. `memory` holds plan.scratch() elements.
 inline void convolve_panels(const panel_plan& plan, const panel_share& share, const float* input,
                             const float* weights, const float* bias, float* output, float* memory) {
-    const frame_convolution& c = plan.c;
+    const frame_convolution& c = plan.convolution;
     const sliding_window& w = c.window;
     const filter_panels panels(c.padded_filters());
     const std::size_t out_columns = w.output_columns(), taps = c.taps();

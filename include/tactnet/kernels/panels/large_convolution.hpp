@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/panels/convolution.hpp>
 #include <tactnet/kernels/panels/tiles.hpp>
+#include <tactnet/runtime/work_share.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
@@ -15,17 +16,11 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Frames whose maps lie so many elements apart, and which of several threads computes its share of them.
+/// Frames whose maps lie so many elements apart, and the share of them that one thread computes.
 struct large_job {
     std::size_t frames = 1, input_distance = 0, output_distance = 0;
-    std::size_t thread = 0, threads = 1;
+    work_share share;
     std::size_t scratches = 1; ///< how many times the scratch of a plan the thread's memory holds
-
-    /// The thread's part of 0 … count − 1.
-    [[nodiscard]] constexpr std::size_t begin(std::size_t count) const { return count * thread / threads; }
-    [[nodiscard]] constexpr std::size_t end(std::size_t count) const {
-        return count * (thread + 1) / threads;
-    }
 };
 
 /// How such a convolution is computed. Sizes only.
@@ -64,21 +59,21 @@ struct large_convolution {
         if (tiled())
             pack_tiles(tiles, packed, weight);
         else
-            pack_panels(tiles.c, packed, weight);
+            pack_panels(tiles.convolution, packed, weight);
     }
 };
 
 /// output = convolution, bias, a sum, max pool, ReLU: the share of one thread. `memory` is the thread's own.
 inline void convolve_large(const large_convolution& plan, const large_job& job, const float* input,
                            const float* weights, const float* bias, float* output, float* memory) {
-    const filter_panels filters(plan.tiles.c.padded_filters());
+    const filter_panels filters(plan.tiles.convolution.padded_filters());
     // Threads share what is larger: the weights, which then each reads in part, or the maps.
-    const bool by_filters =
-        plan.weights() > job.frames * plan.tiles.c.window.input.size() && filters.count >= job.threads;
-    const std::size_t first_panel = by_filters ? job.begin(filters.count) : 0,
-                      last_panel = by_filters ? job.end(filters.count) : filters.count;
-    const auto begin = [&](std::size_t count) { return by_filters ? 0 : job.begin(count); };
-    const auto end = [&](std::size_t count) { return by_filters ? count : job.end(count); };
+    const bool by_filters = plan.weights() > job.frames * plan.tiles.convolution.window.input.size() &&
+                            filters.count >= job.share.threads;
+    const std::size_t first_panel = by_filters ? job.share.begin(filters.count) : 0,
+                      last_panel = by_filters ? job.share.end(filters.count) : filters.count;
+    const auto begin = [&](std::size_t count) { return by_filters ? 0 : job.share.begin(count); };
+    const auto end = [&](std::size_t count) { return by_filters ? count : job.share.end(count); };
     if (plan.tiled()) {
         const std::size_t tiles = plan.tiles.count() * job.frames;
         const std::size_t room = job.scratches * plan.scratch() - plan.tiles.patch();
@@ -88,16 +83,16 @@ inline void convolve_large(const large_convolution& plan, const large_job& job, 
         return;
     }
     panel_plan panels = plan.panels;
-    const sliding_window& w = panels.c.window;
+    const sliding_window& w = panels.convolution.window;
     std::size_t frames = job.frames;
-    if (panels.flat() && job.input_distance == w.input.columns * panels.c.input_stride &&
-        job.output_distance == w.input.columns * panels.c.output_stride()) {
+    if (panels.flat() && job.input_distance == w.input.columns * panels.convolution.input_stride &&
+        job.output_distance == w.input.columns * panels.convolution.output_stride()) {
         panels = panels.side_by_side(frames);
         frames = 1;
     }
     const std::size_t rows = w.output_rows(), columns = w.output_columns();
     // Pixels of a row are shared where there are not enough rows.
-    const bool by_columns = rows * frames < job.threads;
+    const bool by_columns = rows * frames < job.share.threads;
     const std::size_t first_row = by_columns ? 0 : begin(rows * frames),
                       last_row = by_columns ? rows * frames : end(rows * frames);
     for (std::size_t row = first_row; row < last_row;) {

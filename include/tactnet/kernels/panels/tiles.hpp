@@ -24,10 +24,10 @@ struct tile_plan {
     /// Tiles for which weights are worth being read: a few register blocks.
     static constexpr std::size_t fewest_tiles = 12;
 
-    frame_convolution c;
+    frame_convolution convolution;
     std::size_t outputs; ///< rows and columns of a tile of outputs, 2 or 4; 0: not by tiles
 
-    constexpr explicit tile_plan(const frame_convolution& convolution) : c(convolution), outputs(0) {
+    constexpr explicit tile_plan(const frame_convolution& c) : convolution(c), outputs(0) {
         const bool possible = c.window.kernel == extent(3) && c.window.stride == extent(1) &&
                               (c.pool == extent(1) || c.pool == extent(2)) &&
                               c.window.input.channels % lanes<float> == 0 &&
@@ -44,22 +44,25 @@ struct tile_plan {
     }
     [[nodiscard]] constexpr std::size_t side() const { return outputs + 2; }
     [[nodiscard]] constexpr std::size_t elements() const { return side() * side(); }
-    [[nodiscard]] constexpr std::size_t columns() const { return (c.columns() + outputs - 1) / outputs; }
+    [[nodiscard]] constexpr std::size_t columns() const {
+        return (convolution.columns() + outputs - 1) / outputs;
+    }
     /// Tiles of one frame.
     [[nodiscard]] constexpr std::size_t count() const { return tiles(outputs); }
 
-    [[nodiscard]] constexpr std::size_t channels() const { return c.window.input.channels; }
+    [[nodiscard]] constexpr std::size_t channels() const { return convolution.window.input.channels; }
     /// Elements from one transformed tile to the next: not so many that tiles meet in the same lines of a
     /// cache.
     [[nodiscard]] constexpr std::size_t tile_stride() const {
         return channels() + (channels() % 512 == 0 ? whole_lines(lanes<float>) : 0);
     }
-    [[nodiscard]] constexpr std::size_t product_stride() const { return c.padded_filters(); }
+    [[nodiscard]] constexpr std::size_t product_stride() const { return convolution.padded_filters(); }
     /// Tiles from the first transform to the last: about as many as make the maps as large as the weights,
     /// which each band reads.
     [[nodiscard]] constexpr std::size_t band(std::size_t tiles_of_all) const {
         const std::size_t most =
-            std::max(channels() * c.padded_filters() / (channels() + c.padded_filters()), std::size_t{28});
+            std::max(channels() * convolution.padded_filters() / (channels() + convolution.padded_filters()),
+                     std::size_t{28});
         const std::size_t bands = (tiles_of_all + most - 1) / most;
         return (tiles_of_all + bands - 1) / bands;
     }
@@ -69,7 +72,7 @@ struct tile_plan {
         return channels() * part / parts();
     }
     [[nodiscard]] constexpr std::size_t weights() const {
-        return elements() * channels() * c.padded_filters();
+        return elements() * channels() * convolution.padded_filters();
     }
     [[nodiscard]] constexpr std::size_t patch() const { return elements() * channels(); }
     /// Elements of memory that one thread needs for bands of so many tiles.
@@ -83,7 +86,7 @@ struct tile_plan {
 
 private:
     [[nodiscard]] constexpr std::size_t tiles(std::size_t size) const {
-        return (c.rows() + size - 1) / size * ((c.columns() + size - 1) / size);
+        return (convolution.rows() + size - 1) / size * ((convolution.columns() + size - 1) / size);
     }
 };
 
@@ -92,7 +95,7 @@ private:
 template <std::size_t Outputs, class Weight>
 constexpr void pack_tiles_of(const tile_plan& plan, float* packed, Weight&& weight) {
     constexpr std::size_t side = Outputs + 2;
-    const frame_convolution& c = plan.c;
+    const frame_convolution& c = plan.convolution;
     const filter_panels panels(c.padded_filters());
     for (std::size_t part = 0; part < plan.parts(); ++part) {
         const std::size_t begin = plan.part_begin(part), end = plan.part_begin(part + 1);
@@ -143,7 +146,7 @@ void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share
                        const frame_distances& distances, const float* input, const float* weights,
                        const float* bias, float* output, float* memory) {
     constexpr std::size_t side = Outputs + 2, elements = side * side;
-    const frame_convolution& c = plan.c;
+    const frame_convolution& c = plan.convolution;
     const sliding_window& w = c.window;
     const std::size_t channels = plan.channels(), filters = c.padded_filters();
     const filter_panels panels(filters);

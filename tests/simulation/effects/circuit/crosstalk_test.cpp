@@ -37,6 +37,6 @@ TEST_CASE("crosstalk: none is none; never NaN") {
     support::check_no_nan<size>(crosstalk{});
     support::check_no_nan<size>(crosstalk{1e300, 0});
     support::check_no_nan<size>(crosstalk{0, 1e300});
-    CHECK(support::same_bits<size>(support::after<size>(crosstalk{9, 9}, support::pressed<size>()),
-                                   support::after<size>(crosstalk{0.25, 0.25}, support::pressed<size>())));
+    CHECK(support::same_bits(support::after<size>(crosstalk{9, 9}, support::pressed<size>()),
+                             support::after<size>(crosstalk{0.25, 0.25}, support::pressed<size>())));
 }

@@ -59,8 +59,8 @@ TEST_CASE("dead_tactels: as many by chance as asked for, the same ones on the sa
     check(tactels, sensors * size.size(), 0.05);
     check(rows, sensors * size.rows, 0.1);
     check(columns, sensors * size.columns, 0.2);
-    CHECK(support::same_bits<size>(read({.single = 0.05}, 9), read({.single = 0.05}, 9)));
-    CHECK_FALSE(support::same_bits<size>(read({.single = 0.05}, 9), read({.single = 0.05}, 10)));
+    CHECK(support::same_bits(read({.single = 0.05}, 9), read({.single = 0.05}, 9)));
+    CHECK_FALSE(support::same_bits(read({.single = 0.05}, 9), read({.single = 0.05}, 10)));
 }
 TEST_CASE("dead_tactels: what is dead stays dead at a greater probability") {
     const auto some = read({.single = 0.05, .row = 0.05}), more = read({.single = 0.2, .row = 0.2});

@@ -43,7 +43,7 @@ TEST_CASE("noise: every seed, frame and tactel has its own, the same whenever it
                                     {.seed = seed, .frame = frame});
     };
     const auto first = drawn(1, 0);
-    CHECK(support::same_bits<size>(first, drawn(1, 0)));
+    CHECK(support::same_bits(first, drawn(1, 0)));
     const auto correlation = [&](const support::frame<size>& other, std::size_t apart) {
         double sum = 0;
         for (std::size_t i = 0; i + apart < size.size(); ++i)

@@ -128,6 +128,6 @@ TEST_CASE("resistive_network: grounded lines are none; never NaN; pressures belo
     auto lower = pressures;
     for (float& pressure : lower)
         pressure = pressure > 0 ? pressure : -100;
-    CHECK(support::same_bits<size>(support::after<size>(resistive_network{}, pressures),
-                                   support::after<size>(resistive_network{}, lower)));
+    CHECK(support::same_bits(support::after<size>(resistive_network{}, pressures),
+                             support::after<size>(resistive_network{}, lower)));
 }

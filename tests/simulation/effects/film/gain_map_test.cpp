@@ -50,8 +50,8 @@ TEST_CASE("gain_map: mean one, the deviation asked for, skewed as the paper's se
         CHECK(std::abs(gains[static_cast<std::size_t>(share * n)] - 1 - gain) < 0.1);
 }
 TEST_CASE("gain_map: stays with the sensor, frame after frame") {
-    CHECK(support::same_bits<size>(gains_of(1), gains_of(1)));
-    CHECK_FALSE(support::same_bits<size>(gains_of(1), gains_of(2)));
+    CHECK(support::same_bits(gains_of(1), gains_of(1)));
+    CHECK_FALSE(support::same_bits(gains_of(1), gains_of(2)));
     gain_map::bound<size> bound({}, {.unit = {1}});
     for (std::uint32_t frame = 0; frame < 2; ++frame) {
         auto values = support::filled<size>(2);

@@ -1,4 +1,4 @@
-#include <tactnet/networks/resnet.hpp>
+#include <tactnet/networks/imagenet/resnet.hpp>
 
 #include <networks/learns.hpp>
 

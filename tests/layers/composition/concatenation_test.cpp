@@ -1,4 +1,4 @@
-#include <tactnet/layers/concatenation.hpp>
+#include <tactnet/layers/composition/concatenation.hpp>
 
 #include <string>
 #include <support/layers/conformance.hpp>

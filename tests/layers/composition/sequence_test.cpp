@@ -1,11 +1,10 @@
-#include "same_bits.hpp"
-
 #include <tactnet/layers.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <support/layers/conformance.hpp>
+#include <support/same_bits.hpp>
 #include <type_traits>
 #include <vector>
 

@@ -1,8 +1,8 @@
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 
 #include <doctest/doctest.h>
 
-#include <networks/stages.hpp>
+#include <networks/imagenet/stages.hpp>
 
 using namespace tactnet;
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/kernels/simd/unroll.hpp>
-#include <tactnet/layers/layer_list.hpp>
-#include <tactnet/layers/stages.hpp>
+#include <tactnet/layers/composition/layer_list.hpp>
+#include <tactnet/layers/composition/stages.hpp>
 
 #include <algorithm>
 #include <array>

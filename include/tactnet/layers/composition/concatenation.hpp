@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/kernels/batch/elementwise.hpp>
-#include <tactnet/layers/named.hpp>
-#include <tactnet/layers/sequence.hpp>
+#include <tactnet/layers/composition/named.hpp>
+#include <tactnet/layers/composition/sequence.hpp>
 
 #include <algorithm>
 #include <array>

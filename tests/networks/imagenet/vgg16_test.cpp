@@ -1,8 +1,8 @@
-#include <tactnet/networks/vgg16.hpp>
+#include <tactnet/networks/imagenet/vgg16.hpp>
 
 #include <doctest/doctest.h>
 
-#include <networks/stages.hpp>
+#include <networks/imagenet/stages.hpp>
 
 using namespace tactnet;
 

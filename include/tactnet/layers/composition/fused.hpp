@@ -1,11 +1,11 @@
 #pragma once
 
-#include <tactnet/layers/concatenation.hpp>
-#include <tactnet/layers/named.hpp>
-#include <tactnet/layers/norm_relu_pool.hpp>
+#include <tactnet/layers/composition/concatenation.hpp>
+#include <tactnet/layers/composition/named.hpp>
+#include <tactnet/layers/composition/norm_relu_pool.hpp>
+#include <tactnet/layers/composition/residual.hpp>
+#include <tactnet/layers/composition/sequence.hpp>
 #include <tactnet/layers/relu.hpp>
-#include <tactnet/layers/residual.hpp>
-#include <tactnet/layers/sequence.hpp>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -1,12 +1,12 @@
 #include <tactnet/io/parameters.hpp>
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 
 #include <doctest/doctest.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <networks/stages.hpp>
+#include <networks/imagenet/stages.hpp>
 #include <support/files/data_folder.hpp>
 #include <vector>
 

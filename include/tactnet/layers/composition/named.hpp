@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/layers/sequence.hpp>
+#include <tactnet/layers/composition/sequence.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include <tactnet/networks/squeezenet.hpp>
+#include <tactnet/networks/imagenet/squeezenet.hpp>
 
 #include <networks/learns.hpp>
 

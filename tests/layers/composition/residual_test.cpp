@@ -1,10 +1,9 @@
-#include "same_bits.hpp"
-
 #include <tactnet/layers.hpp>
 
 #include <cstddef>
 #include <string>
 #include <support/layers/conformance.hpp>
+#include <support/same_bits.hpp>
 #include <vector>
 
 using namespace tactnet;

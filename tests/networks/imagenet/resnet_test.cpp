@@ -1,8 +1,8 @@
-#include <tactnet/networks/resnet.hpp>
+#include <tactnet/networks/imagenet/resnet.hpp>
 
 #include <doctest/doctest.h>
 
-#include <networks/stages.hpp>
+#include <networks/imagenet/stages.hpp>
 
 using namespace tactnet;
 

@@ -1,4 +1,4 @@
-#include <tactnet/layers/norm_relu_pool.hpp>
+#include <tactnet/layers/composition/norm_relu_pool.hpp>
 
 #include <support/layers/conformance.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/batch/elementwise.hpp>
-#include <tactnet/layers/sequence.hpp>
+#include <tactnet/layers/composition/sequence.hpp>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

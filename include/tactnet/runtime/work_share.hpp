@@ -1,0 +1,21 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// One thread's part of some work: which of `threads` it is. Shares of one work are as equal as can be, and
+/// depend on the counts alone.
+struct work_share {
+    std::size_t index = 0, threads = 1;
+
+    /// Its part of 0 … count − 1.
+    [[nodiscard]] constexpr std::size_t begin(std::size_t count) const { return count * index / threads; }
+    [[nodiscard]] constexpr std::size_t end(std::size_t count) const { return count * (index + 1) / threads; }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
