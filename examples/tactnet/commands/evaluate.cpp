@@ -73,7 +73,8 @@ public:
                 training.rows = rows, training.columns = columns;
                 list_.push_back({&find_method(name, rows, columns), training, nullptr});
             }
-        const bool any = std::ranges::any_of(list_, [](const candidate& c) { return c.what->pretrained(); });
+        const bool any =
+            std::ranges::any_of(list_, [](const candidate& c) { return c.what->pretrained().has_value(); });
         for (candidate& c : list_) {
             if (any && !c.what->pretrained()) // it is for the others
                 c.training.pretrained.clear();

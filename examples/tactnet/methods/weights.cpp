@@ -5,7 +5,7 @@
 #include "data/image_data.hpp"
 #include "data/regular_file.hpp"
 #include "methods/registry.hpp"
-#include "methods/trunks/features.hpp"
+#include "methods/trunks/prefix.hpp"
 #include "number_options.hpp"
 #include "usage_error.hpp"
 

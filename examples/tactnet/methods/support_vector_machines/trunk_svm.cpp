@@ -38,7 +38,7 @@ const std::vector<trunk_recipe>& trunk_recipes() {
          {trunk_pooling::pooled, true}},
         {"squeezenet",
          {"squeezenet-pooled-rbf",
-          rbf_options{.kernel = {.gamma = 0.1 / 1024}, .cost = 100, .standardise = true}},
+          rbf_options{.kernel = {.gamma = 0.03 / 1024}, .cost = 100, .standardise = true}},
          {trunk_pooling::pooled, true}},
         published("alexnet", "alexnet-svm"),
         published("resnet50", "resnet50-svm"),

@@ -6,6 +6,7 @@
 #include "data/row_store.hpp"
 #include "methods/pretrained.hpp"
 #include "methods/trunks/compiled.hpp"
+#include "methods/trunks/prefix.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -56,9 +57,6 @@ struct feature_finder {
     /// How many pass together at most.
     static constexpr std::size_t together = 16;
 };
-
-/// How the names of a trunk's arrays begin in the file of a method that is trained behind it.
-inline constexpr std::string_view trunk_prefix = "trunk.";
 
 /// A trunk with weights in a file, and what it makes of images of one size. The file is read when the first
 /// image needs it. Const calls may come from any number of threads.
