@@ -43,15 +43,6 @@ using namespace tactnet;
 constexpr shape frame{28, 50}, photograph{227, 227, 3};
 using trunk = squeezenet1_1_trunk<photograph>;
 
-/// Weights of torchvision want its normalisation; those in the line of Caffe say the mean of each channel.
-photograph_form form_of(safetensors_source& weights) {
-    if (!weights.contains("input_mean"))
-        return torchvision_photograph;
-    weights.require_extents("input_mean", std::array<std::size_t, 1>{3});
-    const std::vector<float> mean = weights.values<float>("input_mean");
-    return mean_photograph(mean[0], mean[1], mean[2]);
-}
-
 /// Features of all images, some at a time, so that one sees how far it is.
 std::vector<float> features_of(const image_set& images, const trunk& network, const photograph_form& form,
                                feature_pooling pooling, thread_pool& threads) {
@@ -123,7 +114,7 @@ void run(const std::filesystem::path& folder, const std::filesystem::path& file,
     const auto network = std::make_unique<trunk>();
     const std::array<std::string, 1> unread{"classifier."};
     load_pretrained(*network, weights, unread);
-    const photograph_form form = form_of(weights);
+    const photograph_form form = stored_photograph_form(weights);
     const image_set images = load_images(list_image_folder(folder), frame.rows, frame.columns, decode_image);
 
     // As the paper: all features behind fire9, one machine for each class, the cost that belongs to a

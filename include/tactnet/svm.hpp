@@ -10,6 +10,7 @@
 #include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
 #include <tactnet/svm/kernel_training.hpp>
+#include <tactnet/svm/linear_by_products.hpp>
 #include <tactnet/svm/linear_machine.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>

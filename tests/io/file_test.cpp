@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <support/files/temporary_folder.hpp>
@@ -72,6 +74,20 @@ TEST_CASE("file: pieces stand one behind the other") {
         std::as_bytes(std::span(a)), std::as_bytes(std::span(b)), std::as_bytes(std::span(c))};
     write_file(folder / "file", pieces);
     CHECK(text_of(folder / "file") == "one, two");
+}
+
+TEST_CASE("file: what gives the pieces may fail half-way: the old file stays, and no other") {
+    const support::temporary_folder folder;
+    write_file(folder / "file", std::string_view("old"));
+    const std::vector<std::byte> piece(100'000);
+    CHECK_THROWS_AS(write_file(folder / "file",
+                               [&](const std::function<void(std::span<const std::byte>)>& take) {
+                                   take(piece);
+                                   throw std::runtime_error("no more");
+                               }),
+                    std::runtime_error);
+    CHECK(text_of(folder / "file") == "old");
+    CHECK(entries_in(folder.path()) == 1);
 }
 
 TEST_CASE("file: reading: each failure has its sentence") {

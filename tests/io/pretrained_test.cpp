@@ -1,4 +1,5 @@
 #include <tactnet/io/pretrained.hpp>
+#include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
@@ -87,6 +88,49 @@ TEST_CASE("pretrained: a trunk from the file of a whole network") {
     const std::array<std::string, 1> unread{"classifier."};
     load_pretrained(n, path, unread);
     CHECK_FALSE(std::ranges::equal(n.learnable_values(), before.learnable_values()));
+}
+
+TEST_CASE("pretrained: a network among other things, behind a prefix") {
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "weights.safetensors";
+    const safetensors plain = safetensors::parse(file_of(element_type::float16).to_bytes(), "plain");
+    const auto write = [&](const char* extra, const std::string& left_out = "") {
+        safetensors_writer writer;
+        for (const auto& [name, tensor] : plain.tensors())
+            if (name != left_out)
+                writer.add("trunk." + name, tensor.type, tensor.extents, plain.bytes(name));
+        const std::array one{1.0F};
+        writer.add("weights", {1}, std::span<const float>(one));
+        writer.add("trunk.input_mean", {1}, std::span<const float>(one));
+        writer.add("trunk.classifier.weight", {1}, std::span<const float>(one));
+        if (*extra != 0)
+            writer.add(extra, {1}, std::span<const float>(one));
+        writer.write(path);
+    };
+    const std::array<std::string, 1> unread{"classifier."};
+    const auto error_of_loading = [&] {
+        trunk n;
+        safetensors_source file = safetensors_source::open(path);
+        try {
+            load_pretrained(n, file, unread, "trunk.");
+        } catch (const file_error& error) {
+            return std::string(error.expected() + " | " + error.found());
+        }
+        n.for_each_parameter([](const parameter& p, std::span<const float> values) {
+            for (std::size_t i = 0; i < values.size(); ++i)
+                REQUIRE(values[i] == (p.what == role::running_variance ? 1.5F : exact(i + p.offset)));
+        });
+        return std::string();
+    };
+    write("");
+    CHECK(error_of_loading().empty());
+    write("classifier.bias"); // what stands behind no prefix is someone else's
+    CHECK(error_of_loading().empty());
+    write("trunk.another");
+    CHECK(error_of_loading() ==
+          "only the 6 arrays of this network | tensor 'trunk.another' of another network");
+    write("", plain.tensors().begin()->first);
+    CHECK(error_of_loading().starts_with("a tensor 'trunk." + plain.tensors().begin()->first));
 }
 
 TEST_CASE("pretrained: values that cannot be") {

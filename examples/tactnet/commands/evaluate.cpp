@@ -71,10 +71,15 @@ public:
             for (const std::string& name : o.methods) {
                 training_settings training = o.training;
                 training.rows = rows, training.columns = columns;
-                const method& what = find_method(name, rows, columns);
-                static_cast<void>(recipe_for(what, training));
-                list_.push_back({&what, training, nullptr});
+                list_.push_back({&find_method(name, rows, columns), training, nullptr});
             }
+        const bool any =
+            std::ranges::any_of(list_, [](const candidate& c) { return c.what->pretrained().has_value(); });
+        for (candidate& c : list_) {
+            if (any && !c.what->pretrained()) // it is for the others
+                c.training.pretrained.clear();
+            static_cast<void>(recipe_for(*c.what, c.training));
+        }
         if (o.splits - 1 > std::numeric_limits<std::uint64_t>::max() - o.first_seed)
             throw usage_error(
                 fmt::format("--seed, --splits: expected seeds below 2^64 for all splits, found {} "
@@ -84,7 +89,8 @@ public:
             throw usage_error(
                 "--test: expected a share above 0, since accuracy is measured on these images, found 0");
         const std::vector<named_file> outputs = outputs_of(o);
-        check_places({{"--start", o.training.start}}, outputs, o.data);
+        check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs,
+                     o.data);
         tidy_folders_of(outputs);
         for (candidate& c : list_) {
             const std::pair size{c.what->rows, c.what->columns};
@@ -94,6 +100,7 @@ public:
             check_capacity(*c.what, o.data, c.data->images.classes.size());
             check_test_images(o, *c.data);
             c.start = load_start(*c.what, c.training, c.data->images.classes);
+            c.pretrained = open_pretrained(*c.what, c.training);
         }
     }
     candidate_list(const candidate_list&) = delete;
@@ -142,6 +149,21 @@ std::vector<task> tasks_of(const evaluate_options& o, const candidate_list& cand
                                describe_training(*c.what, c.training, rule, seed, c.data->fingerprint)});
             }
     return all;
+}
+
+/// What pretrained networks make of the images, for those methods that have trainings to do. False if
+/// interrupted.
+bool prepare(const evaluate_options& o, const std::vector<task>& to_do) {
+    std::set<const candidate*> candidates;
+    for (const task& t : to_do)
+        if (t.of->pretrained)
+            candidates.insert(t.of);
+    if (candidates.empty())
+        return true;
+    tactnet::thread_pool threads(o.jobs);
+    const feature_place place{std::filesystem::path(o.results) / "features", true};
+    return std::ranges::all_of(
+        candidates, [&](const candidate* c) { return c->pretrained->prepare(*c->data, place, threads); });
 }
 
 evaluation_row row_of(const candidate& c, const evaluate_options& o, const std::vector<task>& all,
@@ -213,7 +235,7 @@ int evaluate(const evaluate_options& o) {
     tell("{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
          printable(list.string()));
     catch_interrupts();
-    if (!to_do.empty() && !run_all(to_do, o.jobs, results)) {
+    if (!to_do.empty() && !(prepare(o, to_do) && run_all(to_do, o.jobs, results))) {
         tell("stopped; the same command goes on with what is left\n");
         return interrupted_by_user;
     }
@@ -250,6 +272,9 @@ void add_run_options(CLI::App& app, evaluate_options& o) {
 
 /// What options for trainings say about a weight file.
 void take_weight_options(const CLI::App& app, evaluate_options& o) {
+    if (!o.training.pretrained.empty())
+        throw usage_error("--pretrained: expected a training, found --weights, whose file holds all that it "
+                          "needs");
     o.weights.resize = o.training.resize;
     if (o.methods.size() > 1)
         throw usage_error(

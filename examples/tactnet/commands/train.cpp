@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <interrupt.hpp>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
@@ -70,7 +71,7 @@ void run_once(training_run& training, const std::string& data) {
 
 /// What a training leaves.
 struct output_files {
-    std::filesystem::path weights, checkpoint;
+    std::filesystem::path weights, checkpoint, features;
     std::filesystem::path reports; ///< how their names begin
     std::unique_ptr<output_claim> claim{};
 };
@@ -81,7 +82,7 @@ output_files files_for(const method& what, const train_options& o) {
     const std::filesystem::path folder =
         o.plots.empty() ? weights.parent_path() : std::filesystem::path(o.plots);
     output_files files{weights, o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint,
-                       folder / weights.stem()};
+                       o.output + ".features", folder / weights.stem()};
     if (!what.is_network() && o.resume)
         throw usage_error(
             fmt::format("--resume: expected a network, found {}, which is trained in one go", o.method));
@@ -97,12 +98,16 @@ output_files files_for(const method& what, const train_options& o) {
         outputs.push_back({reports, files.reports.string() + ".learning.jsonl"});
         add_pictures(".learning");
     }
+    if (what.pretrained())
+        outputs.push_back({"--output", files.features});
     check_regular(outputs);
-    check_places({{"--start", o.training.start}}, outputs, o.data);
+    check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
     std::vector<named_file> claimed{{"--output", files.weights},
                                     {reports, files.reports.string() + ".confusion"}};
     if (what.is_network())
         claimed.push_back({"--checkpoint", files.checkpoint});
+    if (what.pretrained())
+        claimed.push_back({"--output", files.features});
     files.claim = std::make_unique<output_claim>(claimed);
     if (what.is_network() && o.afresh)
         check_given_up(files.checkpoint);
@@ -131,8 +136,8 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
 
 /// Tests what a training has left, and writes it. Gives a line about it.
 std::string finish(const train_options& o, const output_files& files, const image_data& data,
-                   const training_run& training, tactnet::file_metadata metadata, double seconds,
-                   tactnet::thread_pool& threads) {
+                   const training_run& training, const pretrained_weights* begins_with,
+                   tactnet::file_metadata metadata, double seconds, tactnet::thread_pool& threads) {
     const std::vector<std::string>& classes = data.images.classes;
     const auto* const epochs = dynamic_cast<const network_training*>(&training);
     const auto best = training.best(classes);
@@ -148,16 +153,28 @@ std::string finish(const train_options& o, const output_files& files, const imag
     make_folder_of(files.weights);
     best->save(files.weights, metadata, selftest_images(o.selftest, o.training.rows, o.training.columns));
     write_reports(o, files.reports, epochs, test.confusion, classes);
-    if (epochs != nullptr) { // a finished training has nothing to go on with
-        std::error_code ignored;
+    std::error_code ignored; // a finished training has nothing to go on with
+    if (epochs != nullptr)
         std::filesystem::remove(files.checkpoint, ignored);
-    }
+    if (begins_with != nullptr)
+        std::filesystem::remove(files.features, ignored);
 
     std::string line = fmt::format("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
     if (test.confusion.total() > 0)
         line += fmt::format(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
                             test.confusion.correct(), test.confusion.total());
     return line + '\n';
+}
+
+/// What a pretrained network makes of the images. False if interrupted.
+bool prepare(pretrained_weights& network, const image_data& data, const output_files& files,
+             tactnet::thread_pool& threads) {
+    catch_interrupts();
+    const bool done = network.prepare(data, {files.features, false}, threads);
+    if (!done)
+        tell("stopped; the same command goes on with what is left, from {}\n",
+             printable(files.features.string()));
+    return done;
 }
 
 int train(const train_options& o) {
@@ -175,8 +192,12 @@ int train(const train_options& o) {
 
     const auto from = load_start(what, o.training, classes);
 
+    const auto begins_with = open_pretrained(what, o.training);
+
     tactnet::thread_pool threads(o.threads);
-    const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads);
+    if (begins_with && !prepare(*begins_with, data, files, threads))
+        return interrupted_by_user;
+    const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads, begins_with);
     start(*training, from.get());
     auto* const epochs = dynamic_cast<network_training*>(training.get());
     const std::string size =
@@ -188,15 +209,17 @@ int train(const train_options& o) {
 
     const checkpoint_options checkpoint{files.checkpoint, o.checkpoint_minutes, o.resume};
     const stopwatch watch;
-    if (epochs == nullptr)
+    if (epochs == nullptr) {
         run_once(*training, o.data);
-    else if (!run_epochs(*epochs, recipe.epochs, checkpoint, settings))
+        if (interrupted()) // which is looked at only where features were found before
+            return interrupted_by_user;
+    } else if (!run_epochs(*epochs, recipe.epochs, checkpoint, settings))
         return interrupted_by_user;
     const double seconds = watch.seconds();
 
     std::string line;
     try {
-        line = finish(o, files, data, *training, settings, seconds, threads);
+        line = finish(o, files, data, *training, begins_with.get(), settings, seconds, threads);
     } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
         if (epochs != nullptr)
             keep_unwritten(*epochs, checkpoint, settings);
@@ -259,7 +282,7 @@ command add_train(CLI::App& program) {
     app->add_option("--output", o->output, "Weight file to write; curves and confusion matrix go beside it")
         ->type_name("FILE")
         ->required();
-    add_training_options(*app, o->training);
+    add_training_options(*app, o->training, "--pretrained,--weights");
     add_run_options(*app, *o);
     return [o] { return train(*o); };
 }

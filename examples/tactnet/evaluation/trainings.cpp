@@ -34,7 +34,7 @@ std::optional<training_result> run(const task& t) {
     const auto training = t.of->what->train(
         recipe_for(*t.of->what, t.of->training), data.view(),
         tactnet::split_data(data.images.labels, classes.size(), t.rule, t.seed, t.of->training.shares),
-        t.seed, alone);
+        t.seed, alone, t.of->pretrained);
     start(*training, t.of->start.get());
     const stopwatch watch;
     while (!training->finished()) {

@@ -18,6 +18,7 @@ struct candidate {
     training_settings training;
     const image_data* data;
     std::shared_ptr<const trained_method> start{};
+    std::shared_ptr<pretrained_weights> pretrained{};
 };
 
 /// One training to do.

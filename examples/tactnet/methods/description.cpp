@@ -1,6 +1,7 @@
 #include "methods/description.hpp"
 
 #include "data/fingerprint.hpp"
+#include "methods/pretrained.hpp"
 
 #include <tactnet/version.hpp>
 
@@ -115,6 +116,14 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
     };
 }
 
+tactnet::file_metadata describe_program() {
+    return {
+        {"library",
+         fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR, TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)},
+        {"instruction_set", std::string(instruction_set)},
+    };
+}
+
 tactnet::file_metadata describe_training(const method& what, const training_settings& s,
                                          tactnet::split_rule rule, std::uint64_t seed,
                                          std::string_view data) {
@@ -127,12 +136,12 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         {"seed", fmt::to_string(seed)},
         {"validation_share", fmt::to_string(s.shares.validation)},
         {"test_share", fmt::to_string(s.shares.test)},
-        {"library",
-         fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR, TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)},
-        {"instruction_set", std::string(instruction_set)},
     };
+    all.merge(describe_program());
     if (!s.start.empty())
         all["start"] = file_fingerprint(s.start);
+    if (!s.pretrained.empty())
+        all["pretrained"] = pretrained_fingerprint(s.pretrained);
     all.merge(what.describe(recipe_for(what, s)));
     return all;
 }

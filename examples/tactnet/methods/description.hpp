@@ -13,6 +13,9 @@
 /// All of a recipe. A field that a recipe gets anew does not compile until it is here.
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe);
 
+/// What decides how this program rounds: its version, and the instruction set that it was compiled for.
+tactnet::file_metadata describe_program();
+
 /// Everything that decides the result of a training: two with the same description give the same bits.
 tactnet::file_metadata describe_training(const method& what, const training_settings& settings,
                                          tactnet::split_rule rule, std::uint64_t seed, std::string_view data);

@@ -3,8 +3,11 @@
 // A method is what --method names: a network or a support vector machine, at one size. The program knows it
 // by names and virtual functions; what only networks can do is in interfaces of their own.
 
+#include "methods/pretrained.hpp"
+
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/networks/published_training.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/evaluate.hpp>
@@ -17,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,6 +46,13 @@ struct scored_class {
     /// Of a network: the probability. Of a support vector machine: the smallest decision value in favour of
     /// the class, which has no upper bound and is above 0 where no decision went against it.
     double score = 0;
+};
+
+/// A weight file.
+struct weight_file {
+    tactnet::safetensors arrays; ///< all of it but for a trunk
+    /// The same file on the disk, where it holds a trunk, which may be large.
+    std::shared_ptr<tactnet::safetensors_source> trunk{};
 };
 
 /// What a training leaves: a network with its weights, or a support vector machine with its features.
@@ -116,13 +127,20 @@ public:
     virtual tactnet::file_metadata describe(const tactnet::recipe& recipe) const = 0;
     virtual method_costs costs(std::size_t classes) const = 0;
     virtual frame_times time_frames() const = 0;
+    /// The network that others have trained on photographs and that it begins with, if it does.
+    virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }
+    /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
+    virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const {
+        throw std::logic_error(name + " begins with no pretrained network");
+    }
     /// The images must outlive the training. Support vector machines have settings of
-    /// their own, and no use for the recipe.
+    /// their own, and no use for the recipe. `from`: what open_pretrained gave, if the method needs it.
     virtual std::unique_ptr<training_run> train(const tactnet::recipe& recipe,
                                                 const tactnet::labelled_images& images,
                                                 tactnet::data_split split, std::uint64_t seed,
-                                                tactnet::thread_pool& threads) const = 0;
+                                                tactnet::thread_pool& threads,
+                                                const std::shared_ptr<pretrained_weights>& from) const = 0;
     /// `epsilon` of batch norms, where there are any, goes before the file's. Throws tactnet::file_error.
-    virtual std::unique_ptr<trained_method> load(const tactnet::safetensors& file,
+    virtual std::unique_ptr<trained_method> load(const weight_file& file,
                                                  std::optional<double> epsilon) const = 0;
 };

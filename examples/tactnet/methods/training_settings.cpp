@@ -17,7 +17,7 @@ tactnet::recipe published_recipe(const method& what) {
 
 } // namespace
 
-void add_training_options(CLI::App& command, training_settings& s) {
+void add_training_options(CLI::App& command, training_settings& s, const std::string& pretrained) {
     command.add_option("--rows", s.rows, "Rows of an image, tactels")
         ->type_name("N")
         ->check(whole_number(1, 4096))
@@ -56,6 +56,11 @@ void add_training_options(CLI::App& command, training_settings& s) {
             "of random weights; the default recipe then takes 0.3 of its rate")
         ->type_name("FILE");
     command
+        .add_option(pretrained, s.pretrained,
+                    "For methods that begin with a network trained on photographs, such as squeezenet-svm: "
+                    "its weights, a safetensors file with torchvision's names")
+        ->type_name("FILE");
+    command
         .add_option("--validation", s.shares.validation,
                     "Share of each class to choose the best epoch by, 0 to below 1")
         ->type_name("SHARE")
@@ -81,6 +86,7 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--validation, --test: expected shares that leave some images for training, "
                         "found {} and {}",
                         s.shares.validation, s.shares.test));
+    check_pretrained(what, s);
     if (!what.is_network() &&
         (s.epochs || s.batch || s.rate || s.input || s.augmentation || !s.start.empty()))
         throw usage_error(

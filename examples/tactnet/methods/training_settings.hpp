@@ -24,11 +24,15 @@ struct training_settings {
     std::optional<double> rate;
     std::optional<std::string> input, augmentation;
     std::string start; ///< weight file to begin with; empty for random weights
+    /// File of a network trained on photographs, for methods that begin with one; else empty.
+    std::string pretrained;
     tactnet::split_shares shares;
 };
 
-/// --rows, --columns, --resize, --recipe and all that changes a recipe.
-void add_training_options(CLI::App& command, training_settings& settings);
+/// --rows, --columns, --resize, --recipe, all that changes a recipe and what a training begins with.
+/// `pretrained`: the names of the option for a network trained on photographs.
+void add_training_options(CLI::App& command, training_settings& settings,
+                          const std::string& pretrained = "--pretrained");
 
 /// "random" or "blocked".
 tactnet::split_rule split_rule_of(std::string_view name);

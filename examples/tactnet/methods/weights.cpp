@@ -5,11 +5,17 @@
 #include "data/image_data.hpp"
 #include "data/regular_file.hpp"
 #include "methods/registry.hpp"
+#include "methods/trunks/prefix.hpp"
 #include "number_options.hpp"
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+#include <system_error>
 
 void add_weight_options(CLI::App& command, weight_options& o, bool required) {
     command.add_option("--weights", o.weights, "Weight file (safetensors)")
@@ -41,10 +47,46 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
         ->type_name("PATH");
 }
 
+namespace {
+
+/// The file as it is; of one that holds a trunk, what stands beside that.
+weight_file read_weight_file(const std::string& path) {
+    std::shared_ptr<tactnet::safetensors_source> source;
+    std::error_code code;
+    if (std::filesystem::is_regular_file(path, code)) {
+        try {
+            source = std::make_shared<tactnet::safetensors_source>(
+                tactnet::safetensors_source::open(path, tactnet::checksum_rule::ignore));
+        } catch (const tactnet::file_error&) { // told below
+        }
+    }
+    const auto is_of_trunk = [](const std::string& name) { return name.starts_with(trunk_prefix); };
+    if (!source ||
+        std::ranges::none_of(
+            source->tensors(), is_of_trunk, [](const auto& tensor) -> const auto& { return tensor.first; }))
+        return {tactnet::safetensors::read(path), nullptr};
+    *source = tactnet::safetensors_source::open(path);
+    tactnet::safetensors_writer rest;
+    rest.metadata = source->metadata();
+    for (const auto& [name, tensor] : source->tensors()) {
+        if (is_of_trunk(name))
+            continue;
+        std::vector<std::byte> bytes;
+        source->read_bytes(name, [&](std::span<const std::byte> piece) {
+            bytes.insert(bytes.end(), piece.begin(), piece.end());
+        });
+        rest.add(name, tensor.type, tensor.extents, bytes);
+    }
+    return {tactnet::safetensors::parse(rest.to_bytes(), path), std::move(source)};
+}
+
+} // namespace
+
 loaded_weights load_weights(const weight_options& o) {
     check_no_device(o.weights);
-    const tactnet::safetensors file = tactnet::safetensors::read(o.weights);
-    if (file.checksum() == tactnet::checksum_state::absent)
+    const weight_file whole = read_weight_file(o.weights);
+    const tactnet::safetensors& file = whole.arrays;
+    if ((whole.trunk ? whole.trunk->checksum() : file.checksum()) == tactnet::checksum_state::absent)
         tell("{}: no checksum in it, so that damage may go unnoticed\n", printable(o.weights));
     const tactnet::model_description says = tactnet::describe_model(file);
     const std::string name = o.method.empty() ? says.network : o.method;
@@ -62,7 +104,7 @@ loaded_weights load_weights(const weight_options& o) {
         throw usage_error(
             fmt::format("--epsilon: expected a network, found {}, which has no batch norms", name));
     loaded_weights result{&what, nullptr, {}, !says.classes.empty() || !o.classes.empty(), file.metadata()};
-    result.trained = result.what->load(file, o.epsilon);
+    result.trained = result.what->load(whole, o.epsilon);
     result.classes = result.trained->classes();
     if (!o.classes.empty()) {
         std::vector<std::string> names = load_class_names(o.classes);

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,6 +36,9 @@ inline constexpr std::size_t default_file_limit = 0x7fff'ffff;
 
 /// The same for a character device, which may have no end: 64 MiB.
 inline constexpr std::size_t device_limit = std::size_t{1} << 26U;
+
+/// Gives the bytes of a file, one piece after the other, to the function that it is called with.
+using piece_giver = std::function<void(const std::function<void(std::span<const std::byte>)>&)>;
 
 namespace detail {
 
@@ -68,11 +72,15 @@ inline bool is_named_pipe(const std::filesystem::path& path, std::filesystem::fi
 }
 
 /// Returns 0 or the error number. A file is only on the disk when the system says so.
-inline int write_and_flush(std::FILE* file, std::span<const std::span<const std::byte>> pieces) {
+inline int write_and_flush(std::FILE* file, const piece_giver& give) {
     errno = 0;
-    for (const auto piece : pieces)
-        if (!piece.empty() && std::fwrite(piece.data(), 1, piece.size(), file) != piece.size())
-            return errno != 0 ? errno : EIO;
+    int error = 0;
+    give([&](std::span<const std::byte> piece) {
+        if (error == 0 && !piece.empty() && std::fwrite(piece.data(), 1, piece.size(), file) != piece.size())
+            error = errno != 0 ? errno : EIO;
+    });
+    if (error != 0)
+        return error;
     if (std::fflush(file) != 0)
         return errno != 0 ? errno : EIO;
 #if defined(__unix__) || defined(__APPLE__)
@@ -146,10 +154,9 @@ inline std::vector<std::byte> read_file(const std::filesystem::path& path,
 
 /// Writes the pieces one after the other as the file at `path`, all or nothing. An existing file is replaced
 /// and its permissions are kept; a link is followed; a device or pipe is written to directly. Throws
-/// file_error; what was there before is then untouched and no temporary file stays behind. What a killed
-/// writer leaves, `remove_abandoned_files` finds.
-inline void write_file(const std::filesystem::path& path,
-                       std::span<const std::span<const std::byte>> pieces) {
+/// file_error, and what the giver throws; what was there before is then untouched and no temporary file stays
+/// behind. What a killed writer leaves, `remove_abandoned_files` finds.
+inline void write_file(const std::filesystem::path& path, const piece_giver& give) {
     using std::filesystem::file_type;
     const auto fail = [&](const char* expected, int code) {
         throw file_error(path.string(), "", expected, "'" + detail::error_text(code) + "'");
@@ -162,7 +169,7 @@ inline void write_file(const std::filesystem::path& path,
         const auto device = detail::open_file(path, "wb");
         if (!device)
             fail("a writable file", errno);
-        if (const int error = detail::write_and_flush(device.get(), pieces); error != 0)
+        if (const int error = detail::write_and_flush(device.get(), give); error != 0)
             fail("to write all bytes", error);
         return;
     }
@@ -187,7 +194,15 @@ inline void write_file(const std::filesystem::path& path,
     if (!file)
         fail("a folder to write in", EEXIST);
 
-    int error = detail::write_and_flush(file.get(), pieces);
+    int error = 0;
+    try {
+        error = detail::write_and_flush(file.get(), give);
+    } catch (...) {
+        file.reset();
+        std::error_code ignored;
+        std::filesystem::remove(temporary, ignored);
+        throw;
+    }
     if (std::fclose(file.release()) != 0 && error == 0)
         error = errno != 0 ? errno : EIO;
     code.clear();
@@ -204,6 +219,15 @@ inline void write_file(const std::filesystem::path& path,
         fail("to write all bytes", error);
     }
     detail::flush_folder(folder);
+}
+
+/// The same for pieces that are there already.
+inline void write_file(const std::filesystem::path& path,
+                       std::span<const std::span<const std::byte>> pieces) {
+    write_file(path, [=](const std::function<void(std::span<const std::byte>)>& take) {
+        for (const auto piece : pieces)
+            take(piece);
+    });
 }
 
 /// The same for bytes in one piece.

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -17,18 +18,42 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// The arrays by the names that they have in a file where a prefix stands before them.
+[[nodiscard]] inline stored_arrays with_prefix(stored_arrays arrays, std::string_view prefix) {
+    for (stored_arrays::array& a : arrays.list)
+        a.name.insert(0, prefix);
+    return arrays;
+}
+
+/// Throws as load_pretrained for arrays that are missing, surplus or of other extents, without reading any.
+/// `arrays` are by their names in the file.
+inline void require_pretrained(const safetensors_index& file, const stored_arrays& arrays,
+                               std::span<const std::string> unread = {}, std::string_view prefix = "") {
+    std::vector<std::string> others(unread.begin(), unread.end());
+    for (std::string& begin : others)
+        begin.insert(0, prefix);
+    for (const auto& [name, tensor] : file.tensors())
+        if (!name.starts_with(prefix) || detail::is_companion(std::string_view(name).substr(prefix.size())))
+            others.push_back(name);
+    require_arrays(file, arrays, arrays.outputs, others);
+}
+
 /// Fills a network with the arrays of a file, under torchvision's names, in float32, float16, bfloat16 or any
 /// other type that converts to float. The file is read array by array into the network, so that no more
 /// memory is taken than the network's own and one megabyte. Arrays whose names begin with one of `unread`
 /// (such as "classifier.") are passed over, for a trunk that is read from the file of a whole network.
 ///
+/// `prefix` stands before the names in the file, for one that holds a network among other things: of such a
+/// file only what begins with the prefix counts.
+///
 /// Throws file_error, one that names all of them, when arrays are missing, surplus or of other extents; the
 /// network is then as it was. Throws file_error for values that are not finite and for negative variances;
 /// the network then holds some of the arrays.
 template <class Network>
-void load_pretrained(Network& network, safetensors_source& file, std::span<const std::string> unread = {}) {
-    const stored_arrays arrays = stored_arrays_of<Network>();
-    require_arrays(file, arrays, Network::outputs, unread);
+void load_pretrained(Network& network, safetensors_source& file, std::span<const std::string> unread = {},
+                     std::string_view prefix = "") {
+    const stored_arrays arrays = with_prefix(stored_arrays_of<Network>(), prefix);
+    require_pretrained(file, arrays, unread, prefix);
     std::size_t index = 0;
     network.for_each_parameter([&](const auto&, auto to) {
         using number = typename decltype(to)::value_type;
@@ -43,7 +68,6 @@ void load_pretrained(Network& network, safetensors_source& file, std::span<const
         }
     });
 }
-
 template <class Network>
 void load_pretrained(Network& network, const std::filesystem::path& path,
                      std::span<const std::string> unread = {}) {

@@ -75,6 +75,36 @@ TEST_CASE("safetensors_source: every tensor as a reader of the whole file gives 
     CHECK_THROWS_AS(source.read<float>("F32", room), std::invalid_argument);
 }
 
+TEST_CASE("safetensors_source: bytes go from file to file without being held, and give the same file") {
+    const support::temporary_folder folder;
+    writer_of_all_types().write(folder / "from");
+    safetensors_source source = safetensors_source::open(folder / "from");
+    safetensors_writer writer;
+    writer.metadata = source.metadata();
+    for (const auto& entry : source.tensors())
+        writer.add(entry.first, entry.second.type, entry.second.extents,
+                   [&, name = entry.first](const auto& take) { source.read_bytes(name, take); });
+    writer.write(folder / "to");
+    CHECK(read_file(folder / "to") == read_file(folder / "from"));
+    CHECK(writer.to_bytes() == read_file(folder / "from"));
+
+    // What does not give as many bytes as it said leaves nothing.
+    const std::array<std::byte, 8> bytes{};
+    for (const std::size_t given : {7, 9}) {
+        safetensors_writer wrong;
+        wrong.add("x", element_type::float32, {2}, [&](const auto& take) {
+            take(std::span(bytes).first(4));
+            take(std::span(bytes).first(given - 4));
+        });
+        CHECK_THROWS_AS(wrong.write(folder / "none"), std::logic_error);
+    }
+    safetensors_writer broken;
+    broken.add("x", element_type::float32, {2},
+               [&](const auto&) { throw file_error("from", "", "to read on", "nothing"); });
+    CHECK_THROWS_AS(broken.write(folder / "none"), file_error);
+    CHECK_FALSE(std::filesystem::exists(folder / "none"));
+}
+
 TEST_CASE("safetensors_source: damage is noticed as in a file that is read whole") {
     const support::temporary_folder folder;
     const auto path = folder.path() / "small.safetensors";

@@ -10,6 +10,14 @@ static_assert(alexnet<shape{224, 224, 3}>::parameters == 61100840);
 static_assert(alexnet<shape{224, 224, 3}>::multiply_adds == 714188480);
 static_assert(alexnet_original<shape{227, 227, 3}>::parameters == 60965224);
 
+static_assert(alexnet_fc7<shape{224, 224, 3}>::parameters == 61100840 - 4097 * 1000);
+static_assert(alexnet_fc7<shape{224, 224, 3}>::outputs == 4096);
+
+TEST_CASE("alexnet: its features end before the last layer and its ReLU") {
+    CHECK(support::begins_as<alexnet_fc7<shape{224, 224, 3}>, alexnet<shape{224, 224, 3}>>(
+        {"classifier.6.weight", "classifier.6.bias"}));
+}
+
 TEST_CASE("alexnet: every stage as torchvision") {
     support::golden_stages golden("alexnet");
     CHECK(golden.has_names_of<alexnet<shape{224, 224, 3}>>());

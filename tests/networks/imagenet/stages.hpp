@@ -189,4 +189,17 @@ Network compare_stages(golden_stages& golden, const std::string& last) {
     return net;
 }
 
+/// Whether the arrays of a network are those of another, by the same names, which goes on with the ones
+/// named.
+template <class Begin, class Whole>
+[[nodiscard]] bool begins_as(const std::vector<std::string>& behind) {
+    std::vector<std::string> names, expected;
+    for (const tactnet::parameter& p : Begin::describe())
+        names.push_back(p.name);
+    for (const tactnet::parameter& p : Whole::describe())
+        expected.push_back(p.name);
+    names.insert(names.end(), behind.begin(), behind.end());
+    return names == expected;
+}
+
 } // namespace support

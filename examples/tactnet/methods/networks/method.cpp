@@ -192,14 +192,15 @@ public:
 
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,
-                                        tactnet::thread_pool& threads) const override {
+                                        tactnet::thread_pool& threads,
+                                        const std::shared_ptr<pretrained_weights>&) const override {
         return std::make_unique<own_network_training>(*code_, recipe, images, std::move(split), seed,
                                                       threads);
     }
 
-    std::unique_ptr<trained_method> load(const tactnet::safetensors& file,
+    std::unique_ptr<trained_method> load(const weight_file& file,
                                          std::optional<double> epsilon) const override {
-        return std::make_unique<own_trained_network>(*code_, load_model(*code_, file, epsilon));
+        return std::make_unique<own_trained_network>(*code_, load_model(*code_, file.arrays, epsilon));
     }
 
 private:

@@ -35,5 +35,5 @@ public:
                                     tactnet::thread_pool& threads) const = 0;
     /// What was learnt, into a weight file and from one. `load` throws tactnet::file_error.
     virtual void save(tactnet::safetensors_writer& writer) const = 0;
-    virtual void load(const tactnet::safetensors& file) = 0;
+    virtual void load(const weight_file& file) = 0;
 };

@@ -30,12 +30,26 @@ support_vector_machine train_svm(feature_list rows, const label_list& labels, co
                                  tactnet::thread_pool& threads) {
     return tactnet::train_linear_machine(rows, labels, options, threads).machine;
 }
+support_vector_machine train_svm(feature_list rows, const label_list& labels, const product_options& options,
+                                 tactnet::thread_pool& threads) {
+    return tactnet::train_linear_machine_by_products(rows, labels, options, threads).machine;
+}
+support_vector_machine train_svm(feature_list rows, const label_list& labels, const pair_options& options,
+                                 tactnet::thread_pool& threads) {
+    return tactnet::train_kernel_machine(rows, labels, options, threads).machine;
+}
 support_vector_machine train_svm(feature_list rows, const label_list& labels, const rbf_options& options,
                                  tactnet::thread_pool& threads) {
     return tactnet::train_kernel_machine(rows, labels, options, threads).machine;
 }
 support_vector_machine load_svm(const tactnet::safetensors& file, const linear_options&) {
     return tactnet::load_linear_machine(file);
+}
+support_vector_machine load_svm(const tactnet::safetensors& file, const product_options&) {
+    return tactnet::load_linear_machine(file);
+}
+support_vector_machine load_svm(const tactnet::safetensors& file, const pair_options&) {
+    return tactnet::load_kernel_machine<tactnet::linear_kernel>(file);
 }
 support_vector_machine load_svm(const tactnet::safetensors& file, const rbf_options&) {
     return tactnet::load_kernel_machine<tactnet::rbf_kernel>(file);

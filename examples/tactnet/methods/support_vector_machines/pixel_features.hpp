@@ -27,7 +27,7 @@ public:
         return result;
     }
     void save(tactnet::safetensors_writer&) const override {}
-    void load(const tactnet::safetensors&) override {}
+    void load(const weight_file&) override {}
 
 private:
     std::size_t pixels_;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <string>
+
 namespace {
 
 tactnet::file_metadata own_settings(const linear_options& o) {
@@ -13,15 +15,34 @@ tactnet::file_metadata own_settings(const linear_options& o) {
             {"bias", fmt::to_string(o.bias)},
             {"solver_seed", fmt::to_string(o.solver.seed)}};
 }
-tactnet::file_metadata own_settings(const rbf_options& o) {
+std::string text(tactnet::multiclass scheme) {
+    return scheme == tactnet::multiclass::one_versus_one ? "one versus one" : "one versus rest";
+}
+tactnet::file_metadata own_settings(const tactnet::solver_options& o) {
     return {
-        {"kernel", "rbf"},
-        {"multiclass",
-         o.scheme == tactnet::multiclass::one_versus_one ? "one versus one" : "one versus rest"},
-        {"gamma_rule", o.kernel.gamma ? fmt::to_string(*o.kernel.gamma) : "scale"},
-        {"shrinking", fmt::to_string(o.solver.shrinking)},
-        {"cache_bytes", fmt::to_string(o.solver.cache_bytes)}, // rows that are computed apart round otherwise
+        {"shrinking", fmt::to_string(o.shrinking)},
+        {"cache_bytes", fmt::to_string(o.cache_bytes)}, // rows that are computed apart round otherwise
     };
+}
+tactnet::file_metadata own_settings(const product_options& o) {
+    tactnet::file_metadata all = own_settings(o.solver);
+    all["kernel"] = "linear";
+    all["multiclass"] = text(tactnet::multiclass::one_versus_rest);
+    all["solver"] = "products";
+    return all;
+}
+tactnet::file_metadata own_settings(const pair_options& o) {
+    tactnet::file_metadata all = own_settings(o.solver);
+    all["kernel"] = "linear";
+    all["multiclass"] = text(o.scheme);
+    return all;
+}
+tactnet::file_metadata own_settings(const rbf_options& o) {
+    tactnet::file_metadata all = own_settings(o.solver);
+    all["kernel"] = "rbf";
+    all["multiclass"] = text(o.scheme);
+    all["gamma_rule"] = o.kernel.gamma ? fmt::to_string(*o.kernel.gamma) : "scale";
+    return all;
 }
 
 } // namespace
@@ -43,7 +64,7 @@ const std::array<svm_recipe, 3>& svm_recipes() {
     static const std::array<svm_recipe, 3> all{{
         {"svm-linear", linear_options{.cost = 1}, 1.0f / 255},
         {"svm-rbf", rbf_options{.cost = 10}, 1},
-        {"surf-svm", linear_options{.cost = tactnet::surf_settings{}.cost}, 0},
+        {"surf-svm", linear_options{.cost = tactnet::surf_settings{}.cost}},
     }};
     return all;
 }

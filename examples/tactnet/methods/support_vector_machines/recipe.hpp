@@ -9,10 +9,14 @@
 /// Of a support vector machine: which one, what it is trained with and what stands before it.
 struct svm_recipe {
     std::string_view name;
-    std::variant<linear_options, rbf_options> options;
-    float pixel_scale; ///< 0: not pixels but words
+    std::variant<linear_options, product_options, pair_options, rbf_options> options;
+    float pixel_scale = 0; ///< 0: no pixels
 
-    bool is_linear() const { return std::holds_alternative<linear_options>(options); }
+    /// Whether it keeps a row of weights for each class, and no support vectors.
+    bool has_weights() const {
+        return std::holds_alternative<linear_options>(options) ||
+               std::holds_alternative<product_options>(options);
+    }
 
     /// All but the images that decides what comes of a training, features apart.
     tactnet::file_metadata describe() const;

@@ -54,7 +54,8 @@ public:
     void save(tactnet::safetensors_writer& writer) const override {
         writer.add("surf.words", {words_->count(), tactnet::surf_values}, words_->words());
     }
-    void load(const tactnet::safetensors& file) override {
+    void load(const weight_file& from) override {
+        const tactnet::safetensors& file = from.arrays;
         const std::vector<float> values = file.values<float>("surf.words");
         file.require_extents("surf.words",
                              std::vector{values.size() / tactnet::surf_values, tactnet::surf_values});

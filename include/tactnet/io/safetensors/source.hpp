@@ -87,6 +87,14 @@ public:
                                            file(), name);
                    });
     }
+    /// The stored bytes of a tensor, whatever its type, in pieces of at most a megabyte: use(piece) for one
+    /// after the other. Throws file_error.
+    template <class Use>
+    void read_bytes(std::string_view name, Use use) {
+        const entry& tensor = at(name);
+        each_piece(stream_, header().data_begin + tensor.begin, tensor.end - tensor.begin, file(),
+                   [&](std::span<const std::byte> piece, std::uintmax_t) { use(piece); });
+    }
     template <storable T>
     [[nodiscard]] std::vector<T> values(std::string_view name) {
         const entry& tensor = at(name);

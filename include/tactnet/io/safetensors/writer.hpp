@@ -54,33 +54,45 @@ public:
     void add(std::string name, element_type type, std::vector<std::size_t> extents,
              std::span<const std::byte> bytes) {
         std::size_t needed = 0;
-        if (name == "__metadata__" || !is_utf8(name))
-            throw std::invalid_argument("tactnet: a tensor cannot be named " + in_quotes(name));
         if (!detail::tensor_bytes(type, extents, needed) || needed != bytes.size())
             throw std::invalid_argument("tactnet: " + detail::tensor_place(name) + " of " +
                                         std::string(element_type_name(type)) + " " + shape_text(extents) +
                                         " cannot hold " + std::to_string(bytes.size()) + " bytes");
-        stored tensor{type, std::move(extents), std::vector<std::byte>(bytes.begin(), bytes.end())};
-        const auto [place, is_new] = tensors_.emplace(std::move(name), std::move(tensor));
-        if (!is_new)
-            throw std::invalid_argument("tactnet: there are two tensors named " + in_quotes(place->first));
+        add_stored(
+            std::move(name),
+            {type, std::move(extents), needed, std::vector<std::byte>(bytes.begin(), bytes.end()), {}});
+    }
+
+    /// The same for a tensor that stays where it is until it is written: `read` is called twice then, once
+    /// for the checksum, and must give the same bytes. What it throws reaches the caller of `write`, and
+    /// nothing is written.
+    void add(std::string name, element_type type, std::vector<std::size_t> extents, piece_giver read) {
+        std::size_t needed = 0;
+        if (!detail::tensor_bytes(type, extents, needed))
+            throw std::invalid_argument("tactnet: " + detail::tensor_place(name) + " of " +
+                                        std::string(element_type_name(type)) + " " + shape_text(extents) +
+                                        " is larger than any memory");
+        add_stored(std::move(name), {type, std::move(extents), needed, {}, std::move(read)});
     }
 
     /// Writes the file; what was there before stays until the new one is complete.
     /// Throws file_error, and std::invalid_argument for metadata that are not UTF-8 or look like a checksum.
     void write(const std::filesystem::path& path) const {
         const std::vector<std::byte> head = header_bytes();
-        std::vector<std::span<const std::byte>> pieces{head};
-        for (const item* tensor : ordered())
-            pieces.emplace_back(tensor->second.bytes);
-        write_file(path, pieces);
+        write_file(path, [&](const std::function<void(std::span<const std::byte>)>& take) {
+            take(head);
+            for (const item* tensor : ordered())
+                tensor->second.each_piece(tensor->first, take);
+        });
     }
 
     /// The content of the file that `write` makes.
     std::vector<std::byte> to_bytes() const {
         std::vector<std::byte> bytes = header_bytes();
         for (const item* tensor : ordered())
-            bytes.insert(bytes.end(), tensor->second.bytes.begin(), tensor->second.bytes.end());
+            tensor->second.each_piece(tensor->first, [&](std::span<const std::byte> piece) {
+                bytes.insert(bytes.end(), piece.begin(), piece.end());
+            });
         return bytes;
     }
 
@@ -88,10 +100,34 @@ private:
     struct stored {
         element_type type;
         std::vector<std::size_t> extents;
+        std::size_t size; ///< in bytes
         std::vector<std::byte> bytes;
+        piece_giver read; ///< or nothing, if the bytes are here
+
+        template <class Take>
+        void each_piece(const std::string& name, const Take& take) const {
+            if (!read)
+                return take(std::span<const std::byte>(bytes));
+            std::size_t given = 0;
+            read([&](std::span<const std::byte> piece) {
+                given += piece.size();
+                if (given <= size)
+                    take(piece);
+            });
+            if (given != size)
+                throw std::logic_error("tactnet: " + detail::tensor_place(name) + " gave " +
+                                       std::to_string(given) + " of " + std::to_string(size) + " bytes");
+        }
     };
     using item = std::pair<const std::string, stored>;
 
+    void add_stored(std::string name, stored tensor) {
+        if (name == "__metadata__" || !is_utf8(name))
+            throw std::invalid_argument("tactnet: a tensor cannot be named " + in_quotes(name));
+        const auto [place, is_new] = tensors_.emplace(std::move(name), std::move(tensor));
+        if (!is_new)
+            throw std::invalid_argument("tactnet: there are two tensors named " + in_quotes(place->first));
+    }
     template <storable T>
     void add_values(std::string name, std::vector<std::size_t> extents, std::span<const T> values) {
         add(std::move(name), element_type_of<T>(), std::move(extents), std::as_bytes(values));
@@ -132,7 +168,7 @@ private:
                     "\",\"shape\":[";
             for (std::size_t i = 0; i < value.extents.size(); ++i)
                 json += (i == 0 ? "" : ",") + std::to_string(value.extents[i]);
-            const std::size_t end = begin + value.bytes.size();
+            const std::size_t end = begin + value.size;
             json += "],\"data_offsets\":[" + std::to_string(begin) + "," + std::to_string(end) + "]}";
             begin = end;
         }
@@ -149,7 +185,8 @@ private:
         xxh64 sum;
         sum.update(bytes);
         for (const item* tensor : ordered())
-            sum.update(tensor->second.bytes);
+            tensor->second.each_piece(tensor->first,
+                                      [&](std::span<const std::byte> piece) { sum.update(piece); });
         const std::string text = checksum_text(sum.digest());
         std::memcpy(bytes.data() + digits, text.data() + checksum_mark.size(), checksum_digits);
         return bytes;

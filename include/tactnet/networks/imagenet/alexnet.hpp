@@ -45,5 +45,12 @@ using alexnet = network<Input, alexnet_features, named<"avgpool", adaptive_avera
                         named<"classifier", sequential<dropout<50>, dense<Hidden>, relu, dropout<50>,
                                                        dense<Hidden>, relu, dense<Classes>>>>;
 
+/// Its features for what is trained on top of them: the values of the second dense layer, in front of its
+/// ReLU, which the paper's authors know as fc7.
+template <shape Input, std::size_t Hidden = 4096>
+using alexnet_fc7 =
+    network<Input, alexnet_features, named<"avgpool", adaptive_average_pool<6>>,
+            named<"classifier", sequential<dropout<50>, dense<Hidden>, relu, dropout<50>, dense<Hidden>>>>;
+
 } // namespace TACTNET_ARCH
 } // namespace tactnet

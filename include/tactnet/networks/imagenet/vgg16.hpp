@@ -32,5 +32,11 @@ using vgg16 = network<Input, vgg16_features, named<"avgpool", adaptive_average_p
                       named<"classifier", sequential<dense<Hidden>, relu, dropout<50>, dense<Hidden>, relu,
                                                      dropout<50>, dense<Classes>>>>;
 
+/// Its features for what is trained on top of them: the values of the first dense layer, in front of its
+/// ReLU, which the paper's authors know as fc6.
+template <shape Input, std::size_t Hidden = 4096>
+using vgg16_fc6 = network<Input, vgg16_features, named<"avgpool", adaptive_average_pool<7>>,
+                          named<"classifier", sequential<dense<Hidden>>>>;
+
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,0 +1,59 @@
+#pragma once
+
+// Compiles a trunk for the program. Included by the generated units only.
+
+#include "methods/trunks/compiled.hpp"
+
+#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/io/pretrained.hpp>
+#include <tactnet/networks.hpp>
+#include <tactnet/training/initialise.hpp>
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
+template <class Network>
+class deployed_trunk final : public any_trunk {
+public:
+    explicit deployed_trunk(const Network& network) : own_(tactnet::deploy(network)) {}
+
+    bool run(tactnet::thread_pool& threads, std::span<const float> photographs,
+             std::span<float> maps) const override {
+        return own_(threads, photographs, maps) == tactnet::frame_status::recognised;
+    }
+
+private:
+    tactnet::deployed<Network> own_;
+};
+
+template <class Network>
+class trunk_code final : public compiled_trunk {
+public:
+    explicit trunk_code(trunk_names about)
+        : compiled_trunk(std::move(about), Network::input_shape, Network::output_shape,
+                         {Network::parameters, Network::multiply_adds, Network::multiply_adds_on_pixels,
+                          Network::parameter_bytes, Network::activation_bytes}) {}
+
+    tactnet::stored_arrays arrays() const override { return tactnet::stored_arrays_of<Network>(); }
+    std::unique_ptr<any_trunk> load(tactnet::safetensors_source& file,
+                                    std::string_view prefix) const override {
+        const auto network = std::make_unique<Network>();
+        tactnet::load_pretrained(*network, file, names.behind, prefix);
+        try {
+            return std::make_unique<deployed_trunk<Network>>(*network);
+        } catch (const std::invalid_argument& error) { // numbers beyond all use
+            throw tactnet::file_error(file.file(), "", "weights of " + std::string(names.network),
+                                      error.what());
+        }
+    }
+    std::unique_ptr<any_trunk> seeded() const override {
+        const auto network = std::make_unique<Network>();
+        tactnet::initialise(*network, tactnet::he_normal{}, 0);
+        return std::make_unique<deployed_trunk<Network>>(*network);
+    }
+};

@@ -1,0 +1,206 @@
+#include "methods/trunks/features.hpp"
+
+#include "console/printable.hpp"
+#include "console/progress.hpp"
+#include "console/standard_streams.hpp"
+#include "data/fingerprint.hpp"
+#include "methods/description.hpp"
+#include "reports/report.hpp"
+
+#include <tactnet/io/pretrained.hpp>
+#include <tactnet/transfer/feature_pooling.hpp>
+#include <tactnet/transfer/running_photograph.hpp>
+#include <tactnet/transfer/stored_photograph_form.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <interrupt.hpp>
+#include <stdexcept>
+#include <stopwatch.hpp>
+#include <thread>
+#include <utility>
+
+namespace {
+
+/// An image as it is, and mirrored at its rows (bit 0 of `view`) and at its columns (bit 1).
+std::vector<std::uint8_t> mirrored(std::span<const std::uint8_t> image, tactnet::extent size,
+                                   std::size_t view) {
+    std::vector<std::uint8_t> result;
+    for (std::size_t y = 0; y < size.rows; ++y)
+        for (std::size_t x = 0; x < size.columns; ++x)
+            result.push_back(image[((view & 1U) != 0 ? size.rows - 1 - y : y) * size.columns +
+                                   ((view & 2U) != 0 ? size.columns - 1 - x : x)]);
+    return result;
+}
+
+} // namespace
+
+tactnet::file_metadata trunk_features_form::describe() const {
+    return {{"pooling", pooling == trunk_pooling::none ? "none" : "maximum and average"},
+            {"reflections", reflected ? "all four" : "none"}};
+}
+
+void feature_finder::find(const any_trunk& network, std::span<const std::uint8_t> images,
+                          std::span<const std::size_t> chosen, tactnet::thread_pool& threads,
+                          std::span<float> to) const {
+    const std::size_t pixels = trunk->photograph.size(), values = trunk->map.size(),
+                      channels = trunk->map.channels;
+    const std::size_t most = std::min(together, chosen.size());
+    std::vector<float> photographs(most * pixels), maps(most * values), pooled(channels);
+    for (std::size_t first = 0; first < chosen.size(); first += most) {
+        const auto some = chosen.subspan(first, std::min(most, chosen.size() - first));
+        for (std::size_t view = 0; view < form.views(); ++view) {
+            threads.for_each(some.size(), [&](std::size_t i) {
+                const auto own = mirrored(images.subspan(some[i] * image.area(), image.area()), image, view);
+                tactnet::to_photograph(own, image, photograph,
+                                       {trunk->photograph.rows, trunk->photograph.columns},
+                                       std::span(photographs).subspan(i * pixels, pixels));
+            });
+            if (!network.run(threads, std::span(photographs).first(some.size() * pixels),
+                             std::span(maps).first(some.size() * values)))
+                throw std::runtime_error(fmt::format("expected finite features of {}, found some that are "
+                                                     "not: its weights are broken",
+                                                     trunk->names.network));
+            for (std::size_t i = 0; i < some.size(); ++i) {
+                const auto map = std::span<const float>(maps).subspan(i * values, values);
+                const auto row = to.subspan((first + i) * size(), size());
+                if (form.pooling == trunk_pooling::none) {
+                    std::ranges::copy(map, row.begin());
+                    continue;
+                }
+                const auto largest = row.first(channels), mean = row.subspan(channels);
+                tactnet::pool_features(tactnet::feature_pooling::maximum, map, trunk->map, pooled);
+                for (std::size_t c = 0; c < channels; ++c)
+                    largest[c] = view == 0 ? pooled[c] : std::max(largest[c], pooled[c]);
+                tactnet::pool_features(tactnet::feature_pooling::average, map, trunk->map, pooled);
+                for (std::size_t c = 0; c < channels; ++c)
+                    mean[c] = (view == 0 ? 0 : mean[c]) + pooled[c] / static_cast<float>(form.views());
+            }
+        }
+    }
+}
+
+trunk_features::trunk_features(std::shared_ptr<const compiled_trunk> trunk, trunk_features_form form,
+                               tactnet::extent image, std::shared_ptr<tactnet::safetensors_source> file,
+                               std::string prefix)
+    : file_(std::move(file)),
+      prefix_(std::move(prefix)),
+      finder_{std::move(trunk), form, image, tactnet::stored_photograph_form(*file_, prefix_)} {
+    tactnet::require_pretrained(*file_, tactnet::with_prefix(finder_.trunk->arrays(), prefix_),
+                                finder_.trunk->names.behind, prefix_);
+}
+
+const any_trunk& trunk_features::network() const {
+    const std::lock_guard lock(mutex_);
+    if (!network_)
+        network_ = finder_.trunk->load(*file_, prefix_);
+    return *network_;
+}
+
+std::vector<float> trunk_features::rows(std::span<const std::uint8_t> images,
+                                        std::span<const std::size_t> chosen,
+                                        tactnet::thread_pool& threads) const {
+    const std::size_t size = finder_.size();
+    std::vector<float> result(chosen.size() * size);
+    if (kept_ && images.data() == kept_images_.data() && images.size() == kept_images_.size()) {
+        threads.for_each(chosen.size(), [&](std::size_t i) {
+            kept_->read(chosen[i], std::span(result).subspan(i * size, size));
+        });
+        return result;
+    }
+    finder_.find(network(), images, chosen, threads, result);
+    return result;
+}
+
+tactnet::file_metadata trunk_features::describe(const image_data& data) const {
+    tactnet::file_metadata all = finder_.form.describe();
+    all["trunk"] = finder_.trunk->names.trunk;
+    all["features"] = finder_.trunk->names.features;
+    all["photograph"] =
+        fmt::format("{}x{}", finder_.trunk->photograph.rows, finder_.trunk->photograph.columns);
+    all["rows"] = fmt::to_string(finder_.image.rows);
+    all["columns"] = fmt::to_string(finder_.image.columns);
+    all["data"] = data.fingerprint;
+    all["pretrained"] = pretrained_fingerprint(file_->file());
+    all.merge(describe_program());
+    return all;
+}
+
+bool trunk_features::prepare(const image_data& data, const feature_place& place,
+                             tactnet::thread_pool& threads) {
+    const tactnet::file_metadata settings = describe(data);
+    std::filesystem::path path = place.path;
+    if (place.is_folder) {
+        fingerprint print;
+        for (const auto& [key, value] : settings) {
+            print.add(key);
+            print.add(value);
+        }
+        path /= fmt::format("{}_{}x{}_{}.features", finder_.trunk->names.trunk, finder_.image.rows,
+                            finder_.image.columns, print.text());
+    }
+    make_folder_of(path);
+    kept_ = std::make_unique<row_store>(path, settings, data.images.size(), finder_.size(), place.is_folder);
+    for (bool told = false; !kept_->claim(); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
+        if (interrupted())
+            return false;
+        if (!std::exchange(told, true))
+            tell("waiting for the features that another program finds, {}\n", printable(path.string()));
+    }
+    if (kept_->look() == row_store::found::others)
+        tell("{}: features of something else, or damaged; all are found anew\n", printable(path.string()));
+    else if (kept_->damaged() > 0)
+        tell("{}: features of {} of {} images are damaged, and found anew\n", printable(path.string()),
+             kept_->damaged(), data.images.size());
+    const bool done = find_missing(data, threads);
+    kept_->release();
+    kept_images_ = data.images.pixels;
+    return done;
+}
+
+bool trunk_features::find_missing(const image_data& data, tactnet::thread_pool& threads) {
+    const std::vector<std::size_t>& missing = kept_->missing();
+    const std::size_t all = data.images.size(), size = finder_.size();
+    progress line;
+    const stopwatch watch;
+    std::vector<float> values;
+    for (std::size_t done = 0; done < missing.size();) {
+        if (interrupted()) {
+            line.end_line();
+            return false;
+        }
+        const auto some =
+            std::span(missing).subspan(done, std::min(feature_finder::together, missing.size() - done));
+        values.resize(some.size() * size);
+        finder_.find(network(), data.images.pixels, some, threads, values);
+        for (std::size_t i = 0; i < some.size(); ++i)
+            kept_->write(some[i], std::span(values).subspan(i * size, size));
+        done += some.size();
+        const std::size_t left = missing.size() - done;
+        line.show(fmt::format(
+                      "{} features of {} of {} images, {} left", finder_.trunk->names.network, all - left,
+                      all,
+                      duration_text(watch.seconds() / static_cast<double>(done) * static_cast<double>(left))),
+                  left == 0);
+    }
+    if (!missing.empty())
+        kept_->flush();
+    return true;
+}
+
+void trunk_features::add_to(tactnet::safetensors_writer& writer) const {
+    const auto add = [&](const std::string& name) {
+        const auto& entry = file_->at(prefix_ + name);
+        writer.add(std::string(trunk_prefix) + name, entry.type, entry.extents,
+                   [this, stored = prefix_ + name](const auto& take) {
+                       const std::lock_guard lock(mutex_);
+                       file_->read_bytes(stored, take);
+                   });
+    };
+    for (const auto& array : finder_.trunk->arrays().list)
+        add(array.name);
+    if (file_->contains(prefix_ + "input_mean"))
+        add("input_mean");
+}

@@ -1,0 +1,92 @@
+#pragma once
+
+// Features of images by a trunk.
+
+#include "data/image_data.hpp"
+#include "data/row_store.hpp"
+#include "methods/pretrained.hpp"
+#include "methods/trunks/compiled.hpp"
+#include "methods/trunks/prefix.hpp"
+
+#include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/tensor/shape.hpp>
+#include <tactnet/transfer/photograph.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What of a trunk's map becomes features.
+enum class trunk_pooling {
+    none,  ///< every value, as in the paper
+    pooled ///< the largest value of each channel, then the mean of each channel
+};
+
+struct trunk_features_form {
+    trunk_pooling pooling = trunk_pooling::none;
+    /// Whether an image stands for its reflections, too, at rows, columns and both: the largest values are
+    /// those of all four, and the means are means of all four, so that features do not tell them apart.
+    bool reflected = false;
+
+    std::size_t size(tactnet::shape map) const {
+        return pooling == trunk_pooling::none ? map.size() : 2 * map.channels;
+    }
+    /// Photographs of one image.
+    std::size_t views() const { return reflected ? 4 : 1; }
+    tactnet::file_metadata describe() const;
+};
+
+/// From images of one size to features.
+struct feature_finder {
+    std::shared_ptr<const compiled_trunk> trunk;
+    trunk_features_form form;
+    tactnet::extent image;
+    tactnet::photograph_form photograph;
+
+    /// Numbers of one image.
+    std::size_t size() const { return form.size(trunk->map); }
+    /// A row for each of the chosen images, some of which pass together: the same bits in any company and on
+    /// any number of threads. Throws std::runtime_error for features that are not finite.
+    void find(const any_trunk& network, std::span<const std::uint8_t> images,
+              std::span<const std::size_t> chosen, tactnet::thread_pool& threads, std::span<float> to) const;
+    /// How many pass together at most.
+    static constexpr std::size_t together = 16;
+};
+
+/// A trunk with weights in a file, and what it makes of images of one size. The file is read when the first
+/// image needs it. Const calls may come from any number of threads.
+class trunk_features final : public pretrained_weights {
+public:
+    /// Throws tactnet::file_error unless the file has the arrays of the trunk, their names behind `prefix`.
+    trunk_features(std::shared_ptr<const compiled_trunk> trunk, trunk_features_form form,
+                   tactnet::extent image, std::shared_ptr<tactnet::safetensors_source> file,
+                   std::string prefix);
+
+    bool prepare(const image_data& data, const feature_place& place, tactnet::thread_pool& threads) override;
+
+    /// A row for each of the chosen images. Throws std::runtime_error for features that are not finite.
+    std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
+                            tactnet::thread_pool& threads) const;
+
+    /// The trunk's arrays, as they are in the file. The writer reads them when it writes.
+    void add_to(tactnet::safetensors_writer& writer) const;
+
+private:
+    const any_trunk& network() const;
+    /// Writes those that are missing; false if interrupted.
+    bool find_missing(const image_data& data, tactnet::thread_pool& threads);
+    tactnet::file_metadata describe(const image_data& data) const;
+
+    std::shared_ptr<tactnet::safetensors_source> file_;
+    std::string prefix_;
+    feature_finder finder_;
+    mutable std::mutex mutex_; ///< of the file and of what is made of it
+    mutable std::unique_ptr<any_trunk> network_;
+    std::span<const std::uint8_t> kept_images_; ///< whose rows are in the store
+    std::unique_ptr<row_store> kept_;
+};

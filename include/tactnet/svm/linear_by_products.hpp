@@ -1,0 +1,73 @@
+#pragma once
+
+#include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/svm/kernel/samples.hpp>
+#include <tactnet/svm/linear_machine.hpp>
+#include <tactnet/svm/multiclass.hpp>
+
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+// A linear machine of more features than samples. Coordinate descent reads all features of all samples in
+// every round; the dual needs no more of them than their products with each other, which are found once for
+// all classes.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+struct linear_product_options {
+    double cost = 1; ///< C, of an error on one sample
+    std::vector<class_weight> class_weights{};
+    bool standardise = false;
+    /// `cache_bytes` bounds the matrix of all products, or else the rows kept by each thread.
+    solver_options solver{};
+};
+
+/// Trains one machine for each class among the labels, against all others, by the hinge loss and with an
+/// offset that costs nothing: what a kernel machine of the linear kernel, one versus rest, would decide, by a
+/// row of weights for each class in place of support vectors. On all threads; bit-exact on any number of
+/// them. Throws std::invalid_argument as train_linear_machine.
+template <std::size_t Features>
+[[nodiscard]] linear_training_result<Features>
+train_linear_machine_by_products(feature_rows<Features> rows, std::span<const std::size_t> labels,
+                                 const linear_product_options& options, thread_pool& threads) {
+    check_samples(rows, labels);
+    const class_members classes(labels);
+    classes.require_two();
+    const training_rows training(rows, options.standardise);
+    const measured_samples<linear_kernel> measured(training.rows(), options.solver.cache_bytes, threads);
+    const kernel_samples<linear_kernel> samples(measured, linear_kernel{}, measured.gram, threads);
+    const std::vector<binary_problem> problems = binary_problems(
+        classes, class_costs(classes, options.cost, options.class_weights), multiclass::one_versus_rest);
+
+    const std::size_t features = rows.features();
+    linear_machine_parameters parts;
+    parts.features = features;
+    parts.labels = classes.labels;
+    parts.standardise = training.fitted();
+    parts.weights.resize(classes.size() * features);
+    parts.offsets.resize(classes.size());
+    std::vector<solver_report> reports(classes.size());
+    threads.for_each(classes.size(), [&](std::size_t c) {
+        const binary_solution solution = samples.solve(problems[c], options.solver);
+        std::vector<double> sums(features);
+        for (std::size_t s = 0; s < solution.coefficients.size(); ++s) {
+            if (solution.coefficients[s] == 0)
+                continue;
+            const auto row = training.rows().row(problems[c].samples[s]);
+            for (std::size_t f = 0; f < features; ++f)
+                sums[f] += solution.coefficients[s] * double{row[f]};
+        }
+        for (std::size_t f = 0; f < features; ++f)
+            parts.weights[c * features + f] = static_cast<float>(sums[f]);
+        parts.offsets[c] = solution.offset;
+        reports[c] = solution.report;
+    });
+    return {linear_machine<Features>(std::move(parts)), std::move(reports)};
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

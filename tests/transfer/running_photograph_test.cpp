@@ -1,0 +1,69 @@
+#include <tactnet/transfer/running_photograph.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr shape grey{9, 14}, large{31, 27, 3};
+
+std::vector<std::uint8_t> touch() {
+    std::vector<std::uint8_t> image(grey.size());
+    for (std::size_t e = 0; e < image.size(); ++e)
+        image[e] = static_cast<std::uint8_t>(e % 5 == 0 ? 255 : e * 89 % 256);
+    return image;
+}
+std::vector<float> running(const std::vector<std::uint8_t>& image, const photograph_form& form) {
+    std::vector<float> to(large.size());
+    to_photograph(image, {grey.rows, grey.columns}, form, {large.rows, large.columns}, to);
+    return to;
+}
+std::vector<float> fixed(const std::vector<std::uint8_t>& image, const photograph_form& form) {
+    std::vector<float> to(large.size());
+    to_photograph(tensor_view<const std::uint8_t, grey>(image.data()), form,
+                  tensor_view<float, large>(to.data()));
+    return to;
+}
+
+} // namespace
+
+TEST_CASE("running_photograph: as the photograph between sizes that are constants") {
+    const auto image = touch();
+    photograph_form form{{.mean = {1, 2, 3}, .scale = {1, 0.5F, 2}}, resized_pixel::number};
+    auto found = running(image, form), expected = fixed(image, form);
+    // A pixel is a sum of 16 products, whose weights add up to less than 2 in magnitude; then one difference
+    // and one product.
+    constexpr double bound = 20 * 2 * 255 * 2 * std::numeric_limits<float>::epsilon();
+    for (std::size_t e = 0; e < found.size(); ++e)
+        REQUIRE(std::abs(found[e] - expected[e]) <= bound);
+
+    form.pixel = resized_pixel::count;
+    found = running(image, form), expected = fixed(image, form);
+    const auto exact = running(image, {{}, resized_pixel::number});
+    for (std::size_t e = 0; e < found.size(); ++e) {
+        const double value = static_cast<double>(exact[e]), half = value - std::floor(value) - 0.5;
+        const float scale = form.normalise.scale[e / large.area()];
+        // Half-way between two counts either may be right.
+        REQUIRE(std::abs(found[e] - expected[e]) <= (std::abs(half) < bound ? scale : 0));
+    }
+}
+
+TEST_CASE("running_photograph: images and photographs that are not as long as they should be") {
+    const auto image = touch();
+    std::vector<float> to(large.size() + 1);
+    CHECK_THROWS_AS(to_photograph(image, {9, 14}, torchvision_photograph, {31, 27}, to),
+                    std::invalid_argument);
+    to.resize(large.size());
+    CHECK_THROWS_AS(to_photograph(image, {9, 13}, torchvision_photograph, {31, 27}, to),
+                    std::invalid_argument);
+    CHECK_THROWS_AS(to_photograph(std::vector<std::uint8_t>{}, {0, 0}, torchvision_photograph, {31, 27}, to),
+                    std::invalid_argument);
+}
