@@ -1,7 +1,10 @@
 #pragma once
 
+#include <tactnet/transfer/as_photograph_deployed.hpp>
 #include <tactnet/transfer/feature_extractor.hpp>
 #include <tactnet/transfer/feature_pooling.hpp>
+#include <tactnet/transfer/networks.hpp>
 #include <tactnet/transfer/photograph.hpp>
+#include <tactnet/transfer/pretrained_trunk.hpp>
 
 // Transfer learning: networks trained on photographs, for pressure images.
