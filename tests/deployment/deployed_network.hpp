@@ -177,6 +177,8 @@ struct description<tactnet::sequence<Specs...>> {
                     layer.what == kind::pool ? in.channels : layer.filters};
         if (layer.what == kind::average)
             return {layer.average_output.rows, layer.average_output.columns, layer.average_output.channels};
+        if (layer.what == kind::own && layer.own_output.size() > 0)
+            return {layer.own_output.rows, layer.own_output.columns, layer.own_output.channels};
         if (layer.what == kind::concatenation) {
             tactnet::shape all{0, 0, 0};
             for (const described_layer& branch : layer.branches) {

@@ -43,6 +43,19 @@ std::string error_of(const content& list, std::size_t classes = 5, std::span<con
 
 } // namespace
 
+TEST_CASE("stored_arrays: the layer that gives the logits") {
+    CHECK(network.output_layer() == "fc.");
+    const stored_arrays convolution{{{"classifier.1.weight", {5, 8, 1, 1}}, {"classifier.1.bias", {5}}}, 5};
+    CHECK(convolution.output_layer() == "classifier.1.");
+    CHECK(convolution.extents(convolution.list[0], 3) == std::vector<std::size_t>{3, 8, 1, 1});
+    // A norm at the end, filters that are no classes, a layer without bias, nothing.
+    CHECK(stored_arrays{{{"bn.running_mean", {5}}, {"bn.running_var", {5}}}, 5}.output_layer() == "");
+    CHECK(stored_arrays{{{"bn.weight", {5}}, {"bn.bias", {5}}}, 5}.output_layer() == "");
+    CHECK(stored_arrays{{{"conv.weight", {2, 1, 3, 3}}, {"conv.bias", {2}}}, 40}.output_layer() == "");
+    CHECK(stored_arrays{{{"conv.bias", {5}}, {"last.weight", {5, 2}}}, 5}.output_layer() == "");
+    CHECK(stored_arrays{}.output_layer() == "");
+}
+
 TEST_CASE("stored_arrays: a file of the network") {
     CHECK(error_of(right) == "");
     content with_companions = right;

@@ -14,7 +14,7 @@ set(room_networks layers kernels runtime tensor)
 set(room_deployment networks layers kernels runtime tensor)
 set(room_training image networks layers kernels runtime tensor)
 set(room_image kernels runtime tensor)
-set(room_transfer deployment image networks layers kernels runtime tensor)
+set(room_transfer io deployment image networks layers kernels runtime tensor)
 set(room_svm kernels runtime tensor)
 set(room_features kernels runtime tensor)
 set(room_io kernels runtime tensor) # io/parameters.hpp and others take a network as a template argument and include none

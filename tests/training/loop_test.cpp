@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <training/toy_task.hpp>
 #include <vector>
@@ -20,6 +21,64 @@ namespace {
 using net = network<support::toy_task::size, conv2d<4, 3>, batch_norm, relu, max_pool<4>, dense<3>>;
 
 } // namespace
+
+TEST_CASE("training_loop: begins with the arrays of another network, all but those that are its own") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe how;
+    how.epochs = 2;
+    how.batch = 16;
+    how.pretrained_rate = 0;
+    how.averaging = 0.5;
+    const data_split split = split_data(task.labels, 3, split_rule::random, 1);
+    const auto make = [&] {
+        return training_loop(std::make_unique<trainable_network<net>>(), how, task.images(), split, 1,
+                             threads);
+    };
+    const std::vector<parameter> parameters = net::describe();
+    std::vector<std::vector<float>> arrays;
+    for (const parameter& p : parameters)
+        arrays.push_back(p.name.starts_with("fc")
+                             ? std::vector<float>()
+                             : std::vector<float>(p.size, p.what == role::weight ? 0.25F : 0.5F));
+    const auto values_of = [](const trainable& network, const parameter& p) {
+        const net& own = static_cast<const trainable_network<net>&>(network).network();
+        return (learnable(p.what) ? own.learnable_values() : own.running_statistics())
+            .subspan(p.offset, p.size);
+    };
+
+    training_loop loop = make(), other = make();
+    loop.start_from_trunk(arrays);
+    for (const trainable* each : {&loop.latest(), &loop.best()})
+        for (std::size_t i = 0; i < arrays.size(); ++i)
+            CHECK(std::ranges::equal(values_of(*each, parameters[i]),
+                                     arrays[i].empty() ? values_of(other.best(), parameters[i])
+                                                       : std::span<const float>(arrays[i])));
+    while (!loop.finished())
+        loop.run_epoch();
+    // At no share of the rate what was learnt stays, apart from what is measured.
+    for (std::size_t i = 0; i < arrays.size(); ++i)
+        if (learnable(parameters[i].what))
+            CHECK(std::ranges::equal(values_of(loop.latest(), parameters[i]), arrays[i]) ==
+                  !arrays[i].empty());
+    CHECK_THROWS_AS(loop.start_from_trunk(arrays), std::logic_error);
+
+    // A share of one is as another network's arrays at the full rate.
+    how.pretrained_rate = 1;
+    training_loop shared = make(), whole = make();
+    shared.start_from_trunk(arrays);
+    const net& begun = static_cast<const trainable_network<net>&>(shared.latest()).network();
+    whole.start_from(begun.learnable_values(), begun.running_statistics());
+    shared.run_epoch(), whole.run_epoch();
+    for (const parameter& p : parameters)
+        CHECK(std::ranges::equal(values_of(shared.latest(), p), values_of(whole.latest(), p)));
+
+    arrays[0].pop_back();
+    CHECK_THROWS_WITH_AS(make().start_from_trunk(arrays),
+                         "trainer: expected 36 numbers in conv1.weight, found 35", std::invalid_argument);
+    arrays.pop_back();
+    CHECK_THROWS_AS(make().start_from_trunk(arrays), std::invalid_argument);
+}
 
 TEST_CASE("training_loop: networks of a type that it does not know") {
     const support::toy_task task(20);

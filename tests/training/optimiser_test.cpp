@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <span>
 #include <support/tolerance.hpp>
 #include <vector>
 
@@ -41,6 +42,29 @@ void check_steps(const optimiser& rule, double rate, double bound, Reference&& r
 }
 
 } // namespace
+
+TEST_CASE("optimiser: numbers take their share of the rate") {
+    for (const optimiser& rule : {optimiser(sgd{.momentum = 0.8, .l2 = 0.1}), optimiser(adamw{})}) {
+        aligned_vector<float> shares(size), decayed(size, 1.0F), gradients(size);
+        for (std::size_t i = 0; i < size; ++i)
+            shares[i] = i % 3 == 0 ? 0.0F : i % 3 == 1 ? 0.5F : 1.0F;
+        // By one rate and shares of it, or each with a rate of its own.
+        const auto after = [&](double rate, std::span<const float> of_rate) {
+            optimiser_state<float> state;
+            state.resize(size);
+            aligned_vector<float> values(size, 1.5F);
+            for (std::size_t step = 0; step < steps; ++step) {
+                for (std::size_t i = 0; i < size; ++i)
+                    gradients[i] = gradient_at(step, i);
+                take_step<float>(rule, state, rate, values, gradients, decayed, of_rate);
+            }
+            return values;
+        };
+        const auto shared = after(0.125, shares), half = after(0.0625, {}), whole = after(0.125, {});
+        for (std::size_t i = 0; i < size; ++i)
+            CHECK(shared[i] == (i % 3 == 0 ? 1.5F : i % 3 == 1 ? half[i] : whole[i]));
+    }
+}
 
 TEST_CASE("sgd: momentum, and L2 on weights only") {
     const sgd rule{.momentum = 0.8, .l2 = 0.1};

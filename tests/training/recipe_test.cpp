@@ -8,6 +8,30 @@
 
 using namespace tactnet;
 
+TEST_CASE("recipe::published: as in the authors' programs for pretrained networks") {
+    const published_training own{.rate = 2e-3,
+                                 .drop_period = 0,
+                                 .patience = 4,
+                                 .transfer =
+                                     published_transfer{.epochs = 10, .batch = 5, .new_layer_factor = 20}};
+    const recipe r = recipe::published(28, 50, own);
+    CHECK(std::get<sgd>(r.optimiser).momentum == 0.9);
+    CHECK(std::get<sgd>(r.optimiser).l2 == 1e-4);
+    CHECK(std::holds_alternative<constant_rate>(r.schedule));
+    CHECK(r.rate * r.pretrained_rate == doctest::Approx(1e-4));
+    CHECK(r.epochs == 10);
+    CHECK(r.batch == 5);
+    CHECK(r.patience == 4);
+    CHECK(r.input == input_rule::scale);
+    CHECK(r.augmentation == augmentation_rule::none);
+}
+TEST_CASE("recipe::fine_tuning: inputs as pretrained weights want them") {
+    const recipe r = recipe::fine_tuning(28, 50);
+    CHECK(r.input == input_rule::scale);
+    CHECK(r.pretrained_rate < 1);
+    CHECK(r.ranges.translation == recipe::default_for(28, 50).ranges.translation);
+}
+
 TEST_CASE("recipe::published: as in the paper") {
     const recipe r = recipe::published(28, 50, tactnet6_training);
     CHECK(std::get<sgd>(r.optimiser).momentum == 0.8);

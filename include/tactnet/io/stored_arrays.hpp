@@ -38,14 +38,17 @@ struct stored_arrays {
     std::vector<array> list;
     std::size_t outputs = 0;
 
-    /// How the arrays of the dense layer that gives the logits begin ("fc."), since these have a row for each
-    /// class. Empty for a network that ends otherwise.
+    /// How the arrays of the layer that gives the logits begin, since these have a row for each class: "fc."
+    /// of a dense layer at the end, "classifier.1." of a convolution with a filter for each class and no more
+    /// than pools behind it. Empty for a network that ends otherwise.
     [[nodiscard]] std::string output_layer() const {
-        if (list.empty())
+        if (list.size() < 2 || list.back().extents.front() != outputs)
             return "";
-        const std::string& last = list.back().name;
-        return last.starts_with("fc") && list.back().extents.front() == outputs
-                   ? last.substr(0, last.rfind('.') + 1)
+        const std::string prefix = list.back().name.substr(0, list.back().name.rfind('.') + 1);
+        const array& weights = list[list.size() - 2];
+        return list.back().name == prefix + "bias" && weights.name == prefix + "weight" &&
+                       weights.extents.size() > 1
+                   ? prefix
                    : "";
     }
     /// The extents of an array in the file of a network of `classes` classes.

@@ -32,6 +32,19 @@ inline void blend(std::span<float> mean, std::span<const float> latest, float sh
         mean[i] += share * (latest[i] - mean[i]);
 }
 
+/// Throws unless there are values of the right number, or none, for each array.
+inline void check_trunk(std::span<const parameter> parameters, std::span<const std::vector<float>> arrays) {
+    const auto refuse = [](const std::string& what, std::size_t expected, std::size_t found) {
+        throw std::invalid_argument("trainer: expected " + std::to_string(expected) + " " + what +
+                                    ", found " + std::to_string(found));
+    };
+    if (arrays.size() != parameters.size())
+        refuse("arrays", parameters.size(), arrays.size());
+    for (std::size_t i = 0; i < arrays.size(); ++i)
+        if (!arrays[i].empty() && arrays[i].size() != parameters[i].size)
+            refuse("numbers in " + parameters[i].name, parameters[i].size, arrays[i].size());
+}
+
 } // namespace detail
 
 /// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
@@ -92,13 +105,36 @@ public:
     /// simulated images, in place of random ones. Throws std::logic_error after the first epoch.
     void start_from(std::span<const float> values, std::span<const float> statistics,
                     std::optional<double> momentum = std::nullopt) {
-        if (!history().empty())
-            throw std::logic_error("trainer: a training that has begun cannot start from another network");
+        check_not_begun();
         for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
             each->take(values, statistics);
         if (momentum)
             for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
                 each->momentum() = *momentum;
+    }
+
+    /// Begins with arrays of a network that was trained on something else: of each array of `describe`, in
+    /// its order, the values, or none for one that stays as it was drawn. Those that are given learn at the
+    /// recipe's share of the rate. Throws std::logic_error after the first epoch, std::invalid_argument for
+    /// arrays of other sizes.
+    void start_from_trunk(std::span<const std::vector<float>> arrays) {
+        check_not_begun();
+        const std::vector<parameter> parameters = network_->describe();
+        detail::check_trunk(parameters, arrays);
+        rate_shares_.assign(gradients_.size(), 1.0F);
+        for (std::size_t i = 0; i < arrays.size(); ++i) {
+            if (arrays[i].empty())
+                continue;
+            const parameter& p = parameters[i];
+            for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
+                std::copy(arrays[i].begin(), arrays[i].end(),
+                          (learnable(p.what) ? each->learnable_values() : each->running_statistics())
+                              .subspan(p.offset, p.size)
+                              .begin());
+            if (learnable(p.what))
+                std::fill_n(rate_shares_.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size,
+                            static_cast<float>(how_.pretrained_rate));
+        }
     }
 
     /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
@@ -156,6 +192,10 @@ public:
     }
 
 private:
+    void check_not_begun() const {
+        if (!history().empty())
+            throw std::logic_error("trainer: a training that has begun cannot start from another network");
+    }
     [[nodiscard]] trainable& candidate() const { return how_.averaging > 0 ? *averaged_ : *network_; }
 
     const recipe& checked(const recipe& how, const labelled_images& images, const data_split& split) const {
@@ -183,8 +223,8 @@ private:
                                                                  out_.data(), labels, images_.classes,
                                                                  how_.label_smoothing, out_gradient_.data());
         network_->backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
-        take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_,
-                         decayed_);
+        take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_, decayed_,
+                         rate_shares_);
         if (how_.averaging > 0)
             average();
         return loss;
@@ -242,6 +282,7 @@ private:
     early_stopping stopping_;
     optimiser_state<float> optimiser_;
     aligned_vector<float> gradients_, decayed_;
+    aligned_vector<float> rate_shares_; ///< empty where all learn at the same rate
     training_progress progress_;
     std::unique_ptr<trainable::workspace> space_;
     input_batch in_;

@@ -55,13 +55,20 @@ inline aligned_vector<float> decay_mask(const std::vector<parameter>& parameters
     return mask;
 }
 
+/// The share of the learning rate that numbers from `i` on take; nothing said is all of it.
+template <class T>
+[[nodiscard]] kernels::vector<T> rate_share(std::span<const T> shares, std::size_t i) {
+    return shares.empty() ? kernels::vector<T>(T{1}) : kernels::load(&shares[i]);
+}
+
 } // namespace detail
 
 /// One step over flat arrays, each as long as whole vectors (see padded_size). `decayed` is one for weights
-/// and zero for all else. `rate` is the learning rate of this step.
+/// and zero for all else. `rate` is the learning rate of this step; `shares`, if there are any, say how much
+/// of it each number takes: 0 leaves it as it is.
 template <class T>
 void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::span<T> values,
-               std::span<const T> gradients, std::span<const T> decayed) {
+               std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {
     ++state.steps;
     const kernels::vector<T> momentum(static_cast<T>(rule.momentum)), l2(static_cast<T>(rule.l2)),
         r(static_cast<T>(rate));
@@ -72,13 +79,13 @@ void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::spa
         const kernels::vector<T> velocity =
             kernels::multiply_add<T>(momentum, kernels::load<T>(&state.first[i]), gradient);
         kernels::store(&state.first[i], velocity);
-        kernels::store(&values[i], value - r * velocity);
+        kernels::store(&values[i], value - r * detail::rate_share(shares, i) * velocity);
     }
 }
 
 template <class T>
 void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::span<T> values,
-               std::span<const T> gradients, std::span<const T> decayed) {
+               std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {
     ++state.steps;
     const auto steps = static_cast<double>(state.steps);
     const double correction1 = 1 - std::pow(rule.beta1, steps), correction2 = 1 - std::pow(rule.beta2, steps);
@@ -96,16 +103,19 @@ void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::s
             kernels::multiply_add<T>(beta2, kernels::load<T>(&state.second[i]), rest2 * gradient * gradient);
         kernels::store(&state.first[i], first);
         kernels::store(&state.second[i], second);
-        const kernels::vector<T> shrunk = value - decay * kernels::load(&decayed[i]) * value;
+        const kernels::vector<T> share = detail::rate_share(shares, i);
+        const kernels::vector<T> shrunk = value - decay * share * kernels::load(&decayed[i]) * value;
         kernels::store(&values[i],
-                       shrunk - step * first / (kernels::square_root<T>(second) * unbias + epsilon));
+                       shrunk - step * share * first / (kernels::square_root<T>(second) * unbias + epsilon));
     }
 }
 
 template <class T>
 void take_step(const optimiser& rule, optimiser_state<T>& state, double rate, std::span<T> values,
-               std::span<const T> gradients, std::span<const T> decayed) {
-    std::visit([&](const auto& chosen) { take_step(chosen, state, rate, values, gradients, decayed); }, rule);
+               std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {
+    std::visit(
+        [&](const auto& chosen) { take_step(chosen, state, rate, values, gradients, decayed, shares); },
+        rule);
 }
 
 } // namespace TACTNET_ARCH

@@ -33,6 +33,9 @@ struct recipe {
     std::size_t epochs = 110;
     std::size_t batch = 32; ///< samples a step; 0 is as many as there are training images
     double rate = 1e-2;     ///< highest learning rate
+    /// Share of the rate for arrays that begin with weights of another network
+    /// (training_loop::start_from_trunk); 0 leaves them as they are.
+    double pretrained_rate = 1;
     tactnet::optimiser optimiser = adamw{};
     tactnet::schedule schedule = one_cycle{};
     tactnet::initialisation initialisation = he_normal{};
@@ -65,12 +68,26 @@ struct recipe {
         return r;
     }
 
+    /// For a network that begins with weights learnt from photographs: few epochs, inputs of 0 … 1 as these
+    /// weights want them, small steps for what is learnt already.
+    [[nodiscard]] static recipe fine_tuning(std::size_t rows, std::size_t columns) {
+        recipe r = default_for(rows, columns);
+        r.epochs = 15;
+        r.rate = 2e-3;
+        r.pretrained_rate = 0.1;
+        r.input = input_rule::scale;
+        r.averaging = 0.95;
+        return r;
+    }
+
     /// The paper's recipe (section IV-B), with what each network has of its own: for example
     /// tactnet4_training.
     [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns,
                                           const published_training& own) {
         recipe r;
         r.name = "published";
+        if (own.transfer)
+            return published(r, own, *own.transfer);
         r.epochs = 1000;
         r.batch = 0;
         r.rate = own.rate;
@@ -88,6 +105,23 @@ struct recipe {
 
 private:
     using schedule_type = tactnet::schedule;
+
+    /// Of a network that begins with pretrained weights: section IV-A.
+    [[nodiscard]] static recipe published(recipe r, const published_training& own,
+                                          const published_transfer& transfer) {
+        r.epochs = transfer.epochs;
+        r.batch = transfer.batch;
+        r.rate = own.rate;
+        r.pretrained_rate = 1 / transfer.new_layer_factor;
+        r.optimiser = sgd{.momentum = 0.9, .l2 = 1e-4};
+        r.schedule = constant_rate{};
+        r.initialisation = fixed_normal{0.01};
+        r.input = input_rule::scale;
+        r.augmentation = augmentation_rule::none;
+        r.label_smoothing = 0;
+        r.patience = own.patience;
+        return r;
+    }
 };
 
 } // namespace TACTNET_ARCH

@@ -1,13 +1,16 @@
+#include "large.hpp"
 #include "mixed.hpp"
 #include "small.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/transfer/as_photograph_deployed.hpp>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <bit>
 #include <deployment/export/networks.hpp>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -51,6 +54,23 @@ TEST_CASE("deployed_header: the network that it was written from") {
     CHECK(small::classes[1] == "\"a\\b\"\n?\?/");
     CHECK(small::classes[2] == "é");
     CHECK(mixed::classes.empty());
+}
+
+TEST_CASE("deployed_header: a network that no stack holds takes its memory from the caller") {
+    const auto original = deployed_network<large_network>();
+    using original_type = tactnet::deployed<large_network>;
+    static_assert(std::is_same_v<decltype(large::recogniser), const original_type::view_type> ||
+                  std::is_same_v<decltype(large::recogniser), original_type::view_type>);
+    const auto memory = std::make_unique<original_type::scratch>();
+    CHECK(large::passes_selftest(*memory));
+    for (std::size_t i = 0; i < 5; ++i) {
+        const auto frame = frame_of<large_network>(i);
+        const tactnet::tensor_view<const std::uint8_t, large_network::input_shape> counts(frame);
+        std::array<float, original_type::outputs> expected, found;
+        REQUIRE(original(counts, expected, *memory) == tactnet::frame_status::recognised);
+        REQUIRE(large::recogniser(counts, found, *memory) == tactnet::frame_status::recognised);
+        CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
+    }
 }
 
 TEST_CASE("deployed_header: the folded numbers to the bit") {

@@ -5,6 +5,7 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/tensor/tensor.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
 
 #include <array>
 #include <cstddef>
@@ -30,6 +31,12 @@ using mixed_network = tactnet::network<
                                          tactnet::conv2d<5, 3, 1, tactnet::same, tactnet::without_bias>>,
                        tactnet::identity>>,
     tactnet::local_response_norm<>, tactnet::average_pool<2, 1>, tactnet::dense<3>, tactnet::softmax>;
+
+/// More memory than a stack should hold, and a step that is not among those of deployment/.
+using large_network =
+    tactnet::network<tactnet::shape{6, 5}, tactnet::as_photograph<tactnet::extent(300, 310)>,
+                     tactnet::conv2d<3, 5, 4, tactnet::valid>, tactnet::relu, tactnet::max_pool<8>,
+                     tactnet::dense<2>>;
 
 /// As a sensor may count: most of it untouched.
 template <class Network>

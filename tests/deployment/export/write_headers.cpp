@@ -4,12 +4,13 @@
 
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/file.hpp>
+#include <tactnet/transfer/as_photograph_deployed.hpp>
 
 #include <cstdio>
 #include <exception>
 
 int main(int count, char** arguments) {
-    if (count != 3)
+    if (count != 4)
         return 2;
     try {
         tactnet::write_file(arguments[1],
@@ -24,6 +25,11 @@ int main(int count, char** arguments) {
                                                                     .classes = {},
                                                                     .when = tactnet::packing::at_start},
                                                                    frame_of<mixed_network>(0)));
+        tactnet::write_file(arguments[3], tactnet::deployed_header(deployed_network<large_network>(),
+                                                                   {.network = "A network of photographs",
+                                                                    .namespace_name = "large",
+                                                                    .classes = {}},
+                                                                   frame_of<large_network>(0)));
     } catch (const std::exception& error) {
         std::fprintf(stderr, "write_headers: %s\n", error.what());
         return 1;

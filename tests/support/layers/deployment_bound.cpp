@@ -239,7 +239,7 @@ public:
                 x = residual(layer, x);
                 break;
             case kind::own:
-                x = layer.own(std::move(x), take_values(layer.own_values));
+                x = own(layer, std::move(x));
                 break;
             }
         }
@@ -247,6 +247,13 @@ public:
     }
 
 private:
+    rounded_map own(const described_layer& layer, rounded_map x) {
+        const auto values = take_values(layer.own_values),
+                   statistics = take(left_.statistics, layer.own_statistics);
+        std::vector<float> parameters(values.begin(), values.end());
+        parameters.insert(parameters.end(), statistics.begin(), statistics.end());
+        return layer.own(std::move(x), parameters);
+    }
     std::span<const float> take_values(std::size_t count) { return take(left_.values, count); }
     static std::span<const float> take(std::span<const float>& from, std::size_t count) {
         if (count > from.size())
@@ -279,6 +286,7 @@ private:
                 break;
             case kind::own:
                 take_values(layer.own_values);
+                take(left_.statistics, layer.own_statistics);
                 break;
             case kind::list:
             case kind::residual:

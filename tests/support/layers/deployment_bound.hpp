@@ -82,10 +82,11 @@ struct described_layer {
     /// Of local responses: channels, the window, α ÷ size, β, k.
     std::size_t response_channels = 0, response_size = 0;
     double response_share = 0, response_beta = 0, response_k = 1;
-    /// What a layer that this file does not know makes of a map, from its learnable parameters: `own_values`
-    /// of them.
+    /// What a layer that this file does not know makes of a map, from `own_values` learnable parameters and
+    /// `own_statistics` running statistics, one behind the other.
     std::function<rounded_map(rounded_map, std::span<const float>)> own{};
-    std::size_t own_values = 0;
+    std::size_t own_values = 0, own_statistics = 0;
+    extents3 own_output{0, 0, 0}; ///< where the map is of another shape than its input
 };
 
 /// As a bound, one rounding of a result of that size.

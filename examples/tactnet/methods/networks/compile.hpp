@@ -30,15 +30,21 @@ private:
 };
 
 template <class Network>
+constexpr method_costs costs_of() {
+    return {Network::parameters, Network::multiply_adds, Network::multiply_adds_on_pixels,
+            Network::parameter_bytes, Network::activation_bytes};
+}
+
+/// `OneClass` is the same network for a single class, of which nothing but the costs is asked.
+template <class Network, class OneClass>
 class network_code final : public compiled_network {
     static constexpr tactnet::shape input = Network::input_shape;
     using trainable = tactnet::trainable_network<Network>;
 
 public:
     network_code()
-        : compiled_network(input.rows, input.columns, Network::outputs,
-                           {Network::parameters, Network::multiply_adds, Network::multiply_adds_on_pixels,
-                            Network::parameter_bytes, Network::activation_bytes}) {}
+        : compiled_network(input.rows, input.columns, Network::outputs, costs_of<Network>(),
+                           costs_of<OneClass>()) {}
 
     std::unique_ptr<tactnet::trainable> make() const override { return std::make_unique<trainable>(); }
     std::unique_ptr<any_deployed> deploy(const any_model& model) const override {

@@ -41,8 +41,8 @@ public:
     virtual ~compiled_network() = default;
 
     const std::size_t rows, columns, outputs;
-    /// With all outputs.
-    const method_costs costs;
+    /// With all outputs, and with one alone.
+    const method_costs costs, costs_of_one;
 
     virtual std::unique_ptr<tactnet::trainable> make() const = 0;
     /// Throws std::invalid_argument for parameters that cannot be deployed.
@@ -51,6 +51,7 @@ public:
     virtual std::vector<tactnet::shape> dense_inputs() const = 0;
 
 protected:
-    compiled_network(std::size_t rows_, std::size_t columns_, std::size_t outputs_, method_costs costs_)
-        : rows(rows_), columns(columns_), outputs(outputs_), costs(costs_) {}
+    compiled_network(std::size_t rows_, std::size_t columns_, std::size_t outputs_, method_costs costs_,
+                     method_costs costs_of_one_)
+        : rows(rows_), columns(columns_), outputs(outputs_), costs(costs_), costs_of_one(costs_of_one_) {}
 };

@@ -167,17 +167,15 @@ public:
     }
 
     method_costs costs(std::size_t classes) const override {
-        // Outputs that stand for no class are no part of the network. The weights of the dense layer that
-        // gives the logits stand before its biases, the last array of all.
-        const auto arrays = code_->make()->describe();
-        const std::size_t spare = code_->outputs - classes, inputs = arrays[arrays.size() - 2].fan_in;
-        method_costs c = code_->costs;
-        c.parameters -= spare * (inputs + 1);
-        c.multiply_adds -= spare * inputs;
-        c.multiply_adds_on_pixels -= spare * inputs;
-        c.parameter_bytes -= spare * (inputs + 1) * sizeof(float);
-        c.activation_bytes -= spare * sizeof(float);
-        return c;
+        // Outputs that stand for no class are no part of the network; each costs the same.
+        const method_costs &all = code_->costs, &one = code_->costs_of_one;
+        const std::size_t outputs = code_->outputs;
+        const auto cost = [&](std::size_t method_costs::*of) {
+            return outputs == 1 ? all.*of : one.*of + (all.*of - one.*of) / (outputs - 1) * (classes - 1);
+        };
+        return {cost(&method_costs::parameters), cost(&method_costs::multiply_adds),
+                cost(&method_costs::multiply_adds_on_pixels), cost(&method_costs::parameter_bytes),
+                all.activation_bytes - (outputs - classes) * sizeof(float)};
     }
 
     frame_times time_frames() const override {

@@ -15,7 +15,7 @@ inline constexpr std::string_view header_form =
     R"(// @network@ for frames of @size@ (rows × columns × channels), @outputs@ outputs,
 // @parameters@ parameters, of which @folded@ numbers remain once batch norms are folded in. Generated: do not edit.
 //
-// recogniser(counts, outputs) recognises a frame. It needs no files, no heap, no exceptions and no run-time
+// recogniser(counts, outputs@memory@) recognises a frame. It needs no files, no heap, no exceptions and no run-time
 // type information.
 #pragma once
 
@@ -51,9 +51,9 @@ inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{
 @frame outputs@};
 
 /// Whether compiler and processor still make of the frame what they should.
-inline bool passes_selftest() noexcept {
+inline bool passes_selftest(@memory parameter@) noexcept {
     std::array<float, recogniser_type::outputs> outputs;
-    if (recogniser(selftest_frame, outputs) != tactnet::frame_status::recognised)
+    if (recogniser(selftest_frame, outputs@memory@) != tactnet::frame_status::recognised)
         return false;
     float largest = 0, difference = 0;
     for (std::size_t i = 0; i < outputs.size(); ++i) {

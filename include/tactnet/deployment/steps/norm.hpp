@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -31,7 +32,7 @@ struct norm_step<single_precision, Map, Stride, Rectified> {
         const float* offsets = factors + whole_lines(Stride);
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
             for (std::size_t c = 0; c < Stride; ++c) {
-                const float y = in[pixel + c] * factors[c] + offsets[c];
+                const float y = kernels::fused_multiply_add(in[pixel + c], factors[c], offsets[c]);
                 out[pixel + c] = Rectified && y < 0 ? 0 : y;
             }
     }

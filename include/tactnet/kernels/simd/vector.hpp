@@ -19,6 +19,15 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
+/// a · b + c, rounded once where the instruction set can, at any level of optimisation.
+[[nodiscard]] inline float fused_multiply_add(float a, float b, float c) {
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+    return __builtin_fmaf(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
 #ifndef TACTNET_NO_SIMD
 
 template <class T>
@@ -37,18 +46,42 @@ template <class T>
 inline void store(T* to, const vector<T>& values) {
     values.store_aligned(to);
 }
+namespace detail {
+#ifdef __FMA__
+// The processor's own instruction for each register. xsimd 8 does not have it behind fma for all of them:
+// whether a product is rounded would then depend on compiler and optimisation.
+[[nodiscard]] [[gnu::always_inline]] inline __m128 fused(__m128 a, __m128 b, __m128 c) {
+    return _mm_fmadd_ps(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m128d fused(__m128d a, __m128d b, __m128d c) {
+    return _mm_fmadd_pd(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m256 fused(__m256 a, __m256 b, __m256 c) {
+    return _mm256_fmadd_ps(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m256d fused(__m256d a, __m256d b, __m256d c) {
+    return _mm256_fmadd_pd(a, b, c);
+}
+#ifdef __AVX512F__
+[[nodiscard]] [[gnu::always_inline]] inline __m512 fused(__m512 a, __m512 b, __m512 c) {
+    return _mm512_fmadd_ps(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m512d fused(__m512d a, __m512d b, __m512d c) {
+    return _mm512_fmadd_pd(a, b, c);
+}
+#endif
+#endif
+} // namespace detail
+
 /// a · b + c, of vectors of any width, rounded once where the instruction set can.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector fused_multiply_add(const Vector& a, const Vector& b,
                                                                       const Vector& c) {
-    // xsimd 8 has no instruction of AVX-512 behind this, and Clang does not find it by itself.
-#if defined(__clang__)
-    if constexpr (sizeof(Vector) == 64) {
-#pragma clang fp contract(fast)
-        return Vector(a.data * b.data + c.data);
-    }
-#endif
+#ifdef __FMA__
+    return Vector(detail::fused(a.data, b.data, c.data));
+#else
     return xsimd::fma(a, b, c);
+#endif
 }
 template <class T>
 [[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {

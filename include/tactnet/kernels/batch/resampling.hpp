@@ -1,0 +1,75 @@
+#pragma once
+
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+// A separable resize whose weights are compile-time constants, for samples side by side: one group of a
+// batch, of one channel. A `Down` and an `Along` axis (see image/resize_axis.hpp) tell `inputs`, `outputs`,
+// `taps` and, in `table`, the first input and the weights of each output's taps. A weight of zero is no tap,
+// so that NaN and infinity reach the outputs that they belong to, and no others.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// take(output pixel, value of all lanes) for each output of `from`.
+template <class T, class Down, class Along, class Take>
+void resample_group(const T* from, const Take& take) {
+    alignas(alignment) std::array<T, Along::inputs * lanes<T>> line;
+    for (std::size_t row = 0; row < Down::outputs; ++row) {
+        const auto& above = Down::table[row];
+        for (std::size_t column = 0; column < Along::inputs; ++column) {
+            vector<T> sum(T{0});
+            for (std::size_t t = 0; t < Down::taps; ++t)
+                if (above.weights[t] != 0)
+                    sum = multiply_add<T>(
+                        vector<T>(static_cast<T>(above.weights[t])),
+                        load<T>(from + ((above.first + t) * Along::inputs + column) * lanes<T>), sum);
+            store(line.data() + column * lanes<T>, sum);
+        }
+        for (std::size_t column = 0; column < Along::outputs; ++column) {
+            const auto& beside = Along::table[column];
+            vector<T> sum(T{0});
+            for (std::size_t t = 0; t < Along::taps; ++t)
+                if (beside.weights[t] != 0)
+                    sum = multiply_add<T>(vector<T>(static_cast<T>(beside.weights[t])),
+                                          load<T>(line.data() + (beside.first + t) * lanes<T>), sum);
+            take(row * Along::outputs + column, sum);
+        }
+    }
+}
+
+/// The way back: `to` becomes the gradient of the inputs, from give(output pixel), that of an output.
+template <class T, class Down, class Along, class Give>
+void resample_group_backward(const Give& give, T* to) {
+    const auto add = [](T* place, float weight, const vector<T>& gradient) {
+        store(place, multiply_add<T>(vector<T>(static_cast<T>(weight)), gradient,
+                                     load<T>(static_cast<const T*>(place))));
+    };
+    alignas(alignment) std::array<T, Along::inputs * lanes<T>> line;
+    std::fill_n(to, Down::inputs * Along::inputs * lanes<T>, T{0});
+    for (std::size_t row = 0; row < Down::outputs; ++row) {
+        line.fill(T{0});
+        for (std::size_t column = 0; column < Along::outputs; ++column) {
+            const auto& beside = Along::table[column];
+            const vector<T> gradient = give(row * Along::outputs + column);
+            for (std::size_t t = 0; t < Along::taps; ++t)
+                if (beside.weights[t] != 0)
+                    add(line.data() + (beside.first + t) * lanes<T>, beside.weights[t], gradient);
+        }
+        const auto& above = Down::table[row];
+        for (std::size_t t = 0; t < Down::taps; ++t)
+            if (above.weights[t] != 0)
+                for (std::size_t column = 0; column < Along::inputs; ++column)
+                    add(to + ((above.first + t) * Along::inputs + column) * lanes<T>, above.weights[t],
+                        load<T>(static_cast<const T*>(line.data() + column * lanes<T>)));
+    }
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

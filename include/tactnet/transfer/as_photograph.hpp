@@ -1,0 +1,105 @@
+#pragma once
+
+#include <tactnet/image/resize_axis.hpp>
+#include <tactnet/kernels/batch/resampling.hpp>
+#include <tactnet/layers/layer.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+template <std::size_t Channels, std::size_t Rows, std::size_t Columns>
+[[nodiscard]] constexpr shape photograph_output() {
+    static_assert(Channels == 1, "as_photograph: the input must be an image of one channel");
+    static_assert(Rows > 0 && Columns > 0, "as_photograph: there must be at least one row and one column");
+    return {Rows, Columns, 3};
+}
+
+} // namespace detail
+
+/// An image of one channel as the photograph that a network trained on ImageNet takes: resized bicubically,
+/// its channel three times (the paper's equations 1 to 4), each less a mean and divided by a deviation. Mean
+/// and variance of red, green and blue are running statistics that stay as they are, in weight files
+/// "photograph.running_mean" and "photograph.running_var": whoever gives the weights of the network behind it
+/// sets them (see load_trunk). Until then the mean is 0 and the variance 1; no epsilon is added.
+template <extent Size>
+struct as_photograph {
+    static constexpr std::string_view name = "photograph";
+    static constexpr bool numbered = false;
+
+    template <class T, shape Input>
+    struct layer
+        : layer_without_parameters<T, Input,
+                                   detail::photograph_output<Input.channels, Size.rows, Size.columns>()> {
+        static constexpr shape output = detail::photograph_output<Input.channels, Size.rows, Size.columns>();
+        static constexpr std::size_t statistics = 6;
+        static constexpr bool by_parts = true;
+        using down = resize_axis<keys<>, Input.rows, Size.rows>;
+        using along = resize_axis<keys<>, Input.columns, Size.columns>;
+
+        struct memory {
+            std::array<T, 3> mean{}, scale{};
+            void resize(std::size_t) {}
+        };
+
+        static void describe(const std::string& prefix, std::vector<parameter>& list) {
+            describe_array(list, prefix + ".running_mean", role::running_mean, {3}, 0);
+            describe_array(list, prefix + ".running_var", role::running_variance, {3}, 3);
+        }
+        static void prepare(const pass&, const T*, const T* running, memory& m) {
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                m.mean[channel] = running[channel];
+                m.scale[channel] = 1 / std::sqrt(running[3 + channel]);
+            }
+        }
+        static void infer(const pass& p, const T*, const T*, memory& m, input_view<T, Input> in,
+                          output_view<T, output> out) {
+            using vector = kernels::vector<T>;
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                T* const to = out.group(g);
+                kernels::resample_group<T, down, along>(
+                    in.group(g), [&](std::size_t pixel, const vector& value) {
+                        for (std::size_t channel = 0; channel < 3; ++channel)
+                            kernels::store(to + (channel * output.area() + pixel) * kernels::lanes<T>,
+                                           (value - vector(m.mean[channel])) * vector(m.scale[channel]));
+                    });
+            });
+        }
+        static void forward(const pass& p, const T* none, T*, memory& m, input_view<T, Input> in,
+                            output_view<T, output> out) {
+            infer(p, none, nullptr, m, in, out);
+        }
+        static void backward(const pass& p, const T*, memory& m, input_view<T, Input>, input_view<T, output>,
+                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T*) {
+            using vector = kernels::vector<T>;
+            if (in_gradient.data() == nullptr)
+                return;
+            p.threads.for_each(out_gradient.groups(), [&](std::size_t g) {
+                const T* const from = out_gradient.group(g);
+                kernels::resample_group_backward<T, down, along>(
+                    [&](std::size_t pixel) {
+                        vector sum(T{0});
+                        for (std::size_t channel = 0; channel < 3; ++channel)
+                            sum = kernels::multiply_add<T>(
+                                vector(m.scale[channel]),
+                                kernels::load<T>(from +
+                                                 (channel * output.area() + pixel) * kernels::lanes<T>),
+                                sum);
+                        return sum;
+                    },
+                    in_gradient.group(g));
+            });
+        }
+    };
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

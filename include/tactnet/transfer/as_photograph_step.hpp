@@ -1,0 +1,74 @@
+#pragma once
+
+#include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/image/resize.hpp>
+#include <tactnet/image/three_channels.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+// What as_photograph does in a deployed network. A target that runs an exported network needs this file
+// alone.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Folded and packed: mean of red, green and blue, then what remains is multiplied by.
+template <class Format, extent From, std::size_t InputStride, extent To>
+struct as_photograph_step;
+
+template <extent From, std::size_t InputStride, extent To>
+struct as_photograph_step<single_precision, From, InputStride, To> {
+    using format = single_precision;
+    static constexpr shape grey{From.rows, From.columns, 1}, resized{To.rows, To.columns, 1};
+    static constexpr shape output{To.rows, To.columns, 3};
+    static constexpr std::size_t output_stride = 3;
+    static constexpr std::size_t folded = 6, packed = whole_lines(folded);
+    static constexpr bool joins_pixels = InputStride != 1; ///< which lie apart
+    static constexpr std::size_t scratch =
+        kernels::padded_size<float>(resized.area()) + (joins_pixels ? grey.area() : 0);
+
+    static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded, to); }
+    /// A bicubic kernel overshoots.
+    static double reach(const float* numbers, double input) {
+        const double most = input * gain<resize_axis<keys<>, From.rows, To.rows>>() *
+                            gain<resize_axis<keys<>, From.columns, To.columns>>();
+        double largest = most;
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            largest = std::max(largest, (most + std::abs(static_cast<double>(numbers[channel]))) *
+                                            std::abs(static_cast<double>(numbers[3 + channel])));
+        return largest;
+    }
+    static void run(const float* numbers, const float* in, float* out, float* memory) noexcept {
+        if constexpr (joins_pixels) {
+            float* const joined = memory + kernels::padded_size<float>(resized.area());
+            for (std::size_t pixel = 0; pixel < grey.area(); ++pixel)
+                joined[pixel] = in[pixel * InputStride];
+            in = joined;
+        }
+        resize<grey, resized>(tensor_view<const float, grey>(in), tensor_view<float, resized>(memory));
+        const channel_normalisation normalise{{numbers[0], numbers[1], numbers[2]},
+                                              {numbers[3], numbers[4], numbers[5]}};
+        to_three_channels_last<resized>(tensor_view<const float, resized>(memory), normalise,
+                                        std::span<float, 3 * resized.area()>(out, 3 * resized.area()));
+    }
+
+private:
+    /// The largest factor by which an axis may enlarge what passes.
+    template <class Axis>
+    static double gain() {
+        double most = 0;
+        for (const auto& taps : Axis::table) {
+            double sum = 0;
+            for (const float weight : taps.weights)
+                sum += std::abs(static_cast<double>(weight));
+            most = std::max(most, sum);
+        }
+        return most;
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

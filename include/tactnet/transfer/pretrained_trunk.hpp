@@ -1,0 +1,60 @@
+#pragma once
+
+#include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/stored_arrays.hpp>
+#include <tactnet/transfer/photograph.hpp>
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// What a training begins with that goes on from weights learnt from photographs: the values of each array of
+/// a network that has as_photograph in front, in its order; none for those of the last layer, which learns
+/// other classes. Mean and variance of the photograph are those that `form` says, for inputs of 0 … 1.
+///
+/// Throws file_error, one that names all of them, for arrays that are missing, surplus or of other extents,
+/// and for values that are not finite; std::invalid_argument for a network without as_photograph, or without
+/// a last layer of its own.
+[[nodiscard]] inline std::vector<std::vector<float>>
+pretrained_trunk(safetensors_source& file, const stored_arrays& arrays, const photograph_form& form) {
+    const std::string last = arrays.output_layer();
+    if (last.empty() || arrays.list.size() < 4 || arrays.list[0].name != "photograph.running_mean")
+        throw std::invalid_argument(
+            "pretrained_trunk: expected a network with as_photograph in front and a layer "
+            "at its end with a filter for each class");
+    stored_arrays trunk;
+    for (const stored_arrays::array& each : arrays.list)
+        if (!each.name.starts_with(last) && !each.name.starts_with("photograph."))
+            trunk.list.push_back(each);
+    // Whatever classes the file knows, and what it says of its inputs.
+    const std::array<std::string, 1> unread{last};
+    require_arrays(file, trunk, 0, unread);
+    std::vector<std::vector<float>> values;
+    std::vector<float> mean, variance;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        const float deviation = 1 / (form.normalise.scale[channel] * 255);
+        mean.push_back(form.normalise.mean[channel] / 255);
+        variance.push_back(deviation * deviation);
+    }
+    values.push_back(std::move(mean));
+    values.push_back(std::move(variance));
+    for (std::size_t i = 2; i < arrays.list.size(); ++i) {
+        const std::string& name = arrays.list[i].name;
+        if (name.starts_with(last)) {
+            values.emplace_back();
+            continue;
+        }
+        values.push_back(file.values<float>(name));
+        detail::check_values(file, name, values.back());
+    }
+    return values;
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

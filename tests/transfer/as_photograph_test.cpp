@@ -1,0 +1,210 @@
+#include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/transfer/as_photograph_deployed.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <deployment/deployed_network.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <support/layers/conformance.hpp>
+#include <utility>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+/// Keys' kernel by its formula, with the weights in single precision that the library has: [output][input].
+std::vector<std::vector<double>> bicubic(std::size_t from, std::size_t to) {
+    const auto kernel = [](double t) {
+        t = std::abs(t);
+        return t < 1   ? 1.5 * t * t * t - 2.5 * t * t + 1
+               : t < 2 ? -0.5 * t * t * t + 2.5 * t * t - 4 * t + 2
+                       : 0.0;
+    };
+    const double ratio = static_cast<double>(from) / static_cast<double>(to), wide = std::max(ratio, 1.0);
+    std::vector<std::vector<double>> all;
+    for (std::size_t o = 0; o < to; ++o) {
+        const double centre = (static_cast<double>(o) + 0.5) * ratio - 0.5;
+        std::vector<double> weights(from);
+        double sum = 0;
+        for (auto p = static_cast<long>(std::floor(centre - 2 * wide));
+             static_cast<double>(p) <= centre + 2 * wide; ++p) {
+            const auto size = static_cast<long>(from);
+            const long m = ((p % (2 * size)) + 2 * size) % (2 * size), seen = m < size ? m : 2 * size - 1 - m;
+            const double w = kernel((static_cast<double>(p) - centre) / wide);
+            weights[static_cast<std::size_t>(seen)] += w, sum += w;
+        }
+        for (double& w : weights)
+            w = static_cast<double>(static_cast<float>(w / sum));
+        all.push_back(std::move(weights));
+    }
+    return all;
+}
+
+std::size_t most_taps(const std::vector<std::vector<double>>& axis) {
+    std::size_t most = 0;
+    for (const auto& weights : axis)
+        most = std::max(most, static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(),
+                                                                     [](double w) { return w != 0; })));
+    return most;
+}
+
+/// body(output pixel, input pixel, weight) for all that are not zero.
+template <class Body>
+void for_each_tap(const std::vector<std::vector<double>>& down, const std::vector<std::vector<double>>& along,
+                  const Body& body) {
+    const std::size_t columns = along.front().size();
+    for (std::size_t o = 0; o < down.size() * along.size(); ++o)
+        for (std::size_t y = 0; y < down.front().size(); ++y)
+            for (std::size_t x = 0; x < columns; ++x)
+                if (const double w = down[o / along.size()][y] * along[o % along.size()][x]; w != 0)
+                    body(o, y * columns + x, w);
+}
+
+/// A term passes its two weights' roundings, which the reference shares, and at most as many sums as there
+/// are taps in both directions; then mean and scale, two roundings of the latter included.
+class reference_photograph final : public support::reference_layer {
+public:
+    reference_photograph(support::extents3 in, std::size_t rows, std::size_t columns)
+        : down_(bicubic(in.rows, rows)), along_(bicubic(in.columns, columns)) {
+        input = in;
+        output = {3, rows, columns};
+        statistics = 6;
+    }
+    [[nodiscard]] support::samples forward(const support::reference_call& call,
+                                           const support::samples& in) const override {
+        const double sums = static_cast<double>(most_taps(down_) + most_taps(along_));
+        support::samples out(in.size(), support::sample(output.size()));
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            support::sample grey(output.area());
+            std::vector<double> sizes(output.area());
+            for_each_tap(down_, along_, [&](std::size_t o, std::size_t i, double w) {
+                grey[o].value += w * in[s][i].value;
+                grey[o].error += std::abs(w) * in[s][i].error;
+                sizes[o] += std::abs(w) * (std::abs(in[s][i].value) + in[s][i].error);
+            });
+            for (std::size_t e = 0; e < output.size(); ++e) {
+                const std::size_t o = e % output.area(), channel = e / output.area();
+                const double mean = call.running[channel], scale = 1 / std::sqrt(call.running[3 + channel]);
+                const double wrong = grey[o].error + support::accumulated(call.roundoff, sums) * sizes[o];
+                out[s][e] = {(grey[o].value - mean) * scale,
+                             scale * (wrong + support::accumulated(call.roundoff, 4) *
+                                                  (std::abs(grey[o].value) + wrong + std::abs(mean)))};
+            }
+        }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] support::reference_gradients backward(const support::reference_call& call,
+                                                        const support::samples& in,
+                                                        const support::samples& out_gradient) const override {
+        // A term passes three channels and the scale, then the sums of all outputs that an input is a tap of.
+        const double sums = static_cast<double>(5 + output.rows + output.columns);
+        support::samples g(in.size(), support::sample(input.size()));
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for_each_tap(down_, along_, [&](std::size_t o, std::size_t i, double w) {
+                for (std::size_t channel = 0; channel < 3; ++channel) {
+                    const double term = w / std::sqrt(call.running[3 + channel]) *
+                                        out_gradient[s][channel * output.area() + o].value;
+                    g[s][i].value += term;
+                    g[s][i].error += support::accumulated(call.roundoff, sums) * std::abs(term);
+                }
+            });
+        return {g, {}};
+    }
+
+private:
+    std::vector<std::vector<double>> down_, along_;
+};
+
+} // namespace
+
+template <extent Size>
+struct support::reference_of<as_photograph<Size>> {
+    static reference_pointer on(extents3 in) {
+        return std::make_unique<reference_photograph>(in, Size.rows, Size.columns);
+    }
+};
+
+template <extent Size>
+struct support::description<as_photograph<Size>> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::own,
+                .own =
+                    [in](const rounded_map& x, std::span<const float> parameters) {
+                        const auto down = bicubic(in.rows, Size.rows),
+                                   along = bicubic(in.columns, Size.columns);
+                        const double n = static_cast<double>(most_taps(down) + most_taps(along)) + 4,
+                                     u = unit_roundoff<float> * (1 + 0x1p-20);
+                        rounded_map grey(Size.area()), out;
+                        std::vector<double> sizes(Size.area()), wrong(Size.area()), squares(Size.area());
+                        for_each_tap(down, along, [&](std::size_t o, std::size_t i, double w) {
+                            grey[o].value += w * x[i].value;
+                            wrong[o] += std::abs(w) * x[i].error;
+                            squares[o] += w * w * x[i].deviation * x[i].deviation;
+                            sizes[o] += std::abs(w) * (std::abs(x[i].value) + x[i].error);
+                        });
+                        for (std::size_t channel = 0; channel < 3; ++channel)
+                            for (std::size_t o = 0; o < Size.area(); ++o) {
+                                const double mean = static_cast<double>(parameters[channel]),
+                                             scale =
+                                                 1 / std::sqrt(static_cast<double>(parameters[3 + channel])),
+                                             size = sizes[o] + std::abs(mean);
+                                out.push_back({(grey[o].value - mean) * scale,
+                                               scale * (wrong[o] + accumulated(u, n) * size),
+                                               scale * std::sqrt(squares[o] + n * u * u * size * size)});
+                            }
+                        return out;
+                    },
+                .own_statistics = 6,
+                .own_output = {3, Size.rows, Size.columns}};
+    }
+};
+
+TEST_CASE("as_photograph: what must hold of every layer") {
+    support::check_layer<as_photograph<extent(9, 14)>, shape{4, 5, 1}>();
+    support::check_layer<as_photograph<extent(3, 4)>, shape{7, 9, 1}>(); // smaller, antialiased
+    support::check_layer<as_photograph<5>, shape{1, 1, 1}>();
+    support::check_layer<sequence<as_photograph<extent(11, 9)>, conv2d<3, 3, 2, valid>, relu>,
+                         shape{5, 6, 1}>();
+}
+
+TEST_CASE("as_photograph: deployed within the derived bound") {
+    using first =
+        network<shape{6, 9, 1}, as_photograph<extent(17, 21)>, conv2d<5, 3, 2, valid>, relu, dense<4>>;
+    const support::error_shares errors = support::errors_of<first>(51, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+    // Pixels that lie apart.
+    using behind = network<shape{6, 7, 2}, conv2d<1, 3>, as_photograph<extent(10, 8)>, max_pool<2>, dense<3>>;
+    CHECK(support::errors_of<behind>(52, 5).good());
+    using last = network<shape{3, 4, 1}, as_photograph<extent(5, 6)>>;
+    CHECK(support::errors_of<last>(53, 5).good());
+}
+
+TEST_CASE("as_photograph: its arrays are those of a norm without scale and shift") {
+    using net = network<shape{28, 50, 1}, as_photograph<227>, conv2d<2, 3>>;
+    const auto arrays = net::describe();
+    REQUIRE(arrays.size() == 4);
+    CHECK(arrays[0].name == "photograph.running_mean");
+    CHECK(arrays[1].name == "photograph.running_var");
+    CHECK(net::parameters == 2 * 3 * 9 + 2);
+    CHECK(net::statistics == 6);
+}
+
+TEST_CASE("as_photograph: an exported header names its step") {
+    using net = network<shape{3, 4, 1}, as_photograph<extent(5, 6)>, conv2d<2, 3>, dense<2>>;
+    net network;
+    support::fill(network, 54);
+    const auto frame = support::make_frame(12, 1);
+    const std::string text = deployed_header(
+        deploy(network), {.network = "photograph", .namespace_name = "own", .classes = {"a", "b"}},
+        std::span<const std::uint8_t, 12>(frame));
+    CHECK(text.find("#include <tactnet/transfer/as_photograph_step.hpp>") != std::string::npos);
+    CHECK(text.find("tactnet::as_photograph_step<tactnet::single_precision, ") != std::string::npos);
+}

@@ -1,0 +1,106 @@
+#include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
+#include <tactnet/transfer/pretrained_trunk.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <support/files/temporary_folder.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+using net =
+    network<shape{6, 8}, as_photograph<extent(9, 12)>, named<"features", sequential<conv2d<4, 3>, relu>>,
+            named<"classifier", sequential<conv2d<5, 1>, global_average_pool>>>;
+
+struct weights {
+    support::temporary_folder folder;
+    safetensors_writer writer;
+    weights() { add("features.0.weight", {4, 3, 3, 3}), add("features.0.bias", {4}); }
+    void add(const std::string& name, const std::vector<std::size_t>& extents, float first = 0.5F) {
+        std::size_t size = 1;
+        for (const std::size_t extent : extents)
+            size *= extent;
+        std::vector<float> values(size);
+        for (std::size_t i = 0; i < size; ++i)
+            values[i] = first + static_cast<float>(i);
+        writer.add(name, extents, std::span<const float>(values));
+    }
+    std::vector<std::vector<float>> read(const photograph_form& form = torchvision_photograph) {
+        const auto path = folder.path() / "weights";
+        writer.write(path);
+        safetensors_source file = safetensors_source::open(path);
+        return pretrained_trunk(file, stored_arrays_of<net>(), form);
+    }
+    std::string error() {
+        try {
+            read();
+        } catch (const file_error& error) {
+            return error.what();
+        }
+        return "";
+    }
+};
+
+} // namespace
+
+TEST_CASE("pretrained_trunk: all arrays but those of the last layer, whatever classes the file knows") {
+    for (const bool whole : {false, true}) {
+        weights file;
+        if (whole)
+            file.add("classifier.0.weight", {1000, 4, 1, 1}), file.add("classifier.0.bias", {1000});
+        const auto arrays = file.read();
+        REQUIRE(arrays.size() == net::describe().size());
+        CHECK(arrays[2].size() == 108);
+        CHECK(arrays[2][107] == 107.5F);
+        CHECK(arrays[3] == std::vector{0.5F, 1.5F, 2.5F, 3.5F});
+        CHECK(arrays[4].empty());
+        CHECK(arrays[5].empty());
+    }
+}
+
+TEST_CASE("pretrained_trunk: mean and variance for inputs of 0 … 1") {
+    weights file;
+    const auto torchvision = file.read();
+    const double means[] = {0.485, 0.456, 0.406}, deviations[] = {0.229, 0.224, 0.225};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        CHECK(static_cast<double>(torchvision[0][channel]) == doctest::Approx(means[channel]).epsilon(1e-6));
+        CHECK(static_cast<double>(torchvision[1][channel]) ==
+              doctest::Approx(deviations[channel] * deviations[channel]).epsilon(1e-6));
+    }
+    const auto caffe = file.read(mean_photograph(123, 117, 104));
+    CHECK(caffe[0][2] == doctest::Approx(104.0 / 255));
+    CHECK(caffe[1][0] == doctest::Approx(1.0 / 255 / 255));
+}
+
+TEST_CASE("pretrained_trunk: what does not belong") {
+    weights surplus;
+    surplus.add("features.3.weight", {1});
+    CHECK(surplus.error().ends_with(
+        "expected only the 2 arrays of this network, found tensor 'features.3.weight' "
+        "of another network"));
+    weights broken;
+    broken.writer = {};
+    broken.add("features.0.weight", {4, 3, 3, 3}, std::numeric_limits<float>::infinity());
+    CHECK(broken.error().ends_with("expected a tensor 'features.0.bias' of 4, found none of that name"));
+    broken.add("features.0.bias", {4});
+    CHECK(broken.error().ends_with("'features.0.weight', element 0: expected a finite number, found inf"));
+
+    using plain = network<shape{6, 8}, conv2d<4, 3>, dense<5>>;
+    weights any;
+    any.writer.write(any.folder.path() / "weights");
+    safetensors_source file = safetensors_source::open(any.folder.path() / "weights");
+    CHECK_THROWS_AS(
+        static_cast<void>(pretrained_trunk(file, stored_arrays_of<plain>(), torchvision_photograph)),
+        std::invalid_argument);
+}
