@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <vector>
 
 class stopwatch {
 public:
@@ -16,6 +17,23 @@ public:
 private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// The median of at most nine timings of one call each, fewer where they take half a second together, in
+/// microseconds.
+template <class Work>
+double brief_median_microseconds(const Work& work) {
+    constexpr double enough = 0.5;
+    std::vector<double> times;
+    double all = 0;
+    while (times.empty() || (times.size() < 9 && all < enough)) {
+        const stopwatch watch;
+        work();
+        times.push_back(watch.seconds());
+        all += times.back();
+    }
+    std::sort(times.begin(), times.end());
+    return 1e6 * times[times.size() / 2];
+}
 
 /// The median of nine timings of at least 10 ms each, in microseconds a call.
 template <class Work>

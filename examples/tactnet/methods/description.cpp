@@ -93,10 +93,10 @@ constexpr std::string_view instruction_set = TACTNET_PROGRAM_TEXT(TACTNET_ARCH);
 } // namespace
 
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
-    const auto& [name, epochs, batch, rate, optimiser, schedule, initialisation, input, augmentation, ranges,
-                 label_smoothing, averaging, epsilon, remeasure_statistics, validate_every, patience] =
-        recipe;
-    return {
+    const auto& [name, epochs, batch, rate, pretrained_rate, optimiser, schedule, initialisation, input,
+                 augmentation, ranges, label_smoothing, averaging, epsilon, remeasure_statistics,
+                 validate_every, patience] = recipe;
+    tactnet::file_metadata all{
         {"recipe", text(name)},
         {"epochs", text(epochs)},
         {"batch", text(batch)},
@@ -114,6 +114,9 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
         {"validate_every", text(validate_every)},
         {"patience", text(patience)},
     };
+    if (pretrained_rate != 1) // of which descriptions made before say nothing, and mean one
+        all["pretrained_rate"] = text(pretrained_rate);
+    return all;
 }
 
 tactnet::file_metadata describe_program() {

@@ -93,7 +93,13 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--epochs, --batch, --rate, --input, --augmentation, --start: expected a network, "
                         "found {}, which is not trained by epochs",
                         what.name));
+    if (what.pretrained() && !s.start.empty())
+        throw usage_error(
+            fmt::format("--start: expected a network that begins with random weights, found {}, "
+                        "which begins with those of --pretrained",
+                        what.name));
     tactnet::recipe r = s.recipe == "published" ? published_recipe(what)
+                        : what.pretrained()     ? tactnet::recipe::fine_tuning(what.rows, what.columns)
                                                 : tactnet::recipe::default_for(what.rows, what.columns);
     if (s.epochs)
         r.epochs = *s.epochs;

@@ -6,8 +6,11 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/training/loop.hpp>
+#include <tactnet/transfer/pretrained_trunk.hpp>
+#include <tactnet/transfer/stored_photograph_form.hpp>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <utility>
@@ -68,6 +71,31 @@ any_model load_model(const compiled_network& code, const tactnet::safetensors& f
                             [&](std::span<const std::uint8_t> images) { return logits_of(model, images); });
     return model;
 }
+
+/// What is published of a network that begins with weights learnt from photographs.
+struct photograph_network {
+    std::string_view method, network, torchvision;
+    std::size_t rows, columns;
+};
+constexpr std::array<photograph_network, 4> photograph_networks{{
+    {"squeezenet-nn", "SqueezeNet 1.1", "squeezenet1_1", 227, 227},
+    {"alexnet-nn", "AlexNet", "alexnet", 224, 224},
+    {"resnet50-nn", "ResNet-50", "resnet50", 224, 224},
+    {"vgg16-nn", "VGG16", "vgg16", 224, 224},
+}};
+
+/// Weights that a network's training begins with: of each array, or none.
+class begun_weights final : public pretrained_weights {
+public:
+    explicit begun_weights(std::vector<std::vector<float>> arrays) : arrays_(std::move(arrays)) {}
+
+    const std::vector<std::vector<float>>& arrays() const { return arrays_; }
+    /// All layers are trained, so that trainings have nothing in common.
+    bool prepare(const image_data&, const feature_place&, tactnet::thread_pool&) override { return true; }
+
+private:
+    std::vector<std::vector<float>> arrays_;
+};
 
 class own_trained_network final : public trained_network {
 public:
@@ -135,6 +163,7 @@ public:
         tactnet::trainable& from = dynamic_cast<const own_trained_network&>(other).network();
         loop_.start_from(from.learnable_values(), from.running_statistics());
     }
+    void start_from(const begun_weights& weights) { loop_.start_from_trunk(weights.arrays()); }
     const tactnet::data_split& split() const override { return loop_.split(); }
     void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
         tactnet::save_checkpoint(path, loop_, settings);
@@ -162,6 +191,24 @@ public:
         : method(network, code->rows, code->columns, code->outputs, training), code_(std::move(code)) {}
 
     bool is_network() const override { return true; }
+    std::optional<pretrained_file> pretrained() const override {
+        const auto* const found = std::ranges::find(photograph_networks, name, &photograph_network::method);
+        if (found == photograph_networks.end())
+            return std::nullopt;
+        const std::size_t of_photograph = 2; // arrays in front, which are no weights
+        return pretrained_file{std::string(found->network),
+                               std::string(found->torchvision),
+                               code_->make()->describe().at(of_photograph).name,
+                               found->rows,
+                               found->columns,
+                               code_->costs.parameter_bytes};
+    }
+    std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
+        auto file = tactnet::safetensors_source::open(path);
+        const auto form = tactnet::stored_photograph_form(file);
+        return std::make_shared<begun_weights>(
+            tactnet::pretrained_trunk(file, stored_arrays_of(*code_, *code_->make()), form));
+    }
     tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
         return describe_recipe(recipe);
     }
@@ -185,15 +232,18 @@ public:
         std::uint32_t index = 0;
         for (std::size_t i = 0; i < arrays.size(); ++i)
             tactnet::detail::initialise(parameters[i], arrays[i], tactnet::he_normal{}, 0, index);
-        return {time(model, 1), time(model, 64)};
+        return {time(model, 1), time(model, pretrained() ? 16 : 64)};
     }
 
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,
                                         tactnet::thread_pool& threads,
-                                        const std::shared_ptr<pretrained_weights>&) const override {
-        return std::make_unique<own_network_training>(*code_, recipe, images, std::move(split), seed,
-                                                      threads);
+                                        const std::shared_ptr<pretrained_weights>& from) const override {
+        auto training =
+            std::make_unique<own_network_training>(*code_, recipe, images, std::move(split), seed, threads);
+        if (from)
+            training->start_from(dynamic_cast<const begun_weights&>(*from));
+        return training;
     }
 
     std::unique_ptr<trained_method> load(const weight_file& file,
@@ -210,8 +260,9 @@ private:
         for (std::size_t e = 0; e < frames.size(); ++e)
             frames[e] = static_cast<std::uint8_t>(e * 37 % 64);
         bool good = true;
+        const auto recognise = [&] { good = deployed->recognise(alone, frames, logits) && good; };
         const double microseconds =
-            median_microseconds([&] { good = deployed->recognise(alone, frames, logits) && good; });
+            pretrained() ? brief_median_microseconds(recognise) : median_microseconds(recognise);
         if (!good)
             throw std::runtime_error("expected finite logits of the frames that are timed");
         return microseconds / static_cast<double>(batch);

@@ -129,22 +129,6 @@ support_vector_machine made_up_machine(const tactnet::kernel_training_options<Ke
     return tactnet::kernel_machine<Kernel>(std::move(parts));
 }
 
-/// The median of at most nine timings, fewer where they take long, in microseconds.
-template <class Work>
-double microseconds_of(const Work& work) {
-    constexpr double enough = 0.5; // seconds
-    std::vector<double> times;
-    double all = 0;
-    while (times.empty() || (times.size() < 9 && all < enough)) {
-        const stopwatch watch;
-        work();
-        times.push_back(watch.seconds());
-        all += times.back();
-    }
-    std::ranges::sort(times);
-    return 1e6 * times[times.size() / 2];
-}
-
 class trunk_svm_method final : public svm_method {
 public:
     trunk_svm_method(const trunk_recipe& recipe, std::size_t rows_, std::size_t columns_,
@@ -198,7 +182,7 @@ public:
                 images[e] = static_cast<std::uint8_t>(e * 37 % 64);
             const label_list all = tactnet::all_samples(batch);
             std::vector<float> found(batch * finder.size());
-            return microseconds_of([&] {
+            return brief_median_microseconds([&] {
                        finder.find(*network, images, all, alone, found);
                        static_cast<void>(machine.values(feature_list(found, finder.size()), alone));
                    }) /

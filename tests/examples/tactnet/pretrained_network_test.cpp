@@ -1,0 +1,144 @@
+// Networks that begin with weights learnt from photographs, and are trained on.
+
+#include "pretrained_weights.hpp"
+#include "workshop.hpp"
+
+#include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/networks.hpp>
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstddef>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace support;
+using tactnet::element_type;
+
+namespace {
+
+using squeezenet = tactnet::squeezenet1_1<tactnet::shape{227, 227, 3}>;
+
+/// Nine images of the workshop in 28 × 50, a network of which few epochs take seconds.
+struct fine_tuning {
+    workshop shop;
+    fine_tuning() {
+        for (const char* folder : {"left", "middle, of all", "right"})
+            for (std::size_t i = 3; i < images_per_class; ++i)
+                fs::remove(shop.data() / folder / ("image" + std::to_string(i) + ".png"));
+    }
+    bool known() const {
+        const bool found = shop.run({"list"}).out.find("squeezenet-nn ") != std::string::npos;
+        if (!found)
+            MESSAGE("skipped: the program was built without squeezenet-nn");
+        return found;
+    }
+    std::vector<std::string> arguments(const std::string& output, std::vector<std::string> more) const {
+        more.insert(more.begin(),
+                    {"--network", "squeezenet-nn", "--output", output, "--rows", "28", "--columns", "50",
+                     "--resize", "--test", "0.3", "--validation", "0", "--threads", "2"});
+        return shop.train_arguments(more);
+    }
+};
+
+std::vector<float> values_of(const fs::path& file, const std::string& name) {
+    auto source = tactnet::safetensors_source::open(file);
+    return source.values<float>(name);
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("pretrained_network: SqueezeNet, trained on from a file to one file that all commands take") {
+        const fine_tuning tuning;
+        const workshop& shop = tuning.shop;
+        if (!tuning.known())
+            return;
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const outcome trained = shop.run(tuning.arguments(
+            "net", {"--pretrained", "pretrained", "--epochs", "2", "--self-test", "1", "--rate", "1e-4"}));
+        REQUIRE_MESSAGE(trained.status == 0, trained.error);
+        {
+            const auto file = tactnet::safetensors_source::open(shop / "net");
+            CHECK(file.metadata().at("network") == "squeezenet-nn");
+            CHECK(file.metadata().at("pretrained_rate") == "0.1");
+            CHECK(file.metadata().count("pretrained") == 1);
+            CHECK(file.at("classifier.1.weight").extents == std::vector<std::size_t>{3, 512, 1, 1});
+        }
+        // It began there, and went on.
+        const auto before = values_of(shop / "pretrained", "features.0.weight"),
+                   after = values_of(shop / "net", "features.0.weight");
+        double apart = 0, size = 0;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            apart += std::abs(static_cast<double>(after[i]) - static_cast<double>(before[i]));
+            size += std::abs(static_cast<double>(before[i]));
+        }
+        CHECK(apart > 0);
+        CHECK(apart < 0.01 * size);
+        CHECK(values_of(shop / "net", "photograph.running_mean")[0] == doctest::Approx(0.485));
+
+        fs::remove(shop / "pretrained");
+        const std::string image = (shop.data() / "left" / "image0.png").string();
+        const outcome found = shop.run({"classify", "--weights", "net", "--resize", image});
+        REQUIRE_MESSAGE(found.status == 0, found.error);
+        const outcome tested = shop.run(
+            {"evaluate", "--weights", "net", "--resize", "--data", shop.data().string(), "--results", "r"});
+        REQUIRE_MESSAGE(tested.status == 0, tested.error);
+        CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
+        const outcome exported = shop.run({"export", "--weights", "net", "--output", "net.hpp"});
+        REQUIRE_MESSAGE(exported.status == 0, exported.error);
+        const std::string header = text_of(shop / "net.hpp");
+        CHECK(header.find("#include <tactnet/transfer/as_photograph_step.hpp>") != std::string::npos);
+        CHECK(header.find("passes_selftest(recogniser_type::scratch& memory)") != std::string::npos);
+    }
+
+    TEST_CASE("pretrained_network: stopped and gone on with, the same bits") {
+        const fine_tuning tuning;
+        const workshop& shop = tuning.shop;
+        if (!tuning.known())
+            return;
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto run = [&](const char* output, std::vector<std::string> more) {
+            more.insert(more.end(),
+                        {"--pretrained", "pretrained", "--epochs", "2", "--checkpoint-every", "1e-9"});
+            return tuning.arguments(output, more);
+        };
+        REQUIRE(shop.run(run("whole", {})).status == 0);
+        const pid_t child = shop.start(run("net", {}));
+        for (int i = 0; i < 60'000 && !fs::exists(shop / "net.checkpoint"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        kill(child, SIGKILL);
+        shop.wait(child);
+        REQUIRE_FALSE(fs::exists(shop / "net"));
+        const outcome again = shop.run(run("net", {"--resume"}));
+        REQUIRE_MESSAGE(again.status == 0, again.error);
+        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
+    }
+
+    TEST_CASE("pretrained_network: what it cannot begin with") {
+        const fine_tuning tuning;
+        const workshop& shop = tuning.shop;
+        if (!tuning.known())
+            return;
+        shop.refuses(
+            tuning.arguments("net", {}),
+            "--pretrained: squeezenet-nn expects a file of SqueezeNet 1.1's weights, found none. It is a "
+            "safetensors file with torchvision's names (features.0.weight, ...)");
+        write_pretrained<squeezenet>(shop / "pretrained", element_type::float32,
+                                     [](std::string& name, std::vector<std::size_t>&) {
+                                         if (name == "features.12.expand3x3.weight")
+                                             name = "";
+                                     });
+        shop.refuses(
+            tuning.arguments("net", {"--pretrained", "pretrained"}),
+            "pretrained: expected a tensor 'features.12.expand3x3.weight' of 256x64x3x3, found none of "
+            "that name");
+        write_pretrained<squeezenet>(shop / "pretrained");
+        shop.refuses(tuning.arguments("net", {"--pretrained", "pretrained", "--start", "other"}),
+                     "--start: expected a network that begins with random weights, found squeezenet-nn");
+    }
+}
