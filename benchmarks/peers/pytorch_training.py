@@ -1,7 +1,12 @@
 #!/usr/bin/env python3
-"""Training speed of TactNet-6 at 28 x 50 in PyTorch, on one core: images per second of whole steps (forward,
-backward, stochastic gradient descent with momentum), the fastest and the median of several rounds, for both memory
-layouts. The same step is timed by benchmark_training_speed. Needs PyTorch (Debian: python3-torch)."""
+"""Training speed in PyTorch, on one core: images per second of whole steps (forward, backward, stochastic gradient
+descent with momentum), the fastest and the median of several rounds, for both memory layouts.
+
+    pytorch_training.py [BATCH [NETWORK]]
+
+NETWORK is TactNet-6 at 28 x 50, whose step benchmark_training_speed times too, or one of torchvision's, such as
+squeezenet1_1 for benchmark_fine_tuning_speed: then for images of 227 x 227, resizing apart. Needs PyTorch (Debian:
+python3-torch, python3-torchvision)."""
 
 import statistics
 import sys
@@ -11,7 +16,8 @@ import torch
 from torch import nn
 
 BATCH = int(sys.argv[1]) if len(sys.argv) > 1 else 704
-ROUNDS = 15
+NETWORK = sys.argv[2] if len(sys.argv) > 2 else "tactnet6"
+ROUNDS = 15 if NETWORK == "tactnet6" else 5
 
 
 def block(inputs, outputs, kernel):
@@ -32,11 +38,17 @@ def network():
 torch.set_num_threads(1)
 torch.set_flush_denormal(True)
 torch.manual_seed(1)
-print(f"PyTorch {torch.__version__}, one thread, batch {BATCH}")
+print(f"PyTorch {torch.__version__}, one thread, {NETWORK}, batch {BATCH}")
 for name, layout in [("contiguous", torch.contiguous_format), ("channels last", torch.channels_last)]:
-    model = network().to(memory_format=layout)
+    if NETWORK == "tactnet6":
+        model, shape = network(), (1, 28, 50)
+    else:
+        import torchvision
+
+        model, shape = getattr(torchvision.models, NETWORK)(num_classes=22), (3, 227, 227)
+    model = model.to(memory_format=layout)
     optimiser = torch.optim.SGD(model.parameters(), lr=1e-3, momentum=0.8, weight_decay=1e-4)
-    images = (torch.rand(BATCH, 1, 28, 50) * 120 - 20).contiguous(memory_format=layout)
+    images = (torch.rand(BATCH, *shape) * 120 - 20).contiguous(memory_format=layout)
     labels = torch.arange(BATCH) % 22
     loss_of = nn.CrossEntropyLoss(label_smoothing=0.1)
     times = []
