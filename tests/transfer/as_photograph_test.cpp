@@ -187,6 +187,13 @@ TEST_CASE("as_photograph: deployed within the derived bound") {
     CHECK(support::errors_of<last>(53, 5).good());
 }
 
+TEST_CASE("as_photograph: memory in whole cache lines, so that the next frame's is aligned") {
+    using step = as_photograph_step<single_precision, extent(28, 50), 1, extent(227, 227)>;
+    using joining = as_photograph_step<single_precision, extent(28, 50), 16, extent(227, 227)>;
+    static_assert(step::scratch == whole_lines(step::scratch) && step::packed == whole_lines(step::packed));
+    static_assert(joining::scratch == whole_lines(joining::scratch) && joining::scratch > step::scratch);
+}
+
 TEST_CASE("as_photograph: its arrays are those of a norm without scale and shift") {
     using net = network<shape{28, 50, 1}, as_photograph<227>, conv2d<2, 3>>;
     const auto arrays = net::describe();

@@ -9,6 +9,7 @@
 #include "evaluation/table.hpp"
 #include "evaluation/trainings.hpp"
 #include "files/places.hpp"
+#include "files/same_file.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
@@ -92,6 +93,10 @@ public:
         check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs,
                      o.data);
         tidy_folders_of(outputs);
+        if (std::ranges::any_of(
+                list_, [](const candidate& c) { return c.what->pretrained() && !c.what->is_network(); }))
+            check_outside_classes(o.data,
+                                  {{"--results", std::filesystem::path(o.results) / "features" / "any"}});
         for (candidate& c : list_) {
             const std::pair size{c.what->rows, c.what->columns};
             if (!data_.contains(size))

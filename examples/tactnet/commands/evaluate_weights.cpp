@@ -114,7 +114,7 @@ int evaluate_weights(const evaluate_options& o) {
     const frame_times times = what.time_frames();
     plot_confusion(stem, o.weights.weights, result.confusion, classes);
     print(table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
-                  "on pixels", "bytes", "µs/frame", "µs in 64"},
+                  "on pixels", "bytes", "µs/frame", "µs in batch"},
                  {what.name, fmt::format("{}x{}", what.rows, what.columns),
                   fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
                   fmt::format("{:.2f}", 100 * result.confusion.accuracy()),

@@ -60,7 +60,8 @@ std::vector<std::uint8_t> selftest_images(std::size_t count, std::size_t rows, s
     return pixels;
 }
 
-/// A support vector machine, all at once: Ctrl-C ends the program, and leaves nothing.
+/// A support vector machine, all at once: Ctrl-C ends the program, and leaves nothing. Behind a network
+/// Ctrl-C is seen afterwards, and leaves the features.
 void run_once(training_run& training, const std::string& data) {
     try {
         training.advance();
@@ -98,7 +99,8 @@ output_files files_for(const method& what, const train_options& o) {
         outputs.push_back({reports, files.reports.string() + ".learning.jsonl"});
         add_pictures(".learning");
     }
-    if (what.pretrained())
+    const bool keeps_features = what.pretrained() && !what.is_network();
+    if (keeps_features)
         outputs.push_back({"--output", files.features});
     check_regular(outputs);
     check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
@@ -106,7 +108,7 @@ output_files files_for(const method& what, const train_options& o) {
                                     {reports, files.reports.string() + ".confusion"}};
     if (what.is_network())
         claimed.push_back({"--checkpoint", files.checkpoint});
-    if (what.pretrained())
+    if (keeps_features)
         claimed.push_back({"--output", files.features});
     files.claim = std::make_unique<output_claim>(claimed);
     if (what.is_network() && o.afresh)
@@ -156,7 +158,7 @@ std::string finish(const train_options& o, const output_files& files, const imag
     std::error_code ignored; // a finished training has nothing to go on with
     if (epochs != nullptr)
         std::filesystem::remove(files.checkpoint, ignored);
-    if (begins_with != nullptr)
+    if (begins_with != nullptr && epochs == nullptr)
         std::filesystem::remove(files.features, ignored);
 
     std::string line = fmt::format("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
@@ -211,8 +213,11 @@ int train(const train_options& o) {
     const stopwatch watch;
     if (epochs == nullptr) {
         run_once(*training, o.data);
-        if (interrupted()) // which is looked at only where features were found before
+        if (interrupted()) { // which is looked at only where features were found before
+            tell("stopped; the same command goes on with what is left, from {}\n",
+                 printable(files.features.string()));
             return interrupted_by_user;
+        }
     } else if (!run_epochs(*epochs, recipe.epochs, checkpoint, settings))
         return interrupted_by_user;
     const double seconds = watch.seconds();

@@ -164,10 +164,11 @@ void row_store::flush() {
 bool row_store::read_row(std::size_t row, std::span<float> to) const {
     std::uint64_t sum = 0;
     const auto size = static_cast<ssize_t>(to.size_bytes());
-    return read_all(descriptor_, std::as_writable_bytes(to), place(row)) == size &&
-           read_all(descriptor_, std::as_writable_bytes(std::span(&sum, 1)), place(row) + size) ==
-               static_cast<ssize_t>(sizeof(sum)) &&
-           sum == checksum(row, to);
+    const ssize_t values = read_all(descriptor_, std::as_writable_bytes(to), place(row));
+    const ssize_t sums = read_all(descriptor_, std::as_writable_bytes(std::span(&sum, 1)), place(row) + size);
+    if (values < 0 || sums < 0)
+        fail("a readable file", errno);
+    return values == size && sums == static_cast<ssize_t>(sizeof(sum)) && sum == checksum(row, to);
 }
 
 void row_store::read(std::size_t row, std::span<float> to) const {

@@ -46,8 +46,8 @@ std::string table_of(const std::vector<evaluation_row>& rows) {
             head.push_back(fmt::format("{}, %", name_of(rule)));
             line.push_back(percent(accuracy));
         }
-        head.insert(head.end(), {"parameters", "multiply-adds", "on pixels", "bytes", "µs/frame", "µs in 64",
-                                 "training, s"});
+        head.insert(head.end(), {"parameters", "multiply-adds", "on pixels", "bytes", "µs/frame",
+                                 "µs in batch", "training, s"});
         line.insert(line.end(),
                     {grouped(s.costs.parameters), grouped(s.costs.multiply_adds),
                      grouped(s.costs.multiply_adds_on_pixels), grouped(s.costs.parameter_bytes),

@@ -37,7 +37,7 @@ struct method_costs {
 /// Microseconds a frame on one thread: the median of repeated runs.
 struct frame_times {
     double alone = 0;    ///< one frame at a time
-    double in_batch = 0; ///< 64 frames at once
+    double in_batch = 0; ///< 64 frames at once, 16 where photographs are made of them
 };
 
 /// What an image was taken for. Not tactnet::recognition, whose probability not every method has.

@@ -19,7 +19,8 @@ void check_pretrained(const method& what, const training_settings& settings) {
     if (file && settings.pretrained.empty())
         throw usage_error(fmt::format(
             "--pretrained: {0} expects a file of {1}'s weights, found none. It is a safetensors file with "
-            "torchvision's names ({2}, ...) in float32, float16 or bfloat16, {3:.1f} MB in float32, trained "
+            "torchvision's names ({2}, ...) in float32, float16 or bfloat16, at least {3:.1f} MB in float32, "
+            "trained "
             "on photographs of {4} x {5} with torchvision's normalisation, or with an array 'input_mean' of "
             "three numbers that are subtracted from counts of 0 to 255. Python makes it where torchvision "
             "and safetensors are: import torchvision; from safetensors.torch import save_file; "

@@ -98,6 +98,11 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--start: expected a network that begins with random weights, found {}, "
                         "which begins with those of --pretrained",
                         what.name));
+    if (what.pretrained() && s.input && *s.input != "scale")
+        throw usage_error(
+            fmt::format("--input: expected scale, as weights learnt from photographs want it, for {}; "
+                        "found {}",
+                        what.name, *s.input));
     tactnet::recipe r = s.recipe == "published" ? published_recipe(what)
                         : what.pretrained()     ? tactnet::recipe::fine_tuning(what.rows, what.columns)
                                                 : tactnet::recipe::default_for(what.rows, what.columns);

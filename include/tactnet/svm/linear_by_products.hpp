@@ -29,7 +29,8 @@ struct linear_product_options {
 /// Trains one machine for each class among the labels, against all others, by the hinge loss and with an
 /// offset that costs nothing: what a kernel machine of the linear kernel, one versus rest, would decide, by a
 /// row of weights for each class in place of support vectors. On all threads; bit-exact on any number of
-/// them. Throws std::invalid_argument as train_linear_machine.
+/// them. Throws std::invalid_argument as train_linear_machine, and for products that single
+/// precision does not hold.
 template <std::size_t Features>
 [[nodiscard]] linear_training_result<Features>
 train_linear_machine_by_products(feature_rows<Features> rows, std::span<const std::size_t> labels,
@@ -38,8 +39,8 @@ train_linear_machine_by_products(feature_rows<Features> rows, std::span<const st
     const class_members classes(labels);
     classes.require_two();
     const training_rows training(rows, options.standardise);
-    const measured_samples<linear_kernel> measured(training.rows(), options.solver.cache_bytes, threads);
-    const kernel_samples<linear_kernel> samples(measured, linear_kernel{}, measured.gram, threads);
+    measured_samples<linear_kernel> measured(training.rows(), options.solver.cache_bytes, threads);
+    const kernel_samples<linear_kernel> samples(measured, linear_kernel{}, std::move(measured.gram), threads);
     const std::vector<binary_problem> problems = binary_problems(
         classes, class_costs(classes, options.cost, options.class_weights), multiclass::one_versus_rest);
 

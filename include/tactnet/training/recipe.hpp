@@ -34,7 +34,8 @@ struct recipe {
     std::size_t batch = 32; ///< samples a step; 0 is as many as there are training images
     double rate = 1e-2;     ///< highest learning rate
     /// Share of the rate for arrays that begin with weights of another network
-    /// (training_loop::start_from_trunk); 0 leaves them as they are.
+    /// (training_loop::start_from_trunk); 0 leaves weights as they are, while batch norms go on following the
+    /// images.
     double pretrained_rate = 1;
     tactnet::optimiser optimiser = adamw{};
     tactnet::schedule schedule = one_cycle{};

@@ -28,7 +28,7 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
     static constexpr std::size_t folded = 6, packed = whole_lines(folded);
     static constexpr bool joins_pixels = InputStride != 1; ///< which lie apart
     static constexpr std::size_t scratch =
-        kernels::padded_size<float>(resized.area()) + (joins_pixels ? grey.area() : 0);
+        whole_lines(resized.area()) + (joins_pixels ? whole_lines(grey.area()) : 0);
 
     static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded, to); }
     /// A bicubic kernel overshoots.
@@ -43,7 +43,7 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
     }
     static void run(const float* numbers, const float* in, float* out, float* memory) noexcept {
         if constexpr (joins_pixels) {
-            float* const joined = memory + kernels::padded_size<float>(resized.area());
+            float* const joined = memory + whole_lines(resized.area());
             for (std::size_t pixel = 0; pixel < grey.area(); ++pixel)
                 joined[pixel] = in[pixel * InputStride];
             in = joined;

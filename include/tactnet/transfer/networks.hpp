@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/networks/imagenet/alexnet.hpp>
-#include <tactnet/networks/published_training.hpp>
 #include <tactnet/networks/imagenet/resnet.hpp>
 #include <tactnet/networks/imagenet/squeezenet.hpp>
 #include <tactnet/networks/imagenet/vgg16.hpp>
+#include <tactnet/networks/published_training.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 
 #include <cstddef>

@@ -215,7 +215,7 @@ TEST_SUITE("program") {
             shop.train_arguments(without),
             "--pretrained: squeezenet-svm expects a file of SqueezeNet 1.1's weights, found none. It "
             "is a safetensors file with torchvision's names (features.0.weight, ...) in float32, "
-            "float16 or bfloat16, 2.9 MB in float32, trained on photographs of 227 x 227");
+            "float16 or bfloat16, at least 2.9 MB in float32, trained on photographs of 227 x 227");
         shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "squeezenet-pooled-rbf",
                       "--rows", "7", "--columns", "13"},
                      "save_file(torchvision.models.squeezenet1_1(weights=\"IMAGENET1K_V1\").state_dict(), "

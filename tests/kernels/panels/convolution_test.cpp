@@ -67,7 +67,8 @@ TEST_CASE("convolve_panels: kernels, steps and paddings") {
     support::compare_large(step({35, 37, 3}, 11, several_lanes + 3, 3, 4, pad(2)), 0, 2);
     support::compare_large(step({23, 21, 3}, 3, several_lanes, 3, 2, valid), 0, 3);
     support::compare_large(step({7, 6, 70}, 3, 3 * several_lanes, 80, 2, pad(1)), 0, 4);
-    support::compare_large(step({3, 300, 9}, 3, several_lanes, 9), 0, 5); // bands of a row
+    // Bands of a row; as many filters make tiles worth it where vectors hold one number.
+    support::compare_large(step({3, 300, 9}, 3, several_lanes, 9), several_lanes > 2 ? 0 : 4, 5);
     support::compare_large(step({9, 8, 130}, extent(5, 2), several_lanes, 130), 0, 6);
     support::compare_large(step({2, 2, 33}, 5, several_lanes, 33), 0, 7);
     support::compare_large(step({6, 5, 30}, extent(6, 5), 2 * several_lanes, 32, 1, valid), 0, 8);

@@ -47,6 +47,7 @@ public:
                            costs_of<OneClass>()) {}
 
     std::unique_ptr<tactnet::trainable> make() const override { return std::make_unique<trainable>(); }
+    std::vector<tactnet::parameter> describe() const override { return Network::describe(); }
     std::unique_ptr<any_deployed> deploy(const any_model& model) const override {
         return std::make_unique<deployed_network<Network>>(tactnet::deploy(
             network_of(model), std::span(model.mean).template first<input.size()>(), model.scale));

@@ -45,6 +45,8 @@ public:
     const method_costs costs, costs_of_one;
 
     virtual std::unique_ptr<tactnet::trainable> make() const = 0;
+    /// Its arrays, without one of them being made.
+    virtual std::vector<tactnet::parameter> describe() const = 0;
     /// Throws std::invalid_argument for parameters that cannot be deployed.
     virtual std::unique_ptr<any_deployed> deploy(const any_model& model) const = 0;
     /// Of the layers that flatten their input, for weight files: see tactnet::stored_arrays.

@@ -37,8 +37,8 @@ std::vector<float> logits_of(const any_model& model, std::span<const std::uint8_
     return result;
 }
 
-tactnet::stored_arrays stored_arrays_of(const compiled_network& code, const tactnet::trainable& network) {
-    return tactnet::detail::make_stored_arrays(network.describe(), code.outputs, code.dense_inputs());
+tactnet::stored_arrays stored_arrays_of(const compiled_network& code) {
+    return tactnet::detail::make_stored_arrays(code.describe(), code.outputs, code.dense_inputs());
 }
 
 /// The values of each array, in order.
@@ -55,8 +55,7 @@ any_model load_model(const compiled_network& code, const tactnet::safetensors& f
                      std::optional<double> epsilon) {
     any_model model{code.make(), {}, 1, {}};
     const tactnet::shape input = model.network->input_shape();
-    tactnet::stored_model stored =
-        tactnet::read_model(file, input, stored_arrays_of(code, *model.network), epsilon);
+    tactnet::stored_model stored = tactnet::read_model(file, input, stored_arrays_of(code), epsilon);
     model.network->epsilon() = stored.epsilon;
     const auto arrays = arrays_of(*model.network);
     for (std::size_t i = 0; i < arrays.size(); ++i) {
@@ -127,7 +126,7 @@ public:
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
         tactnet::model_parts parts{.input = model_.network->input_shape(),
-                                   .arrays = stored_arrays_of(code_, *model_.network),
+                                   .arrays = stored_arrays_of(code_),
                                    .values = {},
                                    .epsilon = model_.network->epsilon(),
                                    .mean = model_.mean,
@@ -198,7 +197,7 @@ public:
         const std::size_t of_photograph = 2; // arrays in front, which are no weights
         return pretrained_file{std::string(found->network),
                                std::string(found->torchvision),
-                               code_->make()->describe().at(of_photograph).name,
+                               code_->describe().at(of_photograph).name,
                                found->rows,
                                found->columns,
                                code_->costs.parameter_bytes};
@@ -207,7 +206,7 @@ public:
         auto file = tactnet::safetensors_source::open(path);
         const auto form = tactnet::stored_photograph_form(file);
         return std::make_shared<begun_weights>(
-            tactnet::pretrained_trunk(file, stored_arrays_of(*code_, *code_->make()), form));
+            tactnet::pretrained_trunk(file, stored_arrays_of(*code_), form));
     }
     tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
         return describe_recipe(recipe);

@@ -61,7 +61,7 @@ public:
         tactnet::file_metadata all = form_.describe();
         all["features"] = fmt::format("{} of {}", trunk_->names.features, trunk_->names.network);
         all["photograph"] = fmt::format("{}x{}", trunk_->photograph.rows, trunk_->photograph.columns);
-        all["input"] = "scale",
+        all["input"] = "scale";
         all["input_scale"] = "1"; // what becomes of the counts is part of the features
         return all;
     }

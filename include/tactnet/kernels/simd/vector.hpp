@@ -27,6 +27,13 @@ namespace kernels {
     return a * b + c;
 #endif
 }
+[[nodiscard]] inline double fused_multiply_add(double a, double b, double c) {
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+    return __builtin_fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
 
 #ifndef TACTNET_NO_SIMD
 
@@ -166,11 +173,12 @@ inline void store(T* to, const vector<T>& values) {
 }
 template <class T>
 [[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
-    return a * b + c;
+    return fused_multiply_add(a.value, b.value, c.value);
 }
-template <class Vector>
-[[nodiscard]] inline Vector fused_multiply_add(const Vector& a, const Vector& b, const Vector& c) {
-    return a * b + c;
+template <class T>
+[[nodiscard]] inline vector<T> fused_multiply_add(const vector<T>& a, const vector<T>& b,
+                                                  const vector<T>& c) {
+    return multiply_add(a, b, c);
 }
 template <class T>
 [[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
