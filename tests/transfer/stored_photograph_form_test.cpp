@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <support/files/temporary_folder.hpp>
 
@@ -16,6 +17,7 @@ TEST_CASE("stored_photograph_form: torchvision's, or the means that the file has
     safetensors_writer writer;
     writer.add("other.input_mean", {3}, std::span<const float>(std::array{123.5F, 117.0F, 104.0F}));
     writer.add("wrong.input_mean", {1, 3}, std::span<const float>(std::array{1.0F, 2.0F, 3.0F}));
+    writer.add("broken.input_mean", {3}, std::span<const float>(std::array{1.0F, 2.0F, NAN}));
     writer.write(folder / "file");
     const safetensors whole = safetensors::read(folder / "file");
     safetensors_source source = safetensors_source::open(folder / "file");
@@ -27,5 +29,6 @@ TEST_CASE("stored_photograph_form: torchvision's, or the means that the file has
         CHECK(form.normalise.scale == std::array{1.0F, 1.0F, 1.0F});
         CHECK(form.pixel == resized_pixel::count);
     }
-    CHECK_THROWS_AS(static_cast<void>(stored_photograph_form(source, "wrong.")), file_error);
+    for (const char* prefix : {"wrong.", "broken."})
+        CHECK_THROWS_AS(static_cast<void>(stored_photograph_form(source, prefix)), file_error);
 }

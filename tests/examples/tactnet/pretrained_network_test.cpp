@@ -3,6 +3,7 @@
 #include "pretrained_weights.hpp"
 #include "workshop.hpp"
 
+#include <tactnet/io/file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/networks.hpp>
 
@@ -13,6 +14,7 @@
 #include <csignal>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -59,6 +61,7 @@ TEST_SUITE("program") {
         if (!tuning.known())
             return;
         write_pretrained<squeezenet>(shop / "pretrained");
+        tactnet::write_file(shop / "net.features", std::string_view("somebody's"));
         const outcome trained = shop.run(tuning.arguments(
             "net", {"--pretrained", "pretrained", "--epochs", "2", "--self-test", "1", "--rate", "1e-4"}));
         REQUIRE_MESSAGE(trained.status == 0, trained.error);
@@ -80,6 +83,30 @@ TEST_SUITE("program") {
         CHECK(apart > 0);
         CHECK(apart < 0.01 * size);
         CHECK(values_of(shop / "net", "photograph.running_mean")[0] == doctest::Approx(0.485));
+
+        CHECK(text_of(shop / "net.features") == "somebody's"); // not what this method keeps
+        const outcome many = shop.run({"evaluate",
+                                       "--data",
+                                       shop.data().string(),
+                                       "--method",
+                                       "squeezenet-nn",
+                                       "--pretrained",
+                                       "pretrained",
+                                       "--rows",
+                                       "28",
+                                       "--columns",
+                                       "50",
+                                       "--resize",
+                                       "--epochs",
+                                       "1",
+                                       "--test",
+                                       "0.3",
+                                       "--validation",
+                                       "0",
+                                       "--splits",
+                                       "1"});
+        REQUIRE_MESSAGE(many.status == 0, many.error);
+        CHECK_FALSE(fs::exists(shop / "results/features"));
 
         fs::remove(shop / "pretrained");
         const std::string image = (shop.data() / "left" / "image0.png").string();
@@ -140,5 +167,9 @@ TEST_SUITE("program") {
         write_pretrained<squeezenet>(shop / "pretrained");
         shop.refuses(tuning.arguments("net", {"--pretrained", "pretrained", "--start", "other"}),
                      "--start: expected a network that begins with random weights, found squeezenet-nn");
+        shop.refuses(
+            tuning.arguments("net", {"--pretrained", "pretrained", "--input", "mean"}),
+            "--input: expected scale, as weights learnt from photographs want it, for squeezenet-nn; "
+            "found mean");
     }
 }
