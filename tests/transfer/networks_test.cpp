@@ -32,14 +32,14 @@ void check() {
 
 } // namespace
 
-TEST_CASE("transfer networks: the networks of photographs, for images of one channel") {
+TEST_CASE("networks: the networks of photographs, for images of one channel") {
     check<squeezenet_nn<touch, 22>, squeezenet1_1<shape{227, 227, 3}, 22>>();
     check<alexnet_nn<touch, 22>, alexnet<shape{224, 224, 3}, 22>>();
     check<resnet50_nn<touch, 22>, resnet50<shape{224, 224, 3}, 22>>();
     check<vgg16_nn<touch, 22>, vgg16<shape{224, 224, 3}, 22>>();
 }
 
-TEST_CASE("transfer networks: trained as in the authors' programs") {
+TEST_CASE("networks: trained as in the authors' programs") {
     const auto is = [](const published_training& found, double others, std::size_t batch,
                        std::size_t epochs) {
         REQUIRE(found.transfer.has_value());

@@ -2,6 +2,7 @@
 
 #include "data/regular_file.hpp"
 
+#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
 
 #include <fmt/format.h>
@@ -20,6 +21,8 @@ std::string file_fingerprint(const std::filesystem::path& path) {
     check_no_device(path);
     // In pieces: weights may be hundreds of megabytes.
     std::ifstream file(path, std::ios::binary);
+    if (!file)
+        static_cast<void>(tactnet::read_file(path)); // which says why
     std::vector<char> piece(std::size_t{1} << 20U);
     fingerprint print;
     while (file) {

@@ -60,8 +60,11 @@ void write_pretrained(const std::filesystem::path& file, tactnet::element_type t
                            take(std::span(bytes).first(std::min(bytes.size(), size - given)));
                    });
     }
+    // What stands behind a part of a network; behind whole ones there is nothing.
+    const std::string last = Network::describe().back().name;
     const std::vector<float> one{1};
-    writer.add("classifier.6.bias", {1}, std::span<const float>(one));
+    if (last != "fc.bias" && last != "classifier.1.bias")
+        writer.add("classifier.6.bias", {1}, std::span<const float>(one));
     writer.write(file);
 }
 template <class Network>
