@@ -103,9 +103,10 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--input: expected scale, as weights learnt from photographs want it, for {}; "
                         "found {}",
                         what.name, *s.input));
-    tactnet::recipe r = s.recipe == "published" ? published_recipe(what)
-                        : what.pretrained()     ? tactnet::recipe::fine_tuning(what.rows, what.columns)
-                                                : tactnet::recipe::default_for(what.rows, what.columns);
+    // Of networks that begin with pretrained weights the authors' recipe is the best that was measured.
+    tactnet::recipe r = s.recipe == "published" || (what.is_network() && what.pretrained())
+                            ? published_recipe(what)
+                            : tactnet::recipe::default_for(what.rows, what.columns);
     if (s.epochs)
         r.epochs = *s.epochs;
     if (s.batch)
