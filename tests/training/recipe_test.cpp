@@ -25,12 +25,6 @@ TEST_CASE("recipe::published: as in the authors' programs for pretrained network
     CHECK(r.input == input_rule::scale);
     CHECK(r.augmentation == augmentation_rule::none);
 }
-TEST_CASE("recipe::fine_tuning: inputs as pretrained weights want them") {
-    const recipe r = recipe::fine_tuning(28, 50);
-    CHECK(r.input == input_rule::scale);
-    CHECK(r.pretrained_rate < 1);
-    CHECK(r.ranges.translation == recipe::default_for(28, 50).ranges.translation);
-}
 
 TEST_CASE("recipe::published: as in the paper") {
     const recipe r = recipe::published(28, 50, tactnet6_training);

@@ -93,8 +93,7 @@ public:
         check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs,
                      o.data);
         tidy_folders_of(outputs);
-        if (std::ranges::any_of(
-                list_, [](const candidate& c) { return c.what->pretrained() && !c.what->is_network(); }))
+        if (std::ranges::any_of(list_, [](const candidate& c) { return c.what->keeps_features(); }))
             check_outside_classes(o.data,
                                   {{"--results", std::filesystem::path(o.results) / "features" / "any"}});
         for (candidate& c : list_) {

@@ -99,8 +99,7 @@ output_files files_for(const method& what, const train_options& o) {
         outputs.push_back({reports, files.reports.string() + ".learning.jsonl"});
         add_pictures(".learning");
     }
-    const bool keeps_features = what.pretrained() && !what.is_network();
-    if (keeps_features)
+    if (what.keeps_features())
         outputs.push_back({"--output", files.features});
     check_regular(outputs);
     check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
@@ -108,7 +107,7 @@ output_files files_for(const method& what, const train_options& o) {
                                     {reports, files.reports.string() + ".confusion"}};
     if (what.is_network())
         claimed.push_back({"--checkpoint", files.checkpoint});
-    if (keeps_features)
+    if (what.keeps_features())
         claimed.push_back({"--output", files.features});
     files.claim = std::make_unique<output_claim>(claimed);
     if (what.is_network() && o.afresh)
@@ -138,8 +137,8 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
 
 /// Tests what a training has left, and writes it. Gives a line about it.
 std::string finish(const train_options& o, const output_files& files, const image_data& data,
-                   const training_run& training, const pretrained_weights* begins_with,
-                   tactnet::file_metadata metadata, double seconds, tactnet::thread_pool& threads) {
+                   const training_run& training, const method& what, tactnet::file_metadata metadata,
+                   double seconds, tactnet::thread_pool& threads) {
     const std::vector<std::string>& classes = data.images.classes;
     const auto* const epochs = dynamic_cast<const network_training*>(&training);
     const auto best = training.best(classes);
@@ -158,7 +157,7 @@ std::string finish(const train_options& o, const output_files& files, const imag
     std::error_code ignored; // a finished training has nothing to go on with
     if (epochs != nullptr)
         std::filesystem::remove(files.checkpoint, ignored);
-    if (begins_with != nullptr && epochs == nullptr)
+    if (what.keeps_features())
         std::filesystem::remove(files.features, ignored);
 
     std::string line = fmt::format("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
@@ -194,12 +193,14 @@ int train(const train_options& o) {
 
     const auto from = load_start(what, o.training, classes);
 
-    const auto begins_with = open_pretrained(what, o.training);
+    auto begins_with = open_pretrained(what, o.training);
 
     tactnet::thread_pool threads(o.threads);
     if (begins_with && !prepare(*begins_with, data, files, threads))
         return interrupted_by_user;
     const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads, begins_with);
+    if (what.is_network()) // which has a copy of them
+        begins_with.reset();
     start(*training, from.get());
     auto* const epochs = dynamic_cast<network_training*>(training.get());
     const std::string size =
@@ -224,7 +225,7 @@ int train(const train_options& o) {
 
     std::string line;
     try {
-        line = finish(o, files, data, *training, begins_with.get(), settings, seconds, threads);
+        line = finish(o, files, data, *training, what, settings, seconds, threads);
     } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
         if (epochs != nullptr)
             keep_unwritten(*epochs, checkpoint, settings);

@@ -34,6 +34,13 @@ struct method_costs {
     std::size_t activation_bytes = 0;
 };
 
+/// With all outputs of a network.
+template <class Network>
+constexpr method_costs costs_of() {
+    return {Network::parameters, Network::multiply_adds, Network::multiply_adds_on_pixels,
+            Network::parameter_bytes, Network::activation_bytes};
+}
+
 /// Microseconds a frame on one thread: the median of repeated runs.
 struct frame_times {
     double alone = 0;    ///< one frame at a time
@@ -129,6 +136,8 @@ public:
     virtual frame_times time_frames() const = 0;
     /// The network that others have trained on photographs and that it begins with, if it does.
     virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }
+    /// Whether what that makes of images is found once, and kept: where it is not trained on.
+    bool keeps_features() const { return pretrained().has_value() && !is_network(); }
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const {
         throw std::logic_error(name + " begins with no pretrained network");

@@ -3,6 +3,8 @@
 // Networks that others have trained on photographs, which methods begin with: what a user gives by
 // --pretrained, and what stays the same from training to training.
 
+#include "methods/photograph_networks.hpp"
+
 #include <tactnet/runtime/thread_pool.hpp>
 
 #include <cstddef>
@@ -16,11 +18,9 @@ class method;
 
 /// The file that a method needs, for sentences.
 struct pretrained_file {
-    std::string network;       ///< "SqueezeNet 1.1"
-    std::string torchvision;   ///< what makes it there: "squeezenet1_1"
-    std::string array;         ///< one that must be in it: "features.0.weight"
-    std::size_t rows, columns; ///< of the photographs
-    std::size_t bytes;         ///< that its arrays take in single precision
+    photograph_network network;
+    std::string array; ///< one that must be in it: "features.0.weight"
+    std::size_t bytes; ///< that its arrays take in single precision
 };
 
 /// Where what was found of images is kept.

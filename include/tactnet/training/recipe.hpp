@@ -69,18 +69,6 @@ struct recipe {
         return r;
     }
 
-    /// For a network that begins with weights learnt from photographs: few epochs, inputs of 0 … 1 as these
-    /// weights want them, small steps for what is learnt already.
-    [[nodiscard]] static recipe fine_tuning(std::size_t rows, std::size_t columns) {
-        recipe r = default_for(rows, columns);
-        r.epochs = 15;
-        r.rate = 2e-3;
-        r.pretrained_rate = 0.1;
-        r.input = input_rule::scale;
-        r.averaging = 0.95;
-        return r;
-    }
-
     /// The paper's recipe (section IV-B), with what each network has of its own: for example
     /// tactnet4_training.
     [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns,
@@ -107,7 +95,7 @@ struct recipe {
 private:
     using schedule_type = tactnet::schedule;
 
-    /// Of a network that begins with pretrained weights: section IV-A.
+    /// Of a network that begins with pretrained weights: as in the authors' programs.
     [[nodiscard]] static recipe published(recipe r, const published_training& own,
                                           const published_transfer& transfer) {
         r.epochs = transfer.epochs;

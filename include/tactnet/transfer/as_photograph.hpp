@@ -29,7 +29,7 @@ template <std::size_t Channels, std::size_t Rows, std::size_t Columns>
 /// its channel three times (the paper's equations 1 to 4), each less a mean and divided by a deviation. Mean
 /// and variance of red, green and blue are running statistics that stay as they are, in weight files
 /// "photograph.running_mean" and "photograph.running_var": whoever gives the weights of the network behind it
-/// sets them (see load_trunk). Until then the mean is 0 and the variance 1; no epsilon is added.
+/// sets them (see pretrained_trunk). Until then the mean is 0 and the variance 1; no epsilon is added.
 template <extent Size>
 struct as_photograph {
     static constexpr std::string_view name = "photograph";

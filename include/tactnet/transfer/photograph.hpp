@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 // A pressure image as the photograph that a network trained on ImageNet expects: resized bicubically, its
 // channel three times (the paper's equations 1 to 4), normalised as the weights want it.
@@ -37,6 +38,22 @@ inline constexpr photograph_form torchvision_photograph{
     return {{.mean = {red, green, blue}, .scale = {1, 1, 1}}, resized_pixel::count};
 }
 
+namespace detail {
+
+/// From the first channel of a photograph to all three, normalised.
+inline void spread_first_channel(std::span<float> photograph, const channel_normalisation& normalise) {
+    const std::size_t area = photograph.size() / 3;
+    // The first comes last, since all are made from it.
+    for (std::size_t channel = 3; channel-- > 0;) {
+        const float mean = normalise.mean[channel], scale = normalise.scale[channel];
+        const auto plane = photograph.subspan(channel * area, area);
+        for (std::size_t e = 0; e < area; ++e)
+            plane[e] = (photograph[e] - mean) * scale;
+    }
+}
+
+} // namespace detail
+
 /// `to` is [channel][row][column]. No heap and little stack: its own first channel is used on the way.
 template <shape Grey, shape Photograph>
 void to_photograph(tensor_view<const std::uint8_t, Grey> image, const photograph_form& form,
@@ -48,13 +65,7 @@ void to_photograph(tensor_view<const std::uint8_t, Grey> image, const photograph
     if (form.pixel == resized_pixel::count)
         for (std::size_t e = 0; e < resized.size(); ++e)
             to.data()[e] = static_cast<float>(to_count(to.data()[e]));
-    // The first comes last, since all are made from it.
-    for (std::size_t channel = 3; channel-- > 0;) {
-        const float mean = form.normalise.mean[channel], scale = form.normalise.scale[channel];
-        float* const plane = to.data() + channel * resized.size();
-        for (std::size_t e = 0; e < resized.size(); ++e)
-            plane[e] = (to.data()[e] - mean) * scale;
-    }
+    detail::spread_first_channel(to.elements(), form.normalise);
 }
 
 } // namespace TACTNET_ARCH

@@ -38,13 +38,7 @@ inline void to_photograph(std::span<const std::uint8_t> image, extent grey, cons
                                             photograph.rows, photograph.columns);
         std::copy(resized.begin(), resized.end(), first.begin());
     }
-    // The first comes last, since all are made from it.
-    for (std::size_t channel = 3; channel-- > 0;) {
-        const float mean = form.normalise.mean[channel], scale = form.normalise.scale[channel];
-        const auto plane = to.subspan(channel * area, area);
-        for (std::size_t e = 0; e < area; ++e)
-            plane[e] = (first[e] - mean) * scale;
-    }
+    detail::spread_first_channel(to, form.normalise);
 }
 
 } // namespace TACTNET_ARCH

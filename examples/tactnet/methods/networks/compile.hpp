@@ -29,12 +29,6 @@ private:
     tactnet::deployed<Network> own_;
 };
 
-template <class Network>
-constexpr method_costs costs_of() {
-    return {Network::parameters, Network::multiply_adds, Network::multiply_adds_on_pixels,
-            Network::parameter_bytes, Network::activation_bytes};
-}
-
 /// `OneClass` is the same network for a single class, of which nothing but the costs is asked.
 template <class Network, class OneClass>
 class network_code final : public compiled_network {

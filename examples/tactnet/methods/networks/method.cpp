@@ -10,7 +10,6 @@
 #include <tactnet/transfer/stored_photograph_form.hpp>
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <utility>
@@ -70,18 +69,6 @@ any_model load_model(const compiled_network& code, const tactnet::safetensors& f
                             [&](std::span<const std::uint8_t> images) { return logits_of(model, images); });
     return model;
 }
-
-/// What is published of a network that begins with weights learnt from photographs.
-struct photograph_network {
-    std::string_view method, network, torchvision;
-    std::size_t rows, columns;
-};
-constexpr std::array<photograph_network, 4> photograph_networks{{
-    {"squeezenet-nn", "SqueezeNet 1.1", "squeezenet1_1", 227, 227},
-    {"alexnet-nn", "AlexNet", "alexnet", 224, 224},
-    {"resnet50-nn", "ResNet-50", "resnet50", 224, 224},
-    {"vgg16-nn", "VGG16", "vgg16", 224, 224},
-}};
 
 /// Weights that a network's training begins with: of each array, or none.
 class begun_weights final : public pretrained_weights {
@@ -191,15 +178,14 @@ public:
 
     bool is_network() const override { return true; }
     std::optional<pretrained_file> pretrained() const override {
-        const auto* const found = std::ranges::find(photograph_networks, name, &photograph_network::method);
-        if (found == photograph_networks.end())
+        const auto* const found =
+            std::ranges::find_if(photograph_networks::all, [&](const photograph_network& n) {
+                return name == std::string(n.name) + "-nn";
+            });
+        if (found == photograph_networks::all.end())
             return std::nullopt;
         const std::size_t of_photograph = 2; // arrays in front, which are no weights
-        return pretrained_file{std::string(found->network),
-                               std::string(found->torchvision),
-                               code_->describe().at(of_photograph).name,
-                               found->rows,
-                               found->columns,
+        return pretrained_file{*found, code_->describe().at(of_photograph).name,
                                code_->costs.parameter_bytes};
     }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {

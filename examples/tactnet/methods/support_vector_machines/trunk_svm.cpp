@@ -59,7 +59,7 @@ public:
     std::size_t parameters() const override { return trunk_->costs.parameters; }
     tactnet::file_metadata form() const override {
         tactnet::file_metadata all = form_.describe();
-        all["features"] = fmt::format("{} of {}", trunk_->names.features, trunk_->names.network);
+        all["features"] = fmt::format("{} of {}", trunk_->names.features, trunk_->names.network.title);
         all["photograph"] = fmt::format("{}x{}", trunk_->photograph.rows, trunk_->photograph.columns);
         all["input"] = "scale";
         all["input_scale"] = "1"; // what becomes of the counts is part of the features
@@ -76,10 +76,10 @@ public:
     void save(tactnet::safetensors_writer& writer) const override { own_->add_to(writer); }
     void load(const weight_file& file) override {
         if (!file.trunk)
-            throw tactnet::file_error(
-                file.arrays.file(), "",
-                fmt::format("arrays of {}, whose names begin with '{}'", trunk_->names.network, trunk_prefix),
-                "none");
+            throw tactnet::file_error(file.arrays.file(), "",
+                                      fmt::format("arrays of {}, whose names begin with '{}'",
+                                                  trunk_->names.network.title, trunk_prefix),
+                                      "none");
         own_ = std::make_shared<trunk_features>(trunk_, form_, image_, file.trunk, std::string(trunk_prefix));
     }
 
@@ -142,9 +142,8 @@ public:
           trunk_(std::move(trunk)) {}
 
     std::optional<pretrained_file> pretrained() const override {
-        return pretrained_file{std::string(trunk_->names.network), std::string(trunk_->names.torchvision),
-                               trunk_->arrays().list.front().name, trunk_->photograph.rows,
-                               trunk_->photograph.columns,         trunk_->costs.parameter_bytes};
+        return pretrained_file{trunk_->names.network, trunk_->arrays().list.front().name,
+                               trunk_->costs.parameter_bytes};
     }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
         return std::make_shared<trunk_features>(
@@ -205,7 +204,7 @@ make_trunk_svm_methods(std::size_t rows, std::size_t columns,
     std::vector<std::unique_ptr<method>> list;
     for (const trunk_recipe& recipe : trunk_recipes())
         for (const auto& trunk : trunks)
-            if (trunk->names.trunk == recipe.trunk)
+            if (trunk->names.network.name == recipe.trunk)
                 list.push_back(std::make_unique<trunk_svm_method>(recipe, rows, columns, trunk));
     return list;
 }

@@ -35,9 +35,8 @@ template <class Network>
 class trunk_code final : public compiled_trunk {
 public:
     explicit trunk_code(trunk_names about)
-        : compiled_trunk(std::move(about), Network::input_shape, Network::output_shape,
-                         {Network::parameters, Network::multiply_adds, Network::multiply_adds_on_pixels,
-                          Network::parameter_bytes, Network::activation_bytes}) {}
+        : compiled_trunk(std::move(about), Network::input_shape, Network::output_shape, costs_of<Network>()) {
+    }
 
     tactnet::stored_arrays arrays() const override { return tactnet::stored_arrays_of<Network>(); }
     std::unique_ptr<any_trunk> load(tactnet::safetensors_source& file,
@@ -47,7 +46,7 @@ public:
         try {
             return std::make_unique<deployed_trunk<Network>>(*network);
         } catch (const std::invalid_argument& error) { // numbers beyond all use
-            throw tactnet::file_error(file.file(), "", "weights of " + std::string(names.network),
+            throw tactnet::file_error(file.file(), "", "weights of " + std::string(names.network.title),
                                       error.what());
         }
     }

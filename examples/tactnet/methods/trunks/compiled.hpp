@@ -5,6 +5,7 @@
 // once. The program knows trunks by this; see compile.hpp for the template behind it.
 
 #include "methods/method.hpp"
+#include "methods/photograph_networks.hpp"
 
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/stored_arrays.hpp>
@@ -30,10 +31,8 @@ public:
 
 /// What a trunk is called, here and elsewhere.
 struct trunk_names {
-    std::string_view trunk;       ///< in the names of methods: "squeezenet"
-    std::string_view network;     ///< in sentences: "SqueezeNet 1.1"
-    std::string_view features;    ///< the layer it ends in, as the paper's authors have it: "fire9-concat"
-    std::string_view torchvision; ///< what makes the network there: "squeezenet1_1"
+    photograph_network network;
+    std::string_view features; ///< the layer it ends in, as the paper's authors have it: "fire9-concat"
     /// How the names of arrays behind the trunk begin, which a file may hold or not.
     std::vector<std::string> behind;
 };

@@ -62,7 +62,7 @@ void feature_finder::find(const any_trunk& network, std::span<const std::uint8_t
                              std::span(maps).first(some.size() * values)))
                 throw std::runtime_error(fmt::format("expected finite features of {}, found some that are "
                                                      "not: its weights are broken",
-                                                     trunk->names.network));
+                                                     trunk->names.network.title));
             for (std::size_t i = 0; i < some.size(); ++i) {
                 const auto map = std::span<const float>(maps).subspan(i * values, values);
                 const auto row = to.subspan((first + i) * size(), size());
@@ -116,7 +116,7 @@ std::vector<float> trunk_features::rows(std::span<const std::uint8_t> images,
 
 tactnet::file_metadata trunk_features::describe(const image_data& data) const {
     tactnet::file_metadata all = finder_.form.describe();
-    all["trunk"] = finder_.trunk->names.trunk;
+    all["trunk"] = finder_.trunk->names.network.name;
     all["features"] = finder_.trunk->names.features;
     all["photograph"] =
         fmt::format("{}x{}", finder_.trunk->photograph.rows, finder_.trunk->photograph.columns);
@@ -138,7 +138,7 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
             print.add(key);
             print.add(value);
         }
-        path /= fmt::format("{}_{}x{}_{}.features", finder_.trunk->names.trunk, finder_.image.rows,
+        path /= fmt::format("{}_{}x{}_{}.features", finder_.trunk->names.network.name, finder_.image.rows,
                             finder_.image.columns, print.text());
     }
     make_folder_of(path);
@@ -180,8 +180,8 @@ bool trunk_features::find_missing(const image_data& data, tactnet::thread_pool& 
         done += some.size();
         const std::size_t left = missing.size() - done;
         line.show(fmt::format(
-                      "{} features of {} of {} images, {} left", finder_.trunk->names.network, all - left,
-                      all,
+                      "{} features of {} of {} images, {} left", finder_.trunk->names.network.title,
+                      all - left, all,
                       duration_text(watch.seconds() / static_cast<double>(done) * static_cast<double>(left))),
                   left == 0);
     }

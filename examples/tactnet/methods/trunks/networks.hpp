@@ -10,28 +10,26 @@
 
 namespace trunks {
 
+namespace known = photograph_networks;
+
 struct squeezenet {
-    using network = tactnet::squeezenet1_1_trunk<tactnet::shape{227, 227, 3}>;
-    static trunk_names names() {
-        return {"squeezenet", "SqueezeNet 1.1", "fire9-concat", "squeezenet1_1", {"classifier."}};
-    }
+    using network = tactnet::squeezenet1_1_trunk<known::squeezenet.photograph>;
+    static trunk_names names() { return {known::squeezenet, "fire9-concat", {"classifier."}}; }
 };
 
 struct alexnet {
-    using network = tactnet::alexnet_fc7<tactnet::shape{224, 224, 3}>;
-    static trunk_names names() { return {"alexnet", "AlexNet", "fc7", "alexnet", {"classifier.6."}}; }
+    using network = tactnet::alexnet_fc7<known::alexnet.photograph>;
+    static trunk_names names() { return {known::alexnet, "fc7", {"classifier.6."}}; }
 };
 
 struct resnet50 {
-    using network = tactnet::resnet50<tactnet::shape{224, 224, 3}>;
-    static trunk_names names() { return {"resnet50", "ResNet-50", "fc1000", "resnet50", {}}; }
+    using network = tactnet::resnet50<known::resnet50.photograph>;
+    static trunk_names names() { return {known::resnet50, "fc1000", {}}; }
 };
 
 struct vgg16 {
-    using network = tactnet::vgg16_fc6<tactnet::shape{224, 224, 3}>;
-    static trunk_names names() {
-        return {"vgg16", "VGG16", "fc6", "vgg16", {"classifier.3.", "classifier.6."}};
-    }
+    using network = tactnet::vgg16_fc6<known::vgg16.photograph>;
+    static trunk_names names() { return {known::vgg16, "fc6", {"classifier.3.", "classifier.6."}}; }
 };
 
 } // namespace trunks

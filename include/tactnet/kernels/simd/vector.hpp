@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstring>
 #include <type_traits>
@@ -20,16 +21,10 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// a · b + c, rounded once where the instruction set can, at any level of optimisation.
-[[nodiscard]] inline float fused_multiply_add(float a, float b, float c) {
+template <std::floating_point T>
+[[nodiscard]] inline T fused_multiply_add(const T& a, const T& b, const T& c) {
 #if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-    return __builtin_fmaf(a, b, c);
-#else
-    return a * b + c;
-#endif
-}
-[[nodiscard]] inline double fused_multiply_add(double a, double b, double c) {
-#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-    return __builtin_fma(a, b, c);
+    return std::fma(a, b, c);
 #else
     return a * b + c;
 #endif

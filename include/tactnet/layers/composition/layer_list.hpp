@@ -126,14 +126,10 @@ public:
     /// Appends the arrays of all layers: each under the name that it was given, or that of its kind, with a
     /// number where there are many.
     static void describe(const std::string& prefix, std::vector<parameter>& list) {
-        std::array<std::string_view, size> kinds{};
-        kernels::unroll<size>([&](auto i) { kinds[i] = spec_name<i>; });
         kernels::unroll<size>([&](auto i) {
-            const auto before = std::count(kinds.begin(), kinds.begin() + i, kinds[i]);
-            const auto all = std::count(kinds.begin(), kinds.end(), kinds[i]);
             std::string own(kinds[i]);
-            if (!spec_given<i> && (spec_numbered<i> || all > 1))
-                own += std::to_string(before + 1);
+            if (!spec_given<i> && (spec_numbered<i> || same_kind<i>(size) > 1))
+                own += std::to_string(same_kind<i>(i) + 1);
             const std::size_t first = list.size();
             at<i>::describe(joined_name(prefix, own), list);
             for (std::size_t p = first; p < list.size(); ++p)
@@ -143,8 +139,13 @@ public:
     }
 
 private:
+    static constexpr std::array<std::string_view, size> kinds{Specs::name...};
+    /// Of the first layers those that are of the kind of layer I.
     template <std::size_t I>
-    static constexpr auto spec_name = std::array<std::string_view, size>{Specs::name...}[I];
+    static consteval std::size_t same_kind(std::size_t first) {
+        return static_cast<std::size_t>(
+            std::count(kinds.begin(), kinds.begin() + static_cast<std::ptrdiff_t>(first), kinds[I]));
+    }
     template <std::size_t I>
     static constexpr bool spec_numbered = std::array<bool, size>{Specs::numbered...}[I];
     template <std::size_t I>
