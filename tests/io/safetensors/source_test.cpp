@@ -102,6 +102,13 @@ TEST_CASE("safetensors_source: bytes go from file to file without being held, an
     broken.add("x", element_type::float32, {2},
                [&](const auto&) { throw file_error("from", "", "to read on", "nothing"); });
     CHECK_THROWS_AS(broken.write(folder / "none"), file_error);
+    safetensors_writer changing; // between the checksum and the file
+    std::byte reading{};
+    changing.add("x", element_type::uint8, {1}, [&](const auto& take) {
+        take(std::span(&reading, 1));
+        reading = std::byte{1};
+    });
+    CHECK_THROWS_AS(changing.write(folder / "none"), std::runtime_error);
     CHECK_FALSE(std::filesystem::exists(folder / "none"));
 }
 

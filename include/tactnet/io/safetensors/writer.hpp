@@ -76,23 +76,20 @@ public:
     }
 
     /// Writes the file; what was there before stays until the new one is complete.
-    /// Throws file_error, and std::invalid_argument for metadata that are not UTF-8 or look like a checksum.
+    /// Throws file_error; std::invalid_argument for metadata that are not UTF-8 or look like a checksum; and
+    /// std::runtime_error when a tensor gives other bytes in its second reading than in its first.
     void write(const std::filesystem::path& path) const {
-        const std::vector<std::byte> head = header_bytes();
-        write_file(path, [&](const std::function<void(std::span<const std::byte>)>& take) {
-            take(head);
-            for (const item* tensor : ordered())
-                tensor->second.each_piece(tensor->first, take);
-        });
+        const head begin = make_head();
+        write_file(path,
+                   [&](const std::function<void(std::span<const std::byte>)>& take) { give(begin, take); });
     }
 
-    /// The content of the file that `write` makes.
+    /// The content of the file that `write` makes. Throws as `write`, but for file_error.
     std::vector<std::byte> to_bytes() const {
-        std::vector<std::byte> bytes = header_bytes();
-        for (const item* tensor : ordered())
-            tensor->second.each_piece(tensor->first, [&](std::span<const std::byte> piece) {
-                bytes.insert(bytes.end(), piece.begin(), piece.end());
-            });
+        std::vector<std::byte> bytes;
+        give(make_head(), [&](std::span<const std::byte> piece) {
+            bytes.insert(bytes.end(), piece.begin(), piece.end());
+        });
         return bytes;
     }
 
@@ -144,7 +141,36 @@ private:
         return order;
     }
 
-    std::vector<std::byte> header_bytes() const {
+    /// What stands in front of the tensors.
+    struct head {
+        std::vector<std::byte> bytes; ///< with zeros for the checksum, as it is summed
+        std::size_t digits;           ///< where those stand
+    };
+
+    template <class Take>
+    std::uint64_t sum_of(const head& begin, const Take& take) const {
+        xxh64 sum;
+        sum.update(begin.bytes);
+        for (const item* tensor : ordered())
+            tensor->second.each_piece(tensor->first, [&](std::span<const std::byte> piece) {
+                sum.update(piece);
+                take(piece);
+            });
+        return sum.digest();
+    }
+    template <class Take>
+    void give(const head& begin, const Take& take) const {
+        const std::uint64_t sum = sum_of(begin, [](std::span<const std::byte>) {});
+        const std::string text = checksum_text(sum);
+        std::vector<std::byte> bytes = begin.bytes;
+        std::memcpy(bytes.data() + begin.digits, text.data() + checksum_mark.size(), checksum_digits);
+        take(std::span<const std::byte>(bytes));
+        if (sum_of(begin, take) != sum)
+            throw std::runtime_error("tactnet: a tensor that is read while it is written gave other bytes "
+                                     "than in its first reading");
+    }
+
+    head make_head() const {
         std::string json = "{";
         const auto separate = [&] { json += json.back() == '{' ? "" : ","; };
         json += "\"__metadata__\":{" + json_string(safetensors_checksum_key) + ":" +
@@ -182,14 +208,7 @@ private:
         std::vector<std::byte> bytes(sizeof(length) + json.size());
         std::memcpy(bytes.data(), &length, sizeof(length));
         std::memcpy(bytes.data() + sizeof(length), json.data(), json.size());
-        xxh64 sum;
-        sum.update(bytes);
-        for (const item* tensor : ordered())
-            tensor->second.each_piece(tensor->first,
-                                      [&](std::span<const std::byte> piece) { sum.update(piece); });
-        const std::string text = checksum_text(sum.digest());
-        std::memcpy(bytes.data() + digits, text.data() + checksum_mark.size(), checksum_digits);
-        return bytes;
+        return {std::move(bytes), digits};
     }
 
     std::map<std::string, stored, std::less<>> tensors_;
