@@ -103,7 +103,8 @@ void compare(const tensor<Pixel, Shape>& image) {
 
 /// The image with f of every count.
 template <class Function>
-image_of<std::uint8_t> changed(image_of<std::uint8_t> image, Function f) {
+image_of<std::uint8_t> changed(const image_of<std::uint8_t>& before, Function f) {
+    image_of<std::uint8_t> image = before;
     for (std::uint8_t& pixel : image)
         pixel = static_cast<std::uint8_t>(f(pixel));
     return image;

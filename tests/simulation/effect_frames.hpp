@@ -40,9 +40,11 @@ frame<Shape> filled(float value) {
 }
 
 template <tactnet::shape Shape, class Effect>
-frame<Shape> after(const Effect& effect, frame<Shape> values, const tactnet::simulation::moment& now = {},
+frame<Shape> after(const Effect& effect, const frame<Shape>& before,
+                   const tactnet::simulation::moment& now = {},
                    const tactnet::simulation::mounting& where = {}) {
     typename Effect::template bound<Shape> bound(effect, where);
+    frame<Shape> values = before;
     bound.apply(values.view(), now);
     return values;
 }
