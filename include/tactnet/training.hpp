@@ -2,6 +2,7 @@
 
 #include <tactnet/training/data/input_batch.hpp>
 #include <tactnet/training/data/labelled_images.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/early_stopping.hpp>
@@ -9,7 +10,7 @@
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/divergence.hpp>
-#include <tactnet/training/loop/epoch_images.hpp>
+#include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>

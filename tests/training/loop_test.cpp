@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -113,4 +114,43 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
     // Arrays of another network.
     CHECK_THROWS_AS(copy->take(copy->learnable_values().first(3), copy->running_statistics()),
                     std::invalid_argument);
+}
+
+TEST_CASE("training_loop: features go to the network as they are") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe how;
+    how.epochs = 2;
+    how.batch = 16;
+    how.input = input_rule::scale;
+    how.augmentation = augmentation_rule::none;
+    how.remeasure_statistics = true;
+    const data_split split = split_data(task.labels, 3, split_rule::random, 1);
+    // What becomes of counts in front of a network, found before.
+    std::vector<float> features;
+    for (const std::uint8_t count : task.pixels)
+        features.push_back(static_cast<float>(count) * (1.0F / 255));
+    const labelled_features found{features, task.labels, 3};
+    training_loop on_images(std::make_unique<trainable_network<net>>(), how, task.images(), split, 1,
+                            threads);
+    // Whatever is said of images.
+    how.input = input_rule::subtract_mean;
+    how.augmentation = augmentation_rule::sixfold;
+    training_loop on_features(std::make_unique<trainable_network<net>>(), how, found, split, 1, threads);
+    CHECK(on_features.images_per_epoch() == split.training.size());
+    CHECK(on_features.scale() == 1);
+    CHECK(std::ranges::count(on_features.mean(), 0.0F) == 91);
+    while (!on_images.finished()) {
+        const epoch_report image = on_images.run_epoch(), feature = on_features.run_epoch();
+        CHECK(image.loss == feature.loss);
+        CHECK(image.validation_loss == feature.validation_loss);
+    }
+    CHECK(std::ranges::equal(on_images.best().copy()->learnable_values(),
+                             on_features.best().copy()->learnable_values()));
+    const evaluation by_images = evaluate(on_images.best(), on_images.mean(), on_images.scale(),
+                                          task.images(), split.test, threads),
+                     by_features = evaluate(on_features.best(), on_features.mean(), on_features.scale(),
+                                            found, split.test, threads);
+    CHECK(by_images.loss == by_features.loss);
+    CHECK(by_images.recognised == by_features.recognised);
 }

@@ -50,9 +50,12 @@ int export_header(const export_options& o) {
     const loaded_weights weights = load_weights(o.weights);
     const auto* network = dynamic_cast<const trained_network*>(weights.trained.get());
     if (network == nullptr)
-        throw usage_error(fmt::format("{}: expected a network, found the support vector machine {}, which "
-                                      "cannot be written as a header",
-                                      o.weights.weights, weights.what->name));
+        throw usage_error(fmt::format("{}: expected a network, found the {} {}, which cannot be written as a "
+                                      "header",
+                                      o.weights.weights,
+                                      weights.what->is_network() ? "layers behind another network,"
+                                                                 : "support vector machine",
+                                      weights.what->name));
     tactnet::header_description says{
         .network = weights.what->name, .namespace_name = o.namespace_name, .classes = weights.classes};
     if (!o.packing.empty())

@@ -199,8 +199,7 @@ int train(const train_options& o) {
     if (begins_with && !prepare(*begins_with, data, files, threads))
         return interrupted_by_user;
     const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads, begins_with);
-    if (what.is_network()) // which has a copy of them
-        begins_with.reset();
+    begins_with.reset(); // the training has what it needs of it
     start(*training, from.get());
     auto* const epochs = dynamic_cast<network_training*>(training.get());
     const std::string size =

@@ -3,6 +3,7 @@
 #include "data/fingerprint.hpp"
 #include "methods/pretrained.hpp"
 
+#include <tactnet/io/text.hpp>
 #include <tactnet/version.hpp>
 
 #include <fmt/format.h>
@@ -117,6 +118,16 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
     if (pretrained_rate != 1) // of which descriptions made before say nothing, and mean one
         all["pretrained_rate"] = text(pretrained_rate);
     return all;
+}
+
+void require_metadata(const tactnet::safetensors& file, const tactnet::file_metadata& expected) {
+    for (const auto& [key, value] : expected) {
+        const auto found = file.metadata().find(key);
+        if (found == file.metadata().end() || found->second != value)
+            throw tactnet::file_error(
+                file.file(), fmt::format("metadata '{}'", key), tactnet::in_quotes(value),
+                found == file.metadata().end() ? "none" : tactnet::in_quotes(found->second));
+    }
 }
 
 tactnet::file_metadata describe_program() {

@@ -13,6 +13,9 @@
 /// All of a recipe. A field that a recipe gets anew does not compile until it is here.
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe);
 
+/// Throws tactnet::file_error unless the metadata of a file say all of this.
+void require_metadata(const tactnet::safetensors& file, const tactnet::file_metadata& expected);
+
 /// What decides how this program rounds: its version, and the instruction set that it was compiled for.
 tactnet::file_metadata describe_program();
 

@@ -130,6 +130,8 @@ public:
     /// Not a support vector machine.
     virtual bool is_network() const = 0;
 
+    /// Of a network: the recipe that did best.
+    virtual tactnet::recipe default_recipe() const { return tactnet::recipe::default_for(rows, columns); }
     /// All that decides what comes of a training, apart from images, split and seed.
     virtual tactnet::file_metadata describe(const tactnet::recipe& recipe) const = 0;
     virtual method_costs costs(std::size_t classes) const = 0;
@@ -137,7 +139,7 @@ public:
     /// The network that others have trained on photographs and that it begins with, if it does.
     virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }
     /// Whether what that makes of images is found once, and kept: where it is not trained on.
-    bool keeps_features() const { return pretrained().has_value() && !is_network(); }
+    virtual bool keeps_features() const { return false; }
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const {
         throw std::logic_error(name + " begins with no pretrained network");

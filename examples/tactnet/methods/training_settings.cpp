@@ -98,15 +98,17 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--start: expected a network that begins with random weights, found {}, "
                         "which begins with those of --pretrained",
                         what.name));
+    if (what.keeps_features() && s.augmentation && *s.augmentation != "none")
+        throw usage_error(
+            fmt::format("--augmentation: expected none, since features of images are found once, for {}; "
+                        "found {}",
+                        what.name, *s.augmentation));
     if (what.pretrained() && s.input && *s.input != "scale")
         throw usage_error(
             fmt::format("--input: expected scale, as weights learnt from photographs want it, for {}; "
                         "found {}",
                         what.name, *s.input));
-    // Of networks that begin with pretrained weights the authors' recipe is the best that was measured.
-    tactnet::recipe r = s.recipe == "published" || (what.is_network() && what.pretrained())
-                            ? published_recipe(what)
-                            : tactnet::recipe::default_for(what.rows, what.columns);
+    tactnet::recipe r = s.recipe == "published" ? published_recipe(what) : what.default_recipe();
     if (s.epochs)
         r.epochs = *s.epochs;
     if (s.batch)

@@ -113,10 +113,10 @@ inline std::vector<std::string> class_names(const safetensors& file, std::vector
 }
 
 /// Throws file_error unless the images that a file carries for that still give their logits, a row of
-/// `classes` each. Files may carry none; one that carries no images under that name, or logits that are not
-/// finite and so agree with anything or nothing, throws.
+/// `classes` each, but for a `tolerance` in parts of the largest. Files may carry none; one that carries no
+/// images under that name, or logits that are not finite and so agree with anything or nothing, throws.
 inline void check_selftest(const safetensors& file, shape input, std::size_t classes,
-                           const logits_function& logits) {
+                           const logits_function& logits, float tolerance = detail::selftest_tolerance) {
     if (!file.contains("selftest.input") && !file.contains("selftest.logits"))
         return;
     const auto& extents = file.at("selftest.input").extents;
@@ -132,7 +132,7 @@ inline void check_selftest(const safetensors& file, shape input, std::size_t cla
     for (const float value : expected)
         largest = std::max(largest, std::abs(value));
     for (std::size_t i = 0; i < expected.size(); ++i)
-        if (!(std::abs(found[i] - expected[i]) <= detail::selftest_tolerance * largest))
+        if (!(std::abs(found[i] - expected[i]) <= tolerance * largest))
             throw file_error(file.file(),
                              "self-test, image " + std::to_string(i / classes) + ", class " +
                                  std::to_string(i % classes),
@@ -187,16 +187,14 @@ template <class Network>
     return parts;
 }
 
-/// Writes a model, all or nothing. `metadata` should say the "network" and may say more; what the model
-/// itself knows is added. `selftest` holds images to keep with their logits, which are asked for then.
-/// Throws file_error, and std::invalid_argument unless there are 1 to as many classes as outputs.
-inline void save_model(const std::filesystem::path& path, const model_parts& m, file_metadata metadata,
-                       std::span<const std::uint8_t> selftest, const logits_function& logits) {
+/// Adds a model to what is to be written: its arrays, and to the metadata what it knows. `selftest` holds
+/// images to keep with their logits, which are asked for then. Throws std::invalid_argument unless there are
+/// 1 to as many classes as outputs.
+inline void add_model(safetensors_writer& writer, const model_parts& m,
+                      std::span<const std::uint8_t> selftest, const logits_function& logits) {
     const std::size_t classes = m.classes.size();
     detail::check_classes("save_model", classes, m.arrays.outputs);
     const bool subtracts = std::any_of(m.mean.begin(), m.mean.end(), [](float v) { return v != 0; });
-    safetensors_writer writer;
-    writer.metadata = std::move(metadata);
     add_description(writer.metadata, {.network = {},
                                       .rows = m.input.rows,
                                       .columns = m.input.columns,
@@ -213,6 +211,15 @@ inline void save_model(const std::filesystem::path& path, const model_parts& m, 
         writer.add("selftest.logits", {count, classes}, std::span<const float>(logits(selftest)));
         writer.add("selftest.input", detail::image_extents(m.input, count), selftest);
     }
+}
+
+/// Writes a model, all or nothing. `metadata` should say the "network" and may say more. Throws file_error,
+/// and as `add_model`.
+inline void save_model(const std::filesystem::path& path, const model_parts& m, file_metadata metadata,
+                       std::span<const std::uint8_t> selftest, const logits_function& logits) {
+    safetensors_writer writer;
+    writer.metadata = std::move(metadata);
+    add_model(writer, m, selftest, logits);
     writer.write(path);
 }
 

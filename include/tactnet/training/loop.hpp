@@ -4,7 +4,7 @@
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/early_stopping.hpp>
 #include <tactnet/training/loop/divergence.hpp>
-#include <tactnet/training/loop/epoch_images.hpp>
+#include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/recipe.hpp>
@@ -47,32 +47,35 @@ inline void check_trunk(std::span<const parameter> parameters, std::span<const s
 
 } // namespace detail
 
-/// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, image), all
+/// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, sample), all
 /// sums have a fixed order: the same seed gives the same bits on any number of threads, in one go or in
 /// several (see for_each_state).
 /// The network is one of any type: `trainer` is for one of a type that is known.
 class training_loop {
 public:
-    /// The images must outlive the training.
-    training_loop(std::unique_ptr<trainable> network, const recipe& how, const labelled_images& images,
+    /// The numbers of the samples must outlive the training. Features go to the network as they are, whatever
+    /// the recipe says of images.
+    training_loop(std::unique_ptr<trainable> network, const recipe& how, const labelled_samples& samples,
                   data_split split, std::uint64_t seed, thread_pool& threads)
         : network_(std::move(network)),
-          how_(checked(how, images, split)),
-          images_(images),
+          how_(checked(how, samples, split)),
+          samples_(samples),
           split_(std::move(split)),
           seed_(seed),
           threads_(threads),
-          shown_(how, *network_, images, split_.training, seed, threads),
+          shown_(how, *network_, samples, split_.training, seed, threads),
           stopping_(how.patience),
           space_(network_->make_workspace()),
           in_(network_->input_shape().size(), threads),
           out_(network_->outputs()),
           out_gradient_(network_->outputs()) {
         network_->epsilon() = how.epsilon;
-        if (how.input == input_rule::subtract_mean)
-            in_.subtract_mean(images_, split_.training);
-        else
-            in_.scale_by(1.0f / 255);
+        if (samples_.are_images()) {
+            if (how.input == input_rule::subtract_mean)
+                in_.subtract_mean(samples_.pixels(), split_.training);
+            else
+                in_.scale_by(1.0f / 255);
+        }
         const std::size_t size = network_->learnable_values().size();
         optimiser_.resize(size);
         gradients_.assign(size, 0);
@@ -198,19 +201,20 @@ private:
     }
     [[nodiscard]] trainable& candidate() const { return how_.averaging > 0 ? *averaged_ : *network_; }
 
-    const recipe& checked(const recipe& how, const labelled_images& images, const data_split& split) const {
-        check_images(images, network_->input_shape(), network_->outputs());
+    const recipe& checked(const recipe& how, const labelled_samples& samples, const data_split& split) const {
+        samples.check(network_->input_shape(), network_->outputs());
         if (how.validate_every == 0)
             throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
         if (split.training.empty())
-            throw std::invalid_argument("trainer: the training part of the split holds no image");
+            throw std::invalid_argument("trainer: the training part of the split holds no sample");
         return how;
     }
 
     /// One step; returns the mean loss before it.
     double take(std::span<const std::size_t> places, std::size_t epoch, double rate) {
         const std::size_t count = places.size();
-        in_.fill(count, [&](std::size_t i, std::span<float> image) { shown_.make(places[i], epoch, image); });
+        in_.fill(count,
+                 [&](std::size_t i, std::span<float> sample) { shown_.make(places[i], epoch, sample); });
         out_.resize(count), out_gradient_.resize(count);
         std::vector<std::size_t> labels(count);
         for (std::size_t i = 0; i < count; ++i)
@@ -220,7 +224,7 @@ private:
         network_->prepare(threads_, *space_);
         network_->forward(threads_, *space_, in_.samples(), out_, seed_, step);
         const double loss = detail::softmax_cross_entropy<float>({count, out_.size(), sample_batch::lanes},
-                                                                 out_.data(), labels, images_.classes,
+                                                                 out_.data(), labels, samples_.classes(),
                                                                  how_.label_smoothing, out_gradient_.data());
         network_->backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
         take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_, decayed_,
@@ -241,18 +245,17 @@ private:
     /// of what batches of them give, each counted by its images. Not from the images as they were varied:
     /// shifted and turned ones have empty corners, and other moments than those that are to be recognised.
     void remeasure_statistics(trainable& network) {
-        const std::span<const std::size_t> images = split_.training;
-        const std::size_t most = how_.batch == 0 ? images.size() : std::min(how_.batch, images.size());
-        const std::size_t batches = (images.size() + most - 1) / most;
+        const std::span<const std::size_t> chosen = split_.training;
+        const std::size_t most = how_.batch == 0 ? chosen.size() : std::min(how_.batch, chosen.size());
+        const std::size_t batches = (chosen.size() + most - 1) / most;
         const double momentum = network.momentum();
         network.prepare(threads_, *space_);
         for (std::size_t batch = 0; batch < batches; ++batch) {
-            const std::size_t first = images.size() * batch / batches,
-                              last = images.size() * (batch + 1) / batches;
+            const std::size_t first = chosen.size() * batch / batches,
+                              last = chosen.size() * (batch + 1) / batches;
             network.momentum() = static_cast<double>(last - first) / static_cast<double>(last);
-            in_.fill(last - first, [&](std::size_t i, std::span<float> image) {
-                std::copy_n(images_.pixels.data() + images[first + i] * image.size(), image.size(),
-                            image.data());
+            in_.fill(last - first, [&](std::size_t i, std::span<float> sample) {
+                samples_.copy(chosen[first + i], sample);
             });
             out_.resize(last - first);
             network.forward(threads_, *space_, in_.samples(), out_, seed_,
@@ -263,7 +266,7 @@ private:
 
     void validate(epoch_report& report) {
         const evaluation result =
-            evaluate(candidate(), mean(), scale(), images_, split_.validation, threads_);
+            evaluate(candidate(), mean(), scale(), samples_, split_.validation, threads_);
         detail::check_loss(result.loss, report, "validation");
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();
@@ -274,11 +277,11 @@ private:
 
     std::unique_ptr<trainable> network_, averaged_, best_;
     recipe how_;
-    labelled_images images_;
+    labelled_samples samples_;
     data_split split_;
     std::uint64_t seed_;
     thread_pool& threads_;
-    epoch_images shown_;
+    epoch_samples shown_;
     early_stopping stopping_;
     optimiser_state<float> optimiser_;
     aligned_vector<float> gradients_, decayed_;

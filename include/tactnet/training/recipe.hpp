@@ -69,6 +69,18 @@ struct recipe {
         return r;
     }
 
+    /// For layers behind a network that stays as it is, which learn from features that were found once: no
+    /// new images, and few epochs, each of which takes milliseconds.
+    [[nodiscard]] static recipe on_features() {
+        recipe r;
+        r.epochs = 30;
+        r.rate = 3e-3;
+        r.input = input_rule::scale;
+        r.augmentation = augmentation_rule::none;
+        r.label_smoothing = 0.05;
+        return r;
+    }
+
     /// The paper's recipe (section IV-B), with what each network has of its own: for example
     /// tactnet4_training.
     [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns,

@@ -20,10 +20,10 @@ class trainer {
 public:
     static constexpr shape input = Network::input_shape;
 
-    /// The images must outlive the trainer.
-    trainer(const recipe& how, const labelled_images& images, data_split split, std::uint64_t seed,
+    /// The numbers of the samples must outlive the trainer.
+    trainer(const recipe& how, const labelled_samples& samples, data_split split, std::uint64_t seed,
             thread_pool& threads)
-        : loop_(std::make_unique<trainable_network<Network>>(), how, images, std::move(split), seed,
+        : loop_(std::make_unique<trainable_network<Network>>(), how, samples, std::move(split), seed,
                 threads) {
         std::copy(loop_.mean().begin(), loop_.mean().end(), normalise_.mean.begin());
         normalise_.scale = loop_.scale();

@@ -1,5 +1,6 @@
 // Support vector machines behind networks that were trained on photographs.
 
+#include "behind_trunk.hpp"
 #include "pretrained_weights.hpp"
 #include "workshop.hpp"
 
@@ -28,64 +29,9 @@ namespace {
 
 using squeezenet = tactnet::squeezenet1_1_trunk<shape{227, 227, 3}>;
 
-/// Fewer images than the workshop has: networks are large.
-void keep_images(const workshop& shop, std::size_t count) {
-    for (const char* folder : {"left", "middle, of all", "right"})
-        for (std::size_t i = count; i < images_per_class; ++i)
-            fs::remove(shop.data() / folder / ("image" + std::to_string(i) + ".png"));
-}
-std::vector<std::string> training(const workshop& shop, const std::string& method, const std::string& output,
-                                  std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"--network", method, "--output", output, "--pretrained", "pretrained"});
-    return shop.train_arguments(more);
-}
-bool knows(const workshop& shop, const std::string& method) {
-    const bool found = shop.run({"list"}).out.find(method + " ") != std::string::npos;
-    if (!found)
-        MESSAGE("skipped: the program was built without " << method);
-    return found;
-}
 std::string only_file_in(const fs::path& folder) {
     REQUIRE(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     return fs::directory_iterator(folder)->path().string();
-}
-
-/// Trained, saved, tested and used, from a file by torchvision's names to a file that needs it no more.
-template <class Network>
-void check_from_end_to_end(const std::string& method, element_type type) {
-    const workshop shop;
-    if (!knows(shop, method))
-        return;
-    CAPTURE(method);
-    keep_images(shop, 3);
-    write_pretrained<Network>(shop / "pretrained", type);
-    const outcome trained =
-        shop.run(training(shop, method, "net", {"--validation", "0", "--test", "0.3", "--self-test", "1"}));
-    REQUIRE_MESSAGE(trained.status == 0, trained.error);
-    CHECK(trained.error.find("features of 9 of 9 images") != std::string::npos);
-    CHECK_FALSE(fs::exists(shop / "net.features"));
-    {
-        const auto file = tactnet::safetensors_source::open(shop / "net");
-        CHECK(file.metadata().at("network") == method);
-        CHECK(file.metadata().count("pretrained") == 1);
-        for (const tactnet::parameter& p : Network::describe()) {
-            const auto& array = file.at("trunk." + p.name);
-            CHECK(array.extents == p.extents);
-            CHECK(array.type == type);
-        }
-        CHECK_FALSE(file.contains("trunk.classifier.6.bias"));
-        CHECK(file.contains("selftest.values"));
-    }
-    fs::remove(shop / "pretrained");
-    const outcome found =
-        shop.run({"classify", "--weights", "net", (shop.data() / "left" / "image0.png").string(),
-                  (shop.data() / "right" / "image1.png").string()});
-    REQUIRE_MESSAGE(found.status == 0, found.error);
-    CHECK(lines_of(found.out).size() == 2);
-    const outcome tested =
-        shop.run({"evaluate", "--weights", "net", "--data", shop.data().string(), "--results", "r"});
-    REQUIRE_MESSAGE(tested.status == 0, tested.error);
-    CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
 }
 
 } // namespace
@@ -93,16 +39,19 @@ void check_from_end_to_end(const std::string& method, element_type type) {
 TEST_SUITE("program") {
     TEST_CASE("trunk_svm: SqueezeNet, from pretrained weights to one file") {
         for (const char* method : {"squeezenet-svm", "squeezenet-pooled-svm", "squeezenet-pooled-rbf"})
-            check_from_end_to_end<squeezenet>(method, element_type::float32);
+            check_from_end_to_end<squeezenet>(method, element_type::float32, "selftest.values");
     }
     TEST_CASE("trunk_svm: AlexNet, from pretrained weights to one file") {
-        check_from_end_to_end<tactnet::alexnet_fc7<shape{224, 224, 3}>>("alexnet-svm", element_type::float16);
+        check_from_end_to_end<tactnet::alexnet_fc7<shape{224, 224, 3}>>("alexnet-svm", element_type::float16,
+                                                                        "selftest.values");
     }
     TEST_CASE("trunk_svm: ResNet-50, from pretrained weights to one file") {
-        check_from_end_to_end<tactnet::resnet50<shape{224, 224, 3}>>("resnet50-svm", element_type::float16);
+        check_from_end_to_end<tactnet::resnet50<shape{224, 224, 3}>>("resnet50-svm", element_type::float16,
+                                                                     "selftest.values");
     }
     TEST_CASE("trunk_svm: VGG16, from pretrained weights to one file") {
-        check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>("vgg16-svm", element_type::float16);
+        check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>("vgg16-svm", element_type::float16,
+                                                                      "selftest.values");
     }
 
     TEST_CASE("trunk_svm: stopped while features are found and run again, the same bits") {

@@ -11,8 +11,6 @@ using namespace tactnet;
 
 TEST_CASE("input_batch: counts as they are, less the mean of the chosen images, and scaled") {
     const std::array<std::uint8_t, 6> pixels{10, 20, 7, 255, 13, 0};
-    const std::array<std::size_t, 3> labels{0, 1, 0};
-    const labelled_images images{pixels, labels, 2};
     const std::array<std::size_t, 2> chosen{0, 2};
     thread_pool alone;
     input_batch batch(2, alone);
@@ -25,7 +23,7 @@ TEST_CASE("input_batch: counts as they are, less the mean of the chosen images, 
     fill();
     REQUIRE(batch.samples().samples() == 3);
     CHECK(batch.samples()(1, 1) == 255);
-    batch.subtract_mean(images, chosen);
+    batch.subtract_mean(pixels, chosen);
     CHECK(batch.mean()[0] == 11.5F);
     CHECK(batch.mean()[1] == 10);
     fill();

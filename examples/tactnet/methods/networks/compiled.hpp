@@ -4,6 +4,7 @@
 // by this alone, so that everything else is compiled once. See compile.hpp for the template behind it.
 
 #include "methods/method.hpp"
+#include "methods/networks/any_model.hpp"
 
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/training/loop/trainable.hpp>
@@ -14,14 +15,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-/// A network of any type, with all that it takes to recognise an image.
-struct any_model {
-    std::unique_ptr<tactnet::trainable> network;
-    std::vector<float> mean;
-    float scale = 1;
-    std::vector<std::string> classes;
-};
 
 /// The fastest form of a network, see tactnet::deploy.
 class any_deployed {

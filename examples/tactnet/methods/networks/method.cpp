@@ -1,11 +1,9 @@
 #include "methods/networks/method.hpp"
 
 #include "methods/description.hpp"
+#include "methods/networks/looped_training.hpp"
 
-#include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/model_file.hpp>
-#include <tactnet/networks/recognition.hpp>
-#include <tactnet/training/loop.hpp>
 #include <tactnet/transfer/pretrained_trunk.hpp>
 #include <tactnet/transfer/stored_photograph_form.hpp>
 
@@ -16,38 +14,17 @@
 
 namespace {
 
-/// Of images one after the other: a row for each, with one number a class.
+/// Of images one after the other.
 std::vector<float> logits_of(const any_model& model, std::span<const std::uint8_t> images) {
-    const std::size_t size = model.mean.size(), count = tactnet::detail::count_images(images.size(), size);
-    tactnet::thread_pool alone;
-    tactnet::sample_batch in(size, count), out(model.network->outputs(), count);
-    std::vector<float> image(size), result;
-    for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t e = 0; e < size; ++e)
-            image[e] = (static_cast<float>(images[i * size + e]) - model.mean[e]) * model.scale;
-        in.set(i, image);
-    }
-    const auto space = model.network->make_workspace();
-    model.network->prepare(alone, *space);
-    model.network->logits(alone, *space, in, out);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t c = 0; c < model.classes.size(); ++c)
-            result.push_back(out(i, c));
-    return result;
+    const std::size_t size = model.mean.size();
+    return logits_of(model, tactnet::detail::count_images(images.size(), size),
+                     [&](std::size_t i, std::span<float> counts) {
+                         std::ranges::copy(images.subspan(i * size, size), counts.begin());
+                     });
 }
 
 tactnet::stored_arrays stored_arrays_of(const compiled_network& code) {
     return tactnet::detail::make_stored_arrays(code.describe(), code.outputs, code.dense_inputs());
-}
-
-/// The values of each array, in order.
-std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
-    std::vector<std::span<float>> arrays;
-    for (const tactnet::parameter& p : network.describe())
-        arrays.push_back(
-            (tactnet::learnable(p.what) ? network.learnable_values() : network.running_statistics())
-                .subspan(p.offset, p.size));
-    return arrays;
 }
 
 any_model load_model(const compiled_network& code, const tactnet::safetensors& file,
@@ -56,11 +33,7 @@ any_model load_model(const compiled_network& code, const tactnet::safetensors& f
     const tactnet::shape input = model.network->input_shape();
     tactnet::stored_model stored = tactnet::read_model(file, input, stored_arrays_of(code), epsilon);
     model.network->epsilon() = stored.epsilon;
-    const auto arrays = arrays_of(*model.network);
-    for (std::size_t i = 0; i < arrays.size(); ++i) {
-        std::ranges::fill(arrays[i], 0.0f); // rows of outputs that stand for no class
-        std::ranges::copy(stored.arrays[i], arrays[i].begin());
-    }
+    set_arrays(*model.network, stored.arrays);
     model.mean = std::move(stored.mean);
     model.mean.resize(input.size());
     model.scale = stored.scale;
@@ -99,16 +72,8 @@ public:
         const auto deployed = code_.deploy(model_);
         const std::size_t count = images.size() / (code_.rows * code_.columns);
         std::vector<float> logits(count * code_.outputs);
-        if (!deployed->recognise(threads, images, logits))
-            throw std::runtime_error(
-                "expected finite logits, found some that are not: the weights are broken");
-        std::vector<scored_class> result;
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto found = tactnet::likeliest(
-                std::span<const float>(logits).subspan(i * code_.outputs, classes().size()));
-            result.push_back({found.value().index, found.value().probability});
-        }
-        return result;
+        static_cast<void>(deployed->recognise(threads, images, logits)); // which logits tell themselves
+        return likeliest_of(logits, code_.outputs, classes().size());
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
@@ -134,40 +99,27 @@ private:
     any_model model_;
 };
 
-class own_network_training final : public network_training {
+class own_network_training final : public looped_training {
 public:
     own_network_training(const compiled_network& code, const tactnet::recipe& recipe,
                          const tactnet::labelled_images& images, tactnet::data_split split,
                          std::uint64_t seed, tactnet::thread_pool& threads)
-        : code_(code), loop_(code.make(), recipe, images, std::move(split), seed, threads) {}
+        : looped_training(code.make(), recipe, images, std::move(split), seed, threads), code_(code) {}
 
-    bool finished() const override { return loop_.finished(); }
-    void advance() override { loop_.run_epoch(); }
-    const std::vector<tactnet::epoch_report>& history() const override { return loop_.history(); }
-    std::size_t images_per_epoch() const override { return loop_.images_per_epoch(); }
     void start_from(const trained_method& other) override {
         tactnet::trainable& from = dynamic_cast<const own_trained_network&>(other).network();
-        loop_.start_from(from.learnable_values(), from.running_statistics());
+        loop().start_from(from.learnable_values(), from.running_statistics());
     }
-    void start_from(const begun_weights& weights) { loop_.start_from_trunk(weights.arrays()); }
-    const tactnet::data_split& split() const override { return loop_.split(); }
-    void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
-        tactnet::save_checkpoint(path, loop_, settings);
-    }
-    tactnet::checksum_state load_checkpoint(const std::filesystem::path& path,
-                                            const tactnet::file_metadata& settings) override {
-        return tactnet::load_checkpoint(path, loop_, settings);
-    }
+    void start_from(const begun_weights& weights) { loop().start_from_trunk(weights.arrays()); }
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
         return std::make_unique<own_trained_network>(
             code_,
             any_model{
-                loop_.best().copy(), {loop_.mean().begin(), loop_.mean().end()}, loop_.scale(), classes});
+                loop().best().copy(), {loop().mean().begin(), loop().mean().end()}, loop().scale(), classes});
     }
 
 private:
     const compiled_network& code_;
-    tactnet::training_loop loop_;
 };
 
 class network_method final : public method {
@@ -194,29 +146,22 @@ public:
         return std::make_shared<begun_weights>(
             tactnet::pretrained_trunk(file, stored_arrays_of(*code_), form));
     }
+    /// The authors' of those that begin with pretrained weights.
+    tactnet::recipe default_recipe() const override {
+        return pretrained() ? tactnet::recipe::published(rows, columns, published.value())
+                            : method::default_recipe();
+    }
     tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
         return describe_recipe(recipe);
     }
 
     method_costs costs(std::size_t classes) const override {
-        // Outputs that stand for no class are no part of the network; each costs the same.
-        const method_costs &all = code_->costs, &one = code_->costs_of_one;
-        const std::size_t outputs = code_->outputs;
-        const auto cost = [&](std::size_t method_costs::*of) {
-            return outputs == 1 ? all.*of : one.*of + (all.*of - one.*of) / (outputs - 1) * (classes - 1);
-        };
-        return {cost(&method_costs::parameters), cost(&method_costs::multiply_adds),
-                cost(&method_costs::multiply_adds_on_pixels), cost(&method_costs::parameter_bytes),
-                all.activation_bytes - (outputs - classes) * sizeof(float)};
+        return costs_for(code_->costs, code_->costs_of_one, code_->outputs, classes);
     }
 
     frame_times time_frames() const override {
         any_model model{code_->make(), std::vector<float>(rows * columns), 1, {}};
-        const auto parameters = model.network->describe();
-        const auto arrays = arrays_of(*model.network);
-        std::uint32_t index = 0;
-        for (std::size_t i = 0; i < arrays.size(); ++i)
-            tactnet::detail::initialise(parameters[i], arrays[i], tactnet::he_normal{}, 0, index);
+        draw_arrays(*model.network);
         return {time(model, 1), time(model, pretrained() ? 16 : 64)};
     }
 

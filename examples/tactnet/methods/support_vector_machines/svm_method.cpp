@@ -1,5 +1,6 @@
 #include "methods/support_vector_machines/svm_method.hpp"
 
+#include "methods/description.hpp"
 #include "methods/support_vector_machines/trained.hpp"
 
 #include <tactnet/io/text.hpp>
@@ -141,18 +142,9 @@ std::unique_ptr<trained_method> svm_method::load(const weight_file& from, std::o
     const tactnet::model_description says = tactnet::describe_model(file);
     support_vector_machine own =
         std::visit([&](const auto& options) { return load_svm(file, options); }, recipe_.options);
-    const auto require = [&](const std::string& key, const std::string& expected) {
-        const auto found = file.metadata().find(key);
-        if (found == file.metadata().end() || found->second != expected)
-            throw tactnet::file_error(
-                file.file(), fmt::format("metadata '{}'", key), tactnet::in_quotes(expected),
-                found == file.metadata().end() ? "none" : tactnet::in_quotes(found->second));
-    };
-    require("rows", fmt::to_string(rows));
-    require("columns", fmt::to_string(columns));
     std::shared_ptr<image_features> features = features_();
-    for (const auto& [key, expected] : features->form())
-        require(key, expected);
+    require_metadata(file, {{"rows", fmt::to_string(rows)}, {"columns", fmt::to_string(columns)}});
+    require_metadata(file, features->form());
     features->load(from);
     if (own.features() != features->size())
         throw tactnet::file_error(file.file(), "", fmt::format("{} features", features->size()),

@@ -57,31 +57,16 @@ public:
     std::size_t size() const override { return form_.size(trunk_->map); }
     std::size_t multiply_adds() const override { return form_.views() * trunk_->costs.multiply_adds; }
     std::size_t parameters() const override { return trunk_->costs.parameters; }
-    tactnet::file_metadata form() const override {
-        tactnet::file_metadata all = form_.describe();
-        all["features"] = fmt::format("{} of {}", trunk_->names.features, trunk_->names.network.title);
-        all["photograph"] = fmt::format("{}x{}", trunk_->photograph.rows, trunk_->photograph.columns);
-        all["input"] = "scale";
-        all["input_scale"] = "1"; // what becomes of the counts is part of the features
-        return all;
-    }
+    tactnet::file_metadata form() const override { return describe_features(*trunk_, form_); }
     tactnet::file_metadata fit_settings() const override { return {}; }
-    /// A pixel of the photograph that lies half-way between two counts may be rounded to either.
-    double rounding() const override { return 0.02; }
+    double rounding() const override { return feature_rounding; }
     void fit(std::span<const std::uint8_t>, std::span<const std::size_t>, tactnet::thread_pool&) override {}
     std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                             tactnet::thread_pool& threads) const override {
         return own_->rows(images, chosen, threads);
     }
     void save(tactnet::safetensors_writer& writer) const override { own_->add_to(writer); }
-    void load(const weight_file& file) override {
-        if (!file.trunk)
-            throw tactnet::file_error(file.arrays.file(), "",
-                                      fmt::format("arrays of {}, whose names begin with '{}'",
-                                                  trunk_->names.network.title, trunk_prefix),
-                                      "none");
-        own_ = std::make_shared<trunk_features>(trunk_, form_, image_, file.trunk, std::string(trunk_prefix));
-    }
+    void load(const weight_file& file) override { own_ = stored_features(trunk_, form_, image_, file); }
 
 private:
     std::shared_ptr<const compiled_trunk> trunk_;
@@ -145,6 +130,7 @@ public:
         return pretrained_file{trunk_->names.network, trunk_->arrays().list.front().name,
                                trunk_->costs.parameter_bytes};
     }
+    bool keeps_features() const override { return true; }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
         return std::make_shared<trunk_features>(
             trunk_, form_, tactnet::extent{rows, columns},

@@ -9,6 +9,8 @@
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/networks.hpp>
 #include <tactnet/training/initialise.hpp>
+#include <tactnet/training/loop/trainable_network.hpp>
+#include <tactnet/transfer/feature_network.hpp>
 
 #include <memory>
 #include <span>
@@ -31,12 +33,30 @@ private:
     tactnet::deployed<Network> own_;
 };
 
-template <class Network>
+/// `Trunk` is one of those in networks.hpp.
+template <class Trunk, std::size_t Classes>
+compiled_head compile_head() {
+    constexpr std::size_t features = Trunk::head_features.size(Trunk::network::output_shape);
+    using head = tactnet::feature_network<features, Classes>;
+    return {Trunk::head_method,
+            Trunk::head_features,
+            Classes,
+            costs_of<head>(),
+            costs_of<tactnet::feature_network<features, 1>>(),
+            tactnet::detail::dense_inputs<head>::of(),
+            []() -> std::unique_ptr<tactnet::trainable> {
+                return std::make_unique<tactnet::trainable_network<head>>();
+            }};
+}
+
+template <class Trunk, std::size_t Classes>
 class trunk_code final : public compiled_trunk {
+    using Network = typename Trunk::network;
+
 public:
-    explicit trunk_code(trunk_names about)
-        : compiled_trunk(std::move(about), Network::input_shape, Network::output_shape, costs_of<Network>()) {
-    }
+    trunk_code()
+        : compiled_trunk(Trunk::names(), Network::input_shape, Network::output_shape, costs_of<Network>(),
+                         compile_head<Trunk, Classes>()) {}
 
     tactnet::stored_arrays arrays() const override { return tactnet::stored_arrays_of<Network>(); }
     std::unique_ptr<any_trunk> load(tactnet::safetensors_source& file,

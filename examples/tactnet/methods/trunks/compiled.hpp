@@ -6,17 +6,20 @@
 
 #include "methods/method.hpp"
 #include "methods/photograph_networks.hpp"
+#include "methods/trunks/features_form.hpp"
 
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/stored_arrays.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 /// A trunk with its weights, in its fastest form. Const calls may come from any number of threads.
@@ -37,6 +40,16 @@ struct trunk_names {
     std::vector<std::string> behind;
 };
 
+/// The network that is trained behind a trunk, on features of it: what is compiled of that.
+struct compiled_head {
+    std::string_view method;                  ///< that trains it: "squeezenet-pooled-nn"
+    trunk_features_form features;             ///< that it is trained on
+    std::size_t outputs;                      ///< the most classes that it can tell apart
+    method_costs costs, costs_of_one;         ///< with all outputs, and with one alone
+    std::vector<tactnet::shape> dense_inputs; ///< for weight files: see tactnet::stored_arrays
+    std::unique_ptr<tactnet::trainable> (*make)();
+};
+
 class compiled_trunk {
 public:
     virtual ~compiled_trunk() = default;
@@ -45,6 +58,7 @@ public:
     const tactnet::shape photograph, map;
     /// Of one photograph.
     const method_costs costs;
+    const compiled_head head;
 
     /// By torchvision's names.
     virtual tactnet::stored_arrays arrays() const = 0;
@@ -55,6 +69,11 @@ public:
     virtual std::unique_ptr<any_trunk> seeded() const = 0;
 
 protected:
-    compiled_trunk(trunk_names names_, tactnet::shape photograph_, tactnet::shape map_, method_costs costs_)
-        : names(std::move(names_)), photograph(photograph_), map(map_), costs(costs_) {}
+    compiled_trunk(trunk_names names_, tactnet::shape photograph_, tactnet::shape map_, method_costs costs_,
+                   compiled_head head_)
+        : names(std::move(names_)),
+          photograph(photograph_),
+          map(map_),
+          costs(costs_),
+          head(std::move(head_)) {}
 };

@@ -204,3 +204,24 @@ void trunk_features::add_to(tactnet::safetensors_writer& writer) const {
     if (file_->contains(prefix_ + "input_mean"))
         add("input_mean");
 }
+
+tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form) {
+    tactnet::file_metadata all = form.describe();
+    all["features"] = fmt::format("{} of {}", trunk.names.features, trunk.names.network.title);
+    all["photograph"] = fmt::format("{}x{}", trunk.photograph.rows, trunk.photograph.columns);
+    all["input"] = "scale";
+    all["input_scale"] = "1"; // what becomes of the counts is part of the features
+    return all;
+}
+
+std::shared_ptr<const trunk_features> stored_features(std::shared_ptr<const compiled_trunk> trunk,
+                                                      trunk_features_form form, tactnet::extent image,
+                                                      const weight_file& file) {
+    if (!file.trunk)
+        throw tactnet::file_error(file.arrays.file(), "",
+                                  fmt::format("arrays of {}, whose names begin with '{}'",
+                                              trunk->names.network.title, trunk_prefix),
+                                  "none");
+    return std::make_shared<trunk_features>(std::move(trunk), form, image, file.trunk,
+                                            std::string(trunk_prefix));
+}

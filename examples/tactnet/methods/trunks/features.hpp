@@ -6,6 +6,7 @@
 #include "data/row_store.hpp"
 #include "methods/pretrained.hpp"
 #include "methods/trunks/compiled.hpp"
+#include "methods/trunks/features_form.hpp"
 #include "methods/trunks/prefix.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
@@ -20,26 +21,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-/// What of a trunk's map becomes features.
-enum class trunk_pooling {
-    none,  ///< every value, as in the paper
-    pooled ///< the largest value of each channel, then the mean of each channel
-};
-
-struct trunk_features_form {
-    trunk_pooling pooling = trunk_pooling::none;
-    /// Whether an image stands for its reflections, too, at rows, columns and both: the largest values are
-    /// those of all four, and the means are means of all four, so that features do not tell them apart.
-    bool reflected = false;
-
-    std::size_t size(tactnet::shape map) const {
-        return pooling == trunk_pooling::none ? map.size() : 2 * map.channels;
-    }
-    /// Photographs of one image.
-    std::size_t views() const { return reflected ? 4 : 1; }
-    tactnet::file_metadata describe() const;
-};
 
 /// From images of one size to features.
 struct feature_finder {
@@ -90,3 +71,16 @@ private:
     std::span<const std::uint8_t> kept_images_; ///< whose rows are in the store
     std::unique_ptr<row_store> kept_;
 };
+
+/// The part of the largest value by which what is found from features may differ on another processor: a
+/// pixel of the photograph that lies half-way between two counts may be rounded to either.
+inline constexpr double feature_rounding = 0.02;
+
+/// How features of a trunk are computed. A weight file says the same, or it is for others.
+tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form);
+
+/// Those of the trunk in the weight file of a method behind it. Throws tactnet::file_error where there is
+/// none.
+std::shared_ptr<const trunk_features> stored_features(std::shared_ptr<const compiled_trunk> trunk,
+                                                      trunk_features_form form, tactnet::extent image,
+                                                      const weight_file& file);

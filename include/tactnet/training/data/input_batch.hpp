@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/training/data/labelled_images.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The batch in front of a network: images of counts, each as (count − mean) × scale.
+/// The batch in front of a network: images of counts, each as (count − mean) × scale, or features alike.
 class input_batch {
 public:
     /// Images of `size` pixels, made on `threads`. Until told otherwise nothing is subtracted, and the scale
@@ -20,11 +20,11 @@ public:
     input_batch(std::size_t size, thread_pool& threads) : threads_(threads), mean_(size), samples_(size) {}
 
     /// Subtracts the mean of the chosen images, one or more; summed in integers, so that no rounding adds up.
-    void subtract_mean(const labelled_images& images, std::span<const std::size_t> chosen) {
+    void subtract_mean(std::span<const std::uint8_t> pixels, std::span<const std::size_t> chosen) {
         for (std::size_t e = 0; e < mean_.size(); ++e) {
             std::uint64_t sum = 0;
             for (const std::size_t image : chosen)
-                sum += images.pixels[image * mean_.size() + e];
+                sum += pixels[image * mean_.size() + e];
             mean_[e] = static_cast<float>(static_cast<double>(sum) / static_cast<double>(chosen.size()));
         }
     }

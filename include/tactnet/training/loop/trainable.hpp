@@ -76,13 +76,13 @@ protected:
 
 /// As for a network whose type is known: inputs are (count − mean) × scale, with a mean for each pixel.
 [[nodiscard]] inline evaluation evaluate(const trainable& network, std::span<const float> mean, float scale,
-                                         const labelled_images& images, std::span<const std::size_t> chosen,
+                                         const labelled_samples& samples, std::span<const std::size_t> chosen,
                                          thread_pool& threads) {
-    check_images(images, network.input_shape(), network.outputs());
+    samples.check(network.input_shape(), network.outputs());
     const auto space = network.make_workspace();
     network.prepare(threads, *space);
     return detail::evaluate(
-        mean, scale, network.outputs(), images, chosen,
+        mean, scale, network.outputs(), samples, chosen,
         [&](const sample_batch& in, sample_batch& out) { network.logits(threads, *space, in, out); });
 }
 

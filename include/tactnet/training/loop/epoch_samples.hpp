@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/image/augmentation.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/recipe.hpp>
 
@@ -15,32 +16,33 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What each epoch of a training shows: which images, in what order and batches, and how they are varied. All
-/// of it is a function of (seed, epoch, image), so that any of it can be made again.
-class epoch_images {
+/// What each epoch of a training shows: which samples, in what order and batches, and how images are varied.
+/// All of it is a function of (seed, epoch, sample), so that any of it can be made again.
+class epoch_samples {
 public:
-    /// `chosen` must name an image of those that the network takes. The pixels must outlive this.
-    epoch_images(const recipe& how, const trainable& network, const labelled_images& images,
-                 std::vector<std::size_t> chosen, std::uint64_t seed, thread_pool& threads)
+    /// `chosen` must name samples of those that the network takes, whose numbers must outlive this. Features
+    /// are not varied.
+    epoch_samples(const recipe& how, const trainable& network, const labelled_samples& samples,
+                  std::vector<std::size_t> chosen, std::uint64_t seed, thread_pool& threads)
         : transform_(network.image_transformer()),
-          pixels_(network.input_shape().size()),
-          rule_(how.augmentation),
+          numbers_(network.input_shape().size()),
+          rule_(samples.are_images() ? how.augmentation : augmentation_rule::none),
           ranges_(how.ranges),
-          images_(images),
+          samples_(samples),
           chosen_(std::move(chosen)),
           seed_(seed),
           batch_(how.batch == 0 ? chosen_.size() : std::min(how.batch, size())) {
         if (rule_ != augmentation_rule::sixfold)
             return;
-        sixfold_.resize(size() * pixels_);
+        sixfold_.resize(size() * numbers_);
         threads.for_each(size(), [&](std::size_t place) {
             const std::size_t copy = place % 6;
             const image_transform t = copy == 0 ? image_transform{} : drawn(place, copy);
-            transform_(t, image(place), sixfold_.data() + place * pixels_);
+            transform_(t, image(place), sixfold_.data() + place * numbers_);
         });
     }
 
-    /// Images of an epoch. Each has a place, whatever their order.
+    /// Samples of an epoch. Each has a place, whatever their order.
     [[nodiscard]] std::size_t size() const { return chosen_.size() * copies(); }
     [[nodiscard]] std::size_t steps() const { return (size() + batch_ - 1) / batch_; }
 
@@ -60,35 +62,36 @@ public:
         return order.subspan(first, last - first);
     }
 
-    [[nodiscard]] std::size_t label(std::size_t place) const { return images_.labels[image_at(place)]; }
-    /// The image at a place, varied as it is in that epoch, in counts.
+    [[nodiscard]] std::size_t label(std::size_t place) const { return samples_.label(sample_at(place)); }
+    /// The sample at a place, varied as it is in that epoch: counts, or features.
     void make(std::size_t place, std::size_t epoch, std::span<float> to) const {
         if (rule_ == augmentation_rule::sixfold) {
-            std::copy_n(sixfold_.data() + place * pixels_, pixels_, to.data());
+            std::copy_n(sixfold_.data() + place * numbers_, numbers_, to.data());
             return;
         }
-        const image_transform t =
-            rule_ == augmentation_rule::each_epoch ? drawn(place, epoch) : image_transform{};
-        transform_(t, image(place), to.data());
+        if (rule_ == augmentation_rule::none)
+            samples_.copy(sample_at(place), to);
+        else
+            transform_(drawn(place, epoch), image(place), to.data());
     }
 
 private:
     [[nodiscard]] std::size_t copies() const { return rule_ == augmentation_rule::sixfold ? 6 : 1; }
-    [[nodiscard]] std::size_t image_at(std::size_t place) const { return chosen_[place / copies()]; }
+    [[nodiscard]] std::size_t sample_at(std::size_t place) const { return chosen_[place / copies()]; }
     [[nodiscard]] const std::uint8_t* image(std::size_t place) const {
-        return images_.pixels.data() + image_at(place) * pixels_;
+        return samples_.pixels().data() + sample_at(place) * numbers_;
     }
     [[nodiscard]] image_transform drawn(std::size_t place, std::size_t time) const {
         random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(time),
-                             static_cast<std::uint32_t>(image_at(place)));
+                             static_cast<std::uint32_t>(sample_at(place)));
         return image_transform::draw(ranges_, random);
     }
 
     trainable::transformer transform_;
-    std::size_t pixels_;
+    std::size_t numbers_; ///< of a sample
     augmentation_rule rule_;
     augmentation_ranges ranges_;
-    labelled_images images_;
+    labelled_samples samples_;
     std::vector<std::size_t> chosen_;
     std::uint64_t seed_;
     std::size_t batch_;

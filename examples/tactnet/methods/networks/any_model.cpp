@@ -1,0 +1,77 @@
+#include "methods/networks/any_model.hpp"
+
+#include <tactnet/networks/recognition.hpp>
+#include <tactnet/training/initialise.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <stdexcept>
+
+std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
+    std::vector<std::span<float>> arrays;
+    for (const tactnet::parameter& p : network.describe())
+        arrays.push_back(
+            (tactnet::learnable(p.what) ? network.learnable_values() : network.running_statistics())
+                .subspan(p.offset, p.size));
+    return arrays;
+}
+
+void set_arrays(tactnet::trainable& network, const std::vector<std::vector<float>>& stored) {
+    const auto arrays = arrays_of(network);
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+        std::ranges::fill(arrays[i], 0.0f);
+        std::ranges::copy(stored[i], arrays[i].begin());
+    }
+}
+
+void draw_arrays(tactnet::trainable& network) {
+    const auto parameters = network.describe();
+    const auto arrays = arrays_of(network);
+    std::uint32_t index = 0;
+    for (std::size_t i = 0; i < arrays.size(); ++i)
+        tactnet::detail::initialise(parameters[i], arrays[i], tactnet::he_normal{}, 0, index);
+}
+
+std::vector<float> logits_of(const any_model& model, std::size_t count,
+                             const std::function<void(std::size_t, std::span<float>)>& make) {
+    const std::size_t size = model.mean.size();
+    tactnet::thread_pool alone;
+    tactnet::sample_batch in(size, count), out(model.network->outputs(), count);
+    std::vector<float> sample(size), result;
+    for (std::size_t i = 0; i < count; ++i) {
+        make(i, sample);
+        for (std::size_t e = 0; e < size; ++e)
+            sample[e] = (sample[e] - model.mean[e]) * model.scale;
+        in.set(i, sample);
+    }
+    const auto space = model.network->make_workspace();
+    model.network->prepare(alone, *space);
+    model.network->logits(alone, *space, in, out);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < model.classes.size(); ++c)
+            result.push_back(out(i, c));
+    return result;
+}
+
+std::vector<scored_class> likeliest_of(std::span<const float> logits, std::size_t outputs,
+                                       std::size_t classes) {
+    std::vector<scored_class> result;
+    for (std::size_t first = 0; first < logits.size(); first += outputs) {
+        const auto found = tactnet::likeliest(logits.subspan(first, classes));
+        if (!found)
+            throw std::runtime_error(
+                "expected finite logits, found some that are not: the weights are broken");
+        result.push_back({found->index, found->probability});
+    }
+    return result;
+}
+
+method_costs costs_for(const method_costs& all, const method_costs& one, std::size_t outputs,
+                       std::size_t classes) {
+    const auto cost = [&](std::size_t method_costs::*of) {
+        return outputs == 1 ? all.*of : one.*of + (all.*of - one.*of) / (outputs - 1) * (classes - 1);
+    };
+    return {cost(&method_costs::parameters), cost(&method_costs::multiply_adds),
+            cost(&method_costs::multiply_adds_on_pixels), cost(&method_costs::parameter_bytes),
+            all.activation_bytes - (outputs - classes) * sizeof(float)};
+}

@@ -1,0 +1,46 @@
+#pragma once
+
+// Networks of any type, with all that it takes to recognise.
+
+#include "methods/method.hpp"
+
+#include <tactnet/io/stored_arrays.hpp>
+#include <tactnet/training/loop/trainable.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+struct any_model {
+    std::unique_ptr<tactnet::trainable> network;
+    std::vector<float> mean;
+    float scale = 1;
+    std::vector<std::string> classes;
+};
+
+/// The values of each array, in the order of `describe`.
+std::vector<std::span<float>> arrays_of(tactnet::trainable& network);
+
+/// Takes what a file holds of each array. Rows of outputs that stand for no class become zero.
+void set_arrays(tactnet::trainable& network, const std::vector<std::vector<float>>& stored);
+
+/// Parameters by chance, to be timed.
+void draw_arrays(tactnet::trainable& network);
+
+/// A row for each of `count` samples, with one number a class. make(i, numbers) writes sample i: counts, or
+/// features.
+std::vector<float> logits_of(const any_model& model, std::size_t count,
+                             const std::function<void(std::size_t, std::span<float>)>& make);
+
+/// Of rows of `outputs` logits, of which those of `classes` count. Throws std::runtime_error for logits that
+/// are not finite.
+std::vector<scored_class> likeliest_of(std::span<const float> logits, std::size_t outputs,
+                                       std::size_t classes);
+
+/// The costs of a network for a number of classes, from those with all its outputs and with one alone:
+/// outputs that stand for no class are no part of the network, and each costs the same.
+method_costs costs_for(const method_costs& all, const method_costs& one, std::size_t outputs,
+                       std::size_t classes);

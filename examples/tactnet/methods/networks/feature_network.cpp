@@ -1,0 +1,231 @@
+#include "methods/networks/feature_network.hpp"
+
+#include "methods/description.hpp"
+#include "methods/networks/any_model.hpp"
+#include "methods/networks/looped_training.hpp"
+#include "methods/trunks/features.hpp"
+
+#include <tactnet/io/model_file.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <stopwatch.hpp>
+#include <utility>
+
+namespace {
+
+std::vector<std::size_t> all_of(std::size_t count) {
+    std::vector<std::size_t> all(count);
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+}
+
+tactnet::stored_arrays stored_arrays_of(const compiled_head& head, const tactnet::trainable& network) {
+    return tactnet::detail::make_stored_arrays(network.describe(), head.outputs, head.dense_inputs);
+}
+
+/// A trunk with the layers that were trained behind it.
+class trained_feature_network final : public trained_method {
+public:
+    trained_feature_network(const compiled_head& head, tactnet::extent image,
+                            std::shared_ptr<const trunk_features> features, any_model model)
+        : head_(head), image_(image), features_(std::move(features)), model_(std::move(model)) {}
+
+    const std::vector<std::string>& classes() const override { return model_.classes; }
+    tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
+                                 tactnet::thread_pool& threads) const override {
+        const std::vector<float> rows = features_->rows(images.pixels, chosen, threads);
+        std::vector<std::size_t> labels;
+        for (const std::size_t image : chosen)
+            labels.push_back(images.labels[image]);
+        return tactnet::evaluate(*model_.network, model_.mean, model_.scale,
+                                 tactnet::labelled_features{rows, labels, images.classes},
+                                 all_of(chosen.size()), threads);
+    }
+    std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        tactnet::thread_pool& threads) const override {
+        return likeliest_of(logits(images, threads), classes().size(), classes().size());
+    }
+    void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
+              std::span<const std::uint8_t> selftest) const override {
+        tactnet::model_parts parts{.input = {image_.rows, image_.columns},
+                                   .arrays = stored_arrays_of(head_, *model_.network),
+                                   .values = {},
+                                   .epsilon = model_.network->epsilon(),
+                                   .mean = model_.mean,
+                                   .scale = model_.scale,
+                                   .classes = model_.classes};
+        for (const std::span<float> values : arrays_of(*model_.network))
+            parts.values.push_back(values);
+        tactnet::safetensors_writer writer;
+        writer.metadata = metadata;
+        tactnet::add_model(writer, parts, selftest,
+                           [&](std::span<const std::uint8_t> images) { return logits(images); });
+        features_->add_to(writer);
+        writer.write(path);
+    }
+    /// Throws tactnet::file_error when images in the file do not give their logits.
+    void check_selftest(const tactnet::safetensors& file) const {
+        tactnet::check_selftest(
+            file, {image_.rows, image_.columns}, classes().size(),
+            [&](std::span<const std::uint8_t> images) { return logits(images); },
+            static_cast<float>(feature_rounding));
+    }
+
+private:
+    std::vector<float> logits(std::span<const std::uint8_t> images, tactnet::thread_pool& threads) const {
+        const std::size_t count = tactnet::detail::count_images(images.size(), image_.area());
+        const std::vector<float> rows = features_->rows(images, all_of(count), threads);
+        const std::size_t size = model_.mean.size();
+        return logits_of(model_, count, [&](std::size_t i, std::span<float> features) {
+            std::ranges::copy(std::span(rows).subspan(i * size, size), features.begin());
+        });
+    }
+    std::vector<float> logits(std::span<const std::uint8_t> images) const {
+        tactnet::thread_pool alone;
+        return logits(images, alone);
+    }
+
+    const compiled_head& head_;
+    tactnet::extent image_;
+    std::shared_ptr<const trunk_features> features_;
+    any_model model_;
+};
+
+/// What a training learns from, in memory for as long as it lasts: a row of features for each image.
+struct kept_rows {
+    std::vector<float> rows;
+};
+
+class feature_network_training final : private kept_rows, public looped_training {
+public:
+    feature_network_training(const compiled_head& head, tactnet::extent image,
+                             std::shared_ptr<const trunk_features> features, const tactnet::recipe& recipe,
+                             const tactnet::labelled_images& images, tactnet::data_split split,
+                             std::uint64_t seed, tactnet::thread_pool& threads)
+        : kept_rows{features->rows(images.pixels, all_of(images.labels.size()), threads)},
+          looped_training(head.make(), recipe,
+                          tactnet::labelled_features{rows, images.labels, images.classes}, std::move(split),
+                          seed, threads),
+          head_(head),
+          image_(image),
+          features_(std::move(features)) {}
+
+    void start_from(const trained_method&) override {
+        throw std::logic_error("layers behind a pretrained network begin by chance");
+    }
+    std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
+        return std::make_unique<trained_feature_network>(
+            head_, image_, features_,
+            any_model{
+                loop().best().copy(), {loop().mean().begin(), loop().mean().end()}, loop().scale(), classes});
+    }
+
+private:
+    const compiled_head& head_;
+    tactnet::extent image_;
+    std::shared_ptr<const trunk_features> features_;
+};
+
+class feature_network_method final : public method {
+public:
+    feature_network_method(std::size_t rows_, std::size_t columns_,
+                           std::shared_ptr<const compiled_trunk> trunk)
+        : method(trunk->head.method, rows_, columns_, trunk->head.outputs), trunk_(std::move(trunk)) {}
+
+    bool is_network() const override { return true; }
+    bool keeps_features() const override { return true; }
+    std::optional<pretrained_file> pretrained() const override {
+        return pretrained_file{trunk_->names.network, trunk_->arrays().list.front().name,
+                               trunk_->costs.parameter_bytes};
+    }
+    std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
+        return std::make_shared<trunk_features>(
+            trunk_, head().features, image(),
+            std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)), "");
+    }
+    tactnet::recipe default_recipe() const override { return tactnet::recipe::on_features(); }
+    tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
+        tactnet::file_metadata all = describe_features(*trunk_, head().features);
+        all.merge(describe_recipe(recipe));
+        return all;
+    }
+    method_costs costs(std::size_t classes) const override {
+        const method_costs own = costs_for(head().costs, head().costs_of_one, head().outputs, classes);
+        const std::size_t views = head().features.views();
+        return {own.parameters + trunk_->costs.parameters,
+                own.multiply_adds + views * trunk_->costs.multiply_adds,
+                own.multiply_adds_on_pixels + views * trunk_->costs.multiply_adds_on_pixels,
+                own.parameter_bytes + trunk_->costs.parameter_bytes,
+                std::max(own.activation_bytes, trunk_->costs.activation_bytes)};
+    }
+    /// With weights by chance, since none may be at hand.
+    frame_times time_frames() const override {
+        const feature_finder finder{trunk_, head().features, image(), tactnet::torchvision_photograph};
+        const std::unique_ptr<any_trunk> network = trunk_->seeded();
+        const any_model model{head().make(), std::vector<float>(finder.size()), 1,
+                              std::vector<std::string>(head().outputs)};
+        draw_arrays(*model.network);
+        tactnet::thread_pool alone;
+        const auto time = [&](std::size_t batch) {
+            std::vector<std::uint8_t> images(batch * rows * columns);
+            for (std::size_t e = 0; e < images.size(); ++e)
+                images[e] = static_cast<std::uint8_t>(e * 37 % 64);
+            const std::vector<std::size_t> all = all_of(batch);
+            std::vector<float> found(batch * finder.size());
+            return brief_median_microseconds([&] {
+                       finder.find(*network, images, all, alone, found);
+                       static_cast<void>(
+                           logits_of(model, batch, [&](std::size_t i, std::span<float> features) {
+                               std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(i * finder.size()),
+                                           finder.size(), features.begin());
+                           }));
+                   }) /
+                   static_cast<double>(batch);
+        };
+        return {time(1), time(feature_finder::together)};
+    }
+    std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
+                                        tactnet::data_split split, std::uint64_t seed,
+                                        tactnet::thread_pool& threads,
+                                        const std::shared_ptr<pretrained_weights>& from) const override {
+        auto features = std::dynamic_pointer_cast<const trunk_features>(from);
+        if (!features)
+            throw std::logic_error(name + " expects the weights that it has opened");
+        return std::make_unique<feature_network_training>(head(), image(), std::move(features), recipe,
+                                                          images, std::move(split), seed, threads);
+    }
+    std::unique_ptr<trained_method> load(const weight_file& file,
+                                         std::optional<double> epsilon) const override {
+        require_metadata(file.arrays, describe_features(*trunk_, head().features));
+        any_model model{head().make(), {}, 1, {}};
+        tactnet::stored_model stored = tactnet::read_model(file.arrays, {rows, columns},
+                                                           stored_arrays_of(head(), *model.network), epsilon);
+        model.network->epsilon() = stored.epsilon;
+        set_arrays(*model.network, stored.arrays);
+        model.mean.resize(model.network->input_shape().size());
+        model.classes = std::move(stored.classes);
+        auto trained = std::make_unique<trained_feature_network>(
+            head(), image(), stored_features(trunk_, head().features, image(), file), std::move(model));
+        trained->check_selftest(file.arrays);
+        return trained;
+    }
+
+private:
+    const compiled_head& head() const { return trunk_->head; }
+    tactnet::extent image() const { return {rows, columns}; }
+
+    std::shared_ptr<const compiled_trunk> trunk_;
+};
+
+} // namespace
+
+std::vector<std::unique_ptr<method>>
+make_feature_network_methods(std::size_t rows, std::size_t columns,
+                             const std::vector<std::shared_ptr<const compiled_trunk>>& trunks) {
+    std::vector<std::unique_ptr<method>> list;
+    for (const auto& trunk : trunks)
+        list.push_back(std::make_unique<feature_network_method>(rows, columns, trunk));
+    return list;
+}

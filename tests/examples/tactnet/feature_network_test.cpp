@@ -1,0 +1,127 @@
+// Layers that are trained behind networks which were trained on photographs and stay as they are.
+
+#include "behind_trunk.hpp"
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/networks.hpp>
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace support;
+using tactnet::element_type;
+using tactnet::shape;
+
+namespace {
+
+using squeezenet = tactnet::squeezenet1_1_trunk<shape{227, 227, 3}>;
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("feature_network: SqueezeNet, from pretrained weights to one file") {
+        check_from_end_to_end<squeezenet>("squeezenet-pooled-nn", element_type::float32, "selftest.logits");
+    }
+    TEST_CASE("feature_network: AlexNet, from pretrained weights to one file") {
+        check_from_end_to_end<tactnet::alexnet_fc7<shape{224, 224, 3}>>(
+            "alexnet-fc7-nn", element_type::float16, "selftest.logits");
+    }
+    TEST_CASE("feature_network: ResNet-50, from pretrained weights to one file") {
+        check_from_end_to_end<tactnet::resnet50<shape{224, 224, 3}>>(
+            "resnet50-fc1000-nn", element_type::float16, "selftest.logits");
+    }
+    TEST_CASE("feature_network: VGG16, from pretrained weights to one file") {
+        check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>("vgg16-fc6-nn", element_type::float16,
+                                                                      "selftest.logits");
+    }
+
+    TEST_CASE("feature_network: stopped between epochs and gone on with, the same bits") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-pooled-nn"))
+            return;
+        keep_images(shop, 4);
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto arguments = [&](const char* output, std::vector<std::string> more) {
+            more.insert(more.begin(), {"--epochs", "400", "--checkpoint-every", "1e-9"});
+            return training(shop, "squeezenet-pooled-nn", output, more);
+        };
+        REQUIRE(shop.run(arguments("whole", {"--threads", "2"})).status == 0);
+        const pid_t child = shop.start(arguments("net", {}));
+        for (int i = 0; i < 60'000 && !fs::exists(shop / "net.checkpoint"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        kill(child, SIGKILL);
+        shop.wait(child);
+        REQUIRE_FALSE(fs::exists(shop / "net"));
+        CHECK(fs::exists(shop / "net.features"));
+        const outcome again = shop.run(arguments("net", {"--resume"}));
+        REQUIRE_MESSAGE(again.status == 0, again.error);
+        CHECK(again.error.find("features of") == std::string::npos);
+        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
+        CHECK_FALSE(fs::exists(shop / "net.features"));
+        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
+        CHECK(fs::exists(shop / "net.learning.jsonl"));
+    }
+
+    TEST_CASE("feature_network: features are those of the support vector machine's trunk, found once") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-pooled-nn"))
+            return;
+        keep_images(shop, 4);
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto evaluate = [&](const char* method) {
+            return shop.run({"evaluate", "--data", shop.data().string(), "--method", method, "--rows", "7",
+                             "--columns", "13", "--splits", "2", "--pretrained", "pretrained"});
+        };
+        const outcome machine = evaluate("squeezenet-pooled-svm"), layers = evaluate("squeezenet-pooled-nn");
+        REQUIRE_MESSAGE(machine.status == 0, machine.error);
+        REQUIRE_MESSAGE(layers.status == 0, layers.error);
+        CHECK(machine.error.find("features of 12 of 12 images") != std::string::npos);
+        CHECK(layers.error.find("features of") == std::string::npos);
+        CHECK(layers.out.find("squeezenet-pooled-nn") != std::string::npos);
+    }
+
+    TEST_CASE("feature_network: what it cannot do is said") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-pooled-nn"))
+            return;
+        keep_images(shop, 3);
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto refuses = [&](std::vector<std::string> more, const char* sentence) {
+            shop.refuses(training(shop, "squeezenet-pooled-nn", "net", std::move(more)), sentence);
+        };
+        refuses({"--augmentation", "sixfold"}, "--augmentation: expected none, since features of images are "
+                                               "found once, for squeezenet-pooled-nn; found sixfold");
+        refuses({"--recipe", "published"}, "nothing was published for squeezenet-pooled-nn");
+        refuses({"--start", "other"},
+                "--start: expected a network that begins with random weights, found squeezenet-pooled-nn");
+        const outcome trained =
+            shop.run(training(shop, "squeezenet-pooled-nn", "net", {"--epochs", "1", "--test", "0.3"}));
+        REQUIRE_MESSAGE(trained.status == 0, trained.error);
+        shop.refuses(
+            {"export", "--weights", "net", "--output", "net.hpp"},
+            "net: expected a network, found the layers behind another network, squeezenet-pooled-nn, "
+            "which cannot be written as a header");
+        // One trunk's layers are no other's.
+        shop.refuses({"classify", "--weights", "net", "--method", "squeezenet-pooled-svm",
+                      (shop.data() / "left" / "image0.png").string()},
+                     "net: expected weights of squeezenet-pooled-svm as --method says, found those of "
+                     "squeezenet-pooled-nn");
+        const auto whole = text_of(shop / "net");
+        std::string flipped = whole;
+        flipped[whole.size() / 2] = static_cast<char>(flipped[whole.size() / 2] ^ 1);
+        tactnet::write_file(shop / "flipped", flipped);
+        shop.refuses({"classify", "--weights", "flipped", (shop.data() / "left" / "image0.png").string()},
+                     "flipped: checksum of the whole file: expected");
+        rewrite(shop / "net", shop / "moved", "trunk.features.12.squeeze.weight", [](std::vector<float>& v) {
+            for (float& value : v)
+                value *= 2;
+        });
+        shop.refuses({"classify", "--weights", "moved", (shop.data() / "left" / "image0.png").string()},
+                     "moved: self-test, image 0, class ");
+    }
+}
