@@ -7,6 +7,7 @@
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
+#include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/safetensors.hpp>
 
 #include <fmt/format.h>
@@ -106,6 +107,11 @@ void check_given_up(const std::filesystem::path& path) {
             fmt::format("{}: expected a checkpoint, which --afresh gives up, found another file; "
                         "--checkpoint takes another name",
                         path.string()));
+}
+
+void check_resumable(const std::filesystem::path& path, const tactnet::file_metadata& settings) {
+    check_no_device(path);
+    tactnet::check_checkpoint(path, settings);
 }
 
 void keep_unwritten(network_training& training, const checkpoint_options& checkpoint,

@@ -19,6 +19,9 @@ void check_no_checkpoint(const std::filesystem::path& path);
 /// Throws usage_error where there is a file that is no checkpoint: a training that is done removes it.
 void check_given_up(const std::filesystem::path& path);
 
+/// Throws tactnet::file_error unless there is a checkpoint of a training with these settings.
+void check_resumable(const std::filesystem::path& path, const tactnet::file_metadata& settings);
+
 /// Keeps a finished training whose results could not be written, and tells about it.
 void keep_unwritten(network_training& training, const checkpoint_options& checkpoint,
                     const tactnet::file_metadata& settings);

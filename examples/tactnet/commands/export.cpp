@@ -52,10 +52,7 @@ int export_header(const export_options& o) {
     if (network == nullptr)
         throw usage_error(fmt::format("{}: expected a network, found the {} {}, which cannot be written as a "
                                       "header",
-                                      o.weights.weights,
-                                      weights.what->is_network() ? "layers behind another network,"
-                                                                 : "support vector machine",
-                                      weights.what->name));
+                                      o.weights.weights, weights.what->kind(), weights.what->name));
     tactnet::header_description says{
         .network = weights.what->name, .namespace_name = o.namespace_name, .classes = weights.classes};
     if (!o.packing.empty())

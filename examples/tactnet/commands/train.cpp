@@ -191,6 +191,8 @@ int train(const train_options& o) {
     const tactnet::file_metadata settings =
         describe_training(what, o.training, rule, o.seed, data.fingerprint);
 
+    if (o.resume) // before anything is found that another training may have kept
+        check_resumable(files.checkpoint, settings);
     const auto from = load_start(what, o.training, classes);
 
     auto begins_with = open_pretrained(what, o.training);
@@ -203,8 +205,7 @@ int train(const train_options& o) {
     start(*training, from.get());
     auto* const epochs = dynamic_cast<network_training*>(training.get());
     const std::string size =
-        epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.costs(classes.size()).parameters))
-                          : "";
+        epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.learnable(classes.size()))) : "";
     tell("{} {}x{}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method, what.rows,
          what.columns, classes.size(), size, training->split().training.size(),
          training->split().validation.size(), training->split().test.size());

@@ -27,7 +27,7 @@
 
 /// What one frame costs, in a method for a number of classes.
 struct method_costs {
-    std::size_t parameters = 0;              ///< learnable
+    std::size_t parameters = 0;              ///< weights, biases, scales and shifts
     std::size_t multiply_adds = 0;           ///< all taps
     std::size_t multiply_adds_on_pixels = 0; ///< without those on padding
     std::size_t parameter_bytes = 0;         ///< with running statistics, in single precision
@@ -130,11 +130,15 @@ public:
     /// Not a support vector machine.
     virtual bool is_network() const = 0;
 
+    /// What it is, for sentences.
+    virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
     /// Of a network: the recipe that did best.
     virtual tactnet::recipe default_recipe() const { return tactnet::recipe::default_for(rows, columns); }
     /// All that decides what comes of a training, apart from images, split and seed.
     virtual tactnet::file_metadata describe(const tactnet::recipe& recipe) const = 0;
     virtual method_costs costs(std::size_t classes) const = 0;
+    /// Of all its parameters those that a training changes.
+    virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
     virtual frame_times time_frames() const = 0;
     /// The network that others have trained on photographs and that it begins with, if it does.
     virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }

@@ -90,6 +90,12 @@ inline void check_checkpoint(const safetensors& file, const file_metadata& setti
 
 } // namespace detail
 
+/// Throws file_error unless the file is a checkpoint of a training with these settings. Whether its arrays
+/// are that training's only `load_checkpoint` tells.
+inline void check_checkpoint(const std::filesystem::path& path, const file_metadata& settings) {
+    detail::check_checkpoint(safetensors::read(path), settings);
+}
+
 /// Fills arrays from a checkpoint, after `restore` took the numbers beside them. Returns what is known of the
 /// file's checksum. Throws file_error as below; `restore` refuses numbers by std::invalid_argument.
 inline checksum_state load_checkpoint(const std::filesystem::path& path, std::span<const state_array> arrays,

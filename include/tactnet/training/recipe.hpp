@@ -69,8 +69,8 @@ struct recipe {
         return r;
     }
 
-    /// For layers behind a network that stays as it is, which learn from features that were found once: no
-    /// new images, and few epochs, each of which takes milliseconds.
+    /// For the head of a frozen trunk, which learns from features that were found once: no new images, and
+    /// few epochs, each of which takes milliseconds.
     [[nodiscard]] static recipe on_features() {
         recipe r;
         r.epochs = 30;

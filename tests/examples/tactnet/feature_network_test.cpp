@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <string>
@@ -57,7 +58,11 @@ TEST_SUITE("program") {
         kill(child, SIGKILL);
         shop.wait(child);
         REQUIRE_FALSE(fs::exists(shop / "net"));
-        CHECK(fs::exists(shop / "net.features"));
+        // What another training cannot go on from it does not touch.
+        const std::string kept = text_of(shop / "net.features");
+        shop.refuses(arguments("net", {"--resume", "--seed", "7"}),
+                     "net.checkpoint: setting 'seed' of the stopped training: expected '7', found ");
+        CHECK(text_of(shop / "net.features") == kept);
         const outcome again = shop.run(arguments("net", {"--resume"}));
         REQUIRE_MESSAGE(again.status == 0, again.error);
         CHECK(again.error.find("features of") == std::string::npos);
@@ -67,15 +72,43 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "net.learning.jsonl"));
     }
 
+    TEST_CASE("feature_network: interrupted before and between epochs, it says how to go on") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-pooled-nn"))
+            return;
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto stopped_at = [&](const char* file, std::vector<std::string> more) {
+            more.insert(more.begin(), {"--epochs", "100000", "--checkpoint-every", "1e-9"});
+            const pid_t child = shop.start(training(shop, "squeezenet-pooled-nn", "net", more));
+            for (int i = 0; i < 60'000 && !fs::exists(shop / file); ++i)
+                std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            kill(child, SIGINT);
+            const outcome stopped = shop.wait(child);
+            CHECK(stopped.status == 130);
+            return stopped.error;
+        };
+        CHECK(stopped_at("net.features", {})
+                  .find("the same command goes on with what is left, from "
+                        "net.features") != std::string::npos);
+        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
+        CHECK(stopped_at("net.checkpoint", {})
+                  .find("the same command with --resume goes on from "
+                        "net.checkpoint") != std::string::npos);
+        CHECK(fs::exists(shop / "net.features"));
+        CHECK_FALSE(fs::exists(shop / "net"));
+    }
+
     TEST_CASE("feature_network: features are those of the support vector machine's trunk, found once") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
         keep_images(shop, 4);
         write_pretrained<squeezenet>(shop / "pretrained");
-        const auto evaluate = [&](const char* method) {
+        const auto evaluate = [&](const char* method, const char* results = "results",
+                                  const char* jobs = "1") {
             return shop.run({"evaluate", "--data", shop.data().string(), "--method", method, "--rows", "7",
-                             "--columns", "13", "--splits", "2", "--pretrained", "pretrained"});
+                             "--columns", "13", "--splits", "2", "--pretrained", "pretrained", "--results",
+                             results, "--jobs", jobs});
         };
         const outcome machine = evaluate("squeezenet-pooled-svm"), layers = evaluate("squeezenet-pooled-nn");
         REQUIRE_MESSAGE(machine.status == 0, machine.error);
@@ -83,6 +116,18 @@ TEST_SUITE("program") {
         CHECK(machine.error.find("features of 12 of 12 images") != std::string::npos);
         CHECK(layers.error.find("features of") == std::string::npos);
         CHECK(layers.out.find("squeezenet-pooled-nn") != std::string::npos);
+        // Several trainings share the rows.
+        REQUIRE(evaluate("squeezenet-pooled-nn", "side_by_side", "3").status == 0);
+        const auto confusions = [&](const char* results) {
+            std::vector<std::string> all;
+            for (const std::string& line : lines_of(text_of(shop / results / "evaluation.jsonl")))
+                if (line.find("pooled-nn") != std::string::npos)
+                    all.push_back(line.substr(line.find("\"confusion\"")).substr(0, 60));
+            std::sort(all.begin(), all.end());
+            return all;
+        };
+        CHECK(confusions("side_by_side").size() == 4);
+        CHECK(confusions("side_by_side") == confusions("results"));
     }
 
     TEST_CASE("feature_network: what it cannot do is said") {
@@ -104,8 +149,8 @@ TEST_SUITE("program") {
         REQUIRE_MESSAGE(trained.status == 0, trained.error);
         shop.refuses(
             {"export", "--weights", "net", "--output", "net.hpp"},
-            "net: expected a network, found the layers behind another network, squeezenet-pooled-nn, "
-            "which cannot be written as a header");
+            "net: expected a network, found the head of a frozen trunk squeezenet-pooled-nn, which cannot "
+            "be written as a header");
         // One trunk's layers are no other's.
         shop.refuses({"classify", "--weights", "net", "--method", "squeezenet-pooled-svm",
                       (shop.data() / "left" / "image0.png").string()},

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 
 std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
     std::vector<std::span<float>> arrays;
@@ -16,12 +17,30 @@ std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
     return arrays;
 }
 
-void set_arrays(tactnet::trainable& network, const std::vector<std::vector<float>>& stored) {
-    const auto arrays = arrays_of(network);
+tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tactnet::stored_arrays arrays) {
+    tactnet::model_parts parts{.input = image,
+                               .arrays = std::move(arrays),
+                               .values = {},
+                               .epsilon = model.network->epsilon(),
+                               .mean = model.mean,
+                               .scale = model.scale,
+                               .classes = model.classes};
+    for (const std::span<float> values : arrays_of(*model.network))
+        parts.values.push_back(values);
+    return parts;
+}
+
+void take(any_model& model, tactnet::stored_model stored) {
+    model.network->epsilon() = stored.epsilon;
+    const auto arrays = arrays_of(*model.network);
     for (std::size_t i = 0; i < arrays.size(); ++i) {
         std::ranges::fill(arrays[i], 0.0f);
-        std::ranges::copy(stored[i], arrays[i].begin());
+        std::ranges::copy(stored.arrays[i], arrays[i].begin());
     }
+    model.mean = std::move(stored.mean);
+    model.mean.resize(model.network->input_shape().size());
+    model.scale = stored.scale;
+    model.classes = std::move(stored.classes);
 }
 
 void draw_arrays(tactnet::trainable& network) {
@@ -53,14 +72,17 @@ std::vector<float> logits_of(const any_model& model, std::size_t count,
     return result;
 }
 
+void refuse_logits() {
+    throw std::runtime_error("expected finite logits, found some that are not: the weights are broken");
+}
+
 std::vector<scored_class> likeliest_of(std::span<const float> logits, std::size_t outputs,
                                        std::size_t classes) {
     std::vector<scored_class> result;
     for (std::size_t first = 0; first < logits.size(); first += outputs) {
         const auto found = tactnet::likeliest(logits.subspan(first, classes));
         if (!found)
-            throw std::runtime_error(
-                "expected finite logits, found some that are not: the weights are broken");
+            refuse_logits();
         result.push_back({found->index, found->probability});
     }
     return result;

@@ -4,7 +4,7 @@
 
 #include "methods/method.hpp"
 
-#include <tactnet/io/stored_arrays.hpp>
+#include <tactnet/io/model_file.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 
 #include <cstddef>
@@ -24,8 +24,13 @@ struct any_model {
 /// The values of each array, in the order of `describe`.
 std::vector<std::span<float>> arrays_of(tactnet::trainable& network);
 
-/// Takes what a file holds of each array. Rows of outputs that stand for no class become zero.
-void set_arrays(tactnet::trainable& network, const std::vector<std::vector<float>>& stored);
+/// The model as a file has it, without what it tests itself with. A view of the model; `image` is what the
+/// file's images are.
+tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tactnet::stored_arrays arrays);
+
+/// Takes what a file holds. Rows of outputs that stand for no class become zero; where no mean is stored, it
+/// is zero.
+void take(any_model& model, tactnet::stored_model stored);
 
 /// Parameters by chance, to be timed.
 void draw_arrays(tactnet::trainable& network);
@@ -34,6 +39,9 @@ void draw_arrays(tactnet::trainable& network);
 /// features.
 std::vector<float> logits_of(const any_model& model, std::size_t count,
                              const std::function<void(std::size_t, std::span<float>)>& make);
+
+/// Throws std::runtime_error: logits are not finite.
+[[noreturn]] void refuse_logits();
 
 /// Of rows of `outputs` logits, of which those of `classes` count. Throws std::runtime_error for logits that
 /// are not finite.

@@ -21,11 +21,20 @@ std::vector<std::size_t> all_of(std::size_t count) {
     return all;
 }
 
+/// body(first, how many) for some images at a time: features of all of them can be more than there is memory.
+template <class Body>
+void in_parts(std::size_t images, std::size_t features, const Body& body) {
+    constexpr std::size_t most_bytes = std::size_t{1} << 26U;
+    const std::size_t most = std::max<std::size_t>(1, most_bytes / (features * sizeof(float)));
+    for (std::size_t first = 0; first < images; first += most)
+        body(first, std::min(most, images - first));
+}
+
 tactnet::stored_arrays stored_arrays_of(const compiled_head& head, const tactnet::trainable& network) {
     return tactnet::detail::make_stored_arrays(network.describe(), head.outputs, head.dense_inputs);
 }
 
-/// A trunk with the layers that were trained behind it.
+/// A frozen trunk with the head that was trained behind it.
 class trained_feature_network final : public trained_method {
 public:
     trained_feature_network(const compiled_head& head, tactnet::extent image,
@@ -35,29 +44,40 @@ public:
     const std::vector<std::string>& classes() const override { return model_.classes; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads) const override {
-        const std::vector<float> rows = features_->rows(images.pixels, chosen, threads);
-        std::vector<std::size_t> labels;
-        for (const std::size_t image : chosen)
-            labels.push_back(images.labels[image]);
-        return tactnet::evaluate(*model_.network, model_.mean, model_.scale,
-                                 tactnet::labelled_features{rows, labels, images.classes},
-                                 all_of(chosen.size()), threads);
+        tactnet::evaluation result{0, tactnet::confusion_matrix(images.classes), {}};
+        in_parts(chosen.size(), model_.mean.size(), [&](std::size_t first, std::size_t count) {
+            const auto some = chosen.subspan(first, count);
+            const std::vector<float> rows = features_->rows(images.pixels, some, threads);
+            std::vector<std::size_t> labels;
+            for (const std::size_t image : some)
+                labels.push_back(images.labels[image]);
+            const tactnet::evaluation part =
+                tactnet::evaluate(*model_.network, model_.mean, model_.scale, {rows, labels, images.classes},
+                                  all_of(count), threads);
+            result.loss += part.loss * static_cast<double>(count) / static_cast<double>(chosen.size());
+            for (std::size_t i = 0; i < count; ++i) {
+                result.recognised.push_back(part.recognised[i]);
+                result.confusion.add(labels[i], part.recognised[i]);
+            }
+        });
+        return result;
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const override {
-        return likeliest_of(logits(images, threads), classes().size(), classes().size());
+        std::vector<scored_class> result;
+        in_parts(tactnet::detail::count_images(images.size(), image_.area()), model_.mean.size(),
+                 [&](std::size_t first, std::size_t count) {
+                     const auto some = images.subspan(first * image_.area(), count * image_.area());
+                     for (const scored_class& found :
+                          likeliest_of(logits(some, threads), classes().size(), classes().size()))
+                         result.push_back(found);
+                 });
+        return result;
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
-        tactnet::model_parts parts{.input = {image_.rows, image_.columns},
-                                   .arrays = stored_arrays_of(head_, *model_.network),
-                                   .values = {},
-                                   .epsilon = model_.network->epsilon(),
-                                   .mean = model_.mean,
-                                   .scale = model_.scale,
-                                   .classes = model_.classes};
-        for (const std::span<float> values : arrays_of(*model_.network))
-            parts.values.push_back(values);
+        const auto parts =
+            parts_of(model_, {image_.rows, image_.columns}, stored_arrays_of(head_, *model_.network));
         tactnet::safetensors_writer writer;
         writer.metadata = metadata;
         tactnet::add_model(writer, parts, selftest,
@@ -93,9 +113,9 @@ private:
     any_model model_;
 };
 
-/// What a training learns from, in memory for as long as it lasts: a row of features for each image.
+/// What trainings learn from, in memory for as long as one lasts.
 struct kept_rows {
-    std::vector<float> rows;
+    std::shared_ptr<const std::vector<float>> rows;
 };
 
 class feature_network_training final : private kept_rows, public looped_training {
@@ -104,16 +124,15 @@ public:
                              std::shared_ptr<const trunk_features> features, const tactnet::recipe& recipe,
                              const tactnet::labelled_images& images, tactnet::data_split split,
                              std::uint64_t seed, tactnet::thread_pool& threads)
-        : kept_rows{features->rows(images.pixels, all_of(images.labels.size()), threads)},
-          looped_training(head.make(), recipe,
-                          tactnet::labelled_features{rows, images.labels, images.classes}, std::move(split),
-                          seed, threads),
+        : kept_rows{features->all_rows(images.pixels, threads)},
+          looped_training(head.make(), recipe, {*rows, images.labels, images.classes}, std::move(split), seed,
+                          threads),
           head_(head),
           image_(image),
           features_(std::move(features)) {}
 
     void start_from(const trained_method&) override {
-        throw std::logic_error("layers behind a pretrained network begin by chance");
+        throw std::logic_error("the head of a frozen trunk begins by chance");
     }
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
         return std::make_unique<trained_feature_network>(
@@ -135,15 +154,11 @@ public:
         : method(trunk->head.method, rows_, columns_, trunk->head.outputs), trunk_(std::move(trunk)) {}
 
     bool is_network() const override { return true; }
+    std::string_view kind() const override { return "head of a frozen trunk"; }
     bool keeps_features() const override { return true; }
-    std::optional<pretrained_file> pretrained() const override {
-        return pretrained_file{trunk_->names.network, trunk_->arrays().list.front().name,
-                               trunk_->costs.parameter_bytes};
-    }
+    std::optional<pretrained_file> pretrained() const override { return pretrained_file_of(*trunk_); }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
-        return std::make_shared<trunk_features>(
-            trunk_, head().features, image(),
-            std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)), "");
+        return open_trunk(trunk_, head().features, image(), path);
     }
     tactnet::recipe default_recipe() const override { return tactnet::recipe::on_features(); }
     tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
@@ -160,27 +175,30 @@ public:
                 own.parameter_bytes + trunk_->costs.parameter_bytes,
                 std::max(own.activation_bytes, trunk_->costs.activation_bytes)};
     }
+    std::size_t learnable(std::size_t classes) const override {
+        return costs(classes).parameters - trunk_->costs.parameters;
+    }
     /// With weights by chance, since none may be at hand.
     frame_times time_frames() const override {
         const feature_finder finder{trunk_, head().features, image(), tactnet::torchvision_photograph};
         const std::unique_ptr<any_trunk> network = trunk_->seeded();
-        const any_model model{head().make(), std::vector<float>(finder.size()), 1,
-                              std::vector<std::string>(head().outputs)};
-        draw_arrays(*model.network);
+        const std::unique_ptr<tactnet::trainable> own = head().make();
+        draw_arrays(*own);
         tactnet::thread_pool alone;
+        const auto space = own->make_workspace();
+        own->prepare(alone, *space);
         const auto time = [&](std::size_t batch) {
             std::vector<std::uint8_t> images(batch * rows * columns);
             for (std::size_t e = 0; e < images.size(); ++e)
                 images[e] = static_cast<std::uint8_t>(e * 37 % 64);
             const std::vector<std::size_t> all = all_of(batch);
             std::vector<float> found(batch * finder.size());
+            tactnet::sample_batch in(finder.size(), batch), out(own->outputs(), batch);
             return brief_median_microseconds([&] {
                        finder.find(*network, images, all, alone, found);
-                       static_cast<void>(
-                           logits_of(model, batch, [&](std::size_t i, std::span<float> features) {
-                               std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(i * finder.size()),
-                                           finder.size(), features.begin());
-                           }));
+                       for (std::size_t i = 0; i < batch; ++i)
+                           in.set(i, std::span(found).subspan(i * finder.size(), finder.size()));
+                       own->logits(alone, *space, in, out);
                    }) /
                    static_cast<double>(batch);
         };
@@ -190,22 +208,15 @@ public:
                                         tactnet::data_split split, std::uint64_t seed,
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
-        auto features = std::dynamic_pointer_cast<const trunk_features>(from);
-        if (!features)
-            throw std::logic_error(name + " expects the weights that it has opened");
-        return std::make_unique<feature_network_training>(head(), image(), std::move(features), recipe,
-                                                          images, std::move(split), seed, threads);
+        return std::make_unique<feature_network_training>(head(), image(), features_of(from), recipe, images,
+                                                          std::move(split), seed, threads);
     }
     std::unique_ptr<trained_method> load(const weight_file& file,
                                          std::optional<double> epsilon) const override {
         require_metadata(file.arrays, describe_features(*trunk_, head().features));
         any_model model{head().make(), {}, 1, {}};
-        tactnet::stored_model stored = tactnet::read_model(file.arrays, {rows, columns},
-                                                           stored_arrays_of(head(), *model.network), epsilon);
-        model.network->epsilon() = stored.epsilon;
-        set_arrays(*model.network, stored.arrays);
-        model.mean.resize(model.network->input_shape().size());
-        model.classes = std::move(stored.classes);
+        const auto arrays = stored_arrays_of(head(), *model.network);
+        take(model, tactnet::read_model(file.arrays, {rows, columns}, arrays, epsilon));
         auto trained = std::make_unique<trained_feature_network>(
             head(), image(), stored_features(trunk_, head().features, image(), file), std::move(model));
         trained->check_selftest(file.arrays);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Layers that are trained behind a trunk that stays as it is, as methods.
+// Heads that are trained behind a frozen trunk, as methods.
 
 #include "methods/method.hpp"
 #include "methods/trunks/compiled.hpp"

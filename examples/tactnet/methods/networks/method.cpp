@@ -31,13 +31,7 @@ any_model load_model(const compiled_network& code, const tactnet::safetensors& f
                      std::optional<double> epsilon) {
     any_model model{code.make(), {}, 1, {}};
     const tactnet::shape input = model.network->input_shape();
-    tactnet::stored_model stored = tactnet::read_model(file, input, stored_arrays_of(code), epsilon);
-    model.network->epsilon() = stored.epsilon;
-    set_arrays(*model.network, stored.arrays);
-    model.mean = std::move(stored.mean);
-    model.mean.resize(input.size());
-    model.scale = stored.scale;
-    model.classes = std::move(stored.classes);
+    take(model, tactnet::read_model(file, input, stored_arrays_of(code), epsilon));
     tactnet::check_selftest(file, input, model.classes.size(),
                             [&](std::span<const std::uint8_t> images) { return logits_of(model, images); });
     return model;
@@ -72,20 +66,13 @@ public:
         const auto deployed = code_.deploy(model_);
         const std::size_t count = images.size() / (code_.rows * code_.columns);
         std::vector<float> logits(count * code_.outputs);
-        static_cast<void>(deployed->recognise(threads, images, logits)); // which logits tell themselves
+        if (!deployed->recognise(threads, images, logits))
+            refuse_logits();
         return likeliest_of(logits, code_.outputs, classes().size());
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
-        tactnet::model_parts parts{.input = model_.network->input_shape(),
-                                   .arrays = stored_arrays_of(code_),
-                                   .values = {},
-                                   .epsilon = model_.network->epsilon(),
-                                   .mean = model_.mean,
-                                   .scale = model_.scale,
-                                   .classes = model_.classes};
-        for (const std::span<float> values : arrays_of(*model_.network))
-            parts.values.push_back(values);
+        const auto parts = parts_of(model_, model_.network->input_shape(), stored_arrays_of(code_));
         tactnet::save_model(path, parts, metadata, selftest,
                             [&](std::span<const std::uint8_t> images) { return logits_of(model_, images); });
     }

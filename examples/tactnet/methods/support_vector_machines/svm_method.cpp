@@ -3,7 +3,6 @@
 #include "methods/description.hpp"
 #include "methods/support_vector_machines/trained.hpp"
 
-#include <tactnet/io/text.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <fmt/format.h>

@@ -6,10 +6,7 @@
 
 #include <tactnet/runtime/random.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <stdexcept>
 #include <stopwatch.hpp>
 #include <string>
 #include <string_view>
@@ -126,25 +123,17 @@ public:
           form_(recipe.features),
           trunk_(std::move(trunk)) {}
 
-    std::optional<pretrained_file> pretrained() const override {
-        return pretrained_file{trunk_->names.network, trunk_->arrays().list.front().name,
-                               trunk_->costs.parameter_bytes};
-    }
+    std::optional<pretrained_file> pretrained() const override { return pretrained_file_of(*trunk_); }
     bool keeps_features() const override { return true; }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
-        return std::make_shared<trunk_features>(
-            trunk_, form_, tactnet::extent{rows, columns},
-            std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)), "");
+        return open_trunk(trunk_, form_, {rows, columns}, path);
     }
     std::unique_ptr<training_run> train(const tactnet::recipe&, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t,
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
-        auto features = std::dynamic_pointer_cast<const trunk_features>(from);
-        if (!features)
-            throw std::logic_error(name + " expects the weights that it has opened");
         return train_on(std::make_unique<trunk_image_features>(trunk_, form_, tactnet::extent{rows, columns},
-                                                               std::move(features)),
+                                                               features_of(from)),
                         images, std::move(split), threads);
     }
     method_costs costs(std::size_t classes) const override {

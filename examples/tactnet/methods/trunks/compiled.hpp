@@ -40,7 +40,7 @@ struct trunk_names {
     std::vector<std::string> behind;
 };
 
-/// The network that is trained behind a trunk, on features of it: what is compiled of that.
+/// The head of a frozen trunk, a network that is trained on its features: what is compiled of that.
 struct compiled_head {
     std::string_view method;                  ///< that trains it: "squeezenet-pooled-nn"
     trunk_features_form features;             ///< that it is trained on

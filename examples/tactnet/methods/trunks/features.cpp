@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <chrono>
 #include <interrupt.hpp>
+#include <numeric>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <thread>
@@ -114,6 +115,20 @@ std::vector<float> trunk_features::rows(std::span<const std::uint8_t> images,
     return result;
 }
 
+std::shared_ptr<const std::vector<float>> trunk_features::all_rows(std::span<const std::uint8_t> images,
+                                                                   tactnet::thread_pool& threads) const {
+    const std::lock_guard lock(shared_mutex_); // the second waits, and has them too
+    auto shared = shared_.lock();
+    if (shared && shared_images_ == images.data())
+        return shared;
+    std::vector<std::size_t> all(images.size() / finder_.image.area());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    shared = std::make_shared<const std::vector<float>>(rows(images, all, threads));
+    shared_ = shared;
+    shared_images_ = images.data();
+    return shared;
+}
+
 tactnet::file_metadata trunk_features::describe(const image_data& data) const {
     tactnet::file_metadata all = finder_.form.describe();
     all["trunk"] = finder_.trunk->names.network.name;
@@ -203,6 +218,25 @@ void trunk_features::add_to(tactnet::safetensors_writer& writer) const {
         add(array.name);
     if (file_->contains(prefix_ + "input_mean"))
         add("input_mean");
+}
+
+pretrained_file pretrained_file_of(const compiled_trunk& trunk) {
+    return {trunk.names.network, trunk.arrays().list.front().name, trunk.costs.parameter_bytes};
+}
+
+std::shared_ptr<pretrained_weights> open_trunk(std::shared_ptr<const compiled_trunk> trunk,
+                                               trunk_features_form form, tactnet::extent image,
+                                               const std::filesystem::path& path) {
+    return std::make_shared<trunk_features>(
+        std::move(trunk), form, image,
+        std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)), "");
+}
+
+std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrained_weights>& opened) {
+    auto features = std::dynamic_pointer_cast<const trunk_features>(opened);
+    if (!features)
+        throw std::logic_error("a method behind a trunk expects the weights that it has opened");
+    return features;
 }
 
 tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form) {

@@ -15,6 +15,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -54,6 +55,10 @@ public:
     std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                             tactnet::thread_pool& threads) const;
 
+    /// The rows of all images: read or found once, and shared for as long as anyone has them.
+    std::shared_ptr<const std::vector<float>> all_rows(std::span<const std::uint8_t> images,
+                                                       tactnet::thread_pool& threads) const;
+
     /// The trunk's arrays, as they are in the file. The writer reads them when it writes.
     void add_to(tactnet::safetensors_writer& writer) const;
 
@@ -70,7 +75,23 @@ private:
     mutable std::unique_ptr<any_trunk> network_;
     std::span<const std::uint8_t> kept_images_; ///< whose rows are in the store
     std::unique_ptr<row_store> kept_;
+    mutable std::mutex shared_mutex_;
+    mutable std::weak_ptr<const std::vector<float>> shared_; ///< rows of all images …
+    mutable const std::uint8_t* shared_images_ = nullptr;    ///< … that are there
 };
+
+// What methods behind a trunk have in common.
+
+/// The file that they need.
+pretrained_file pretrained_file_of(const compiled_trunk& trunk);
+
+/// That file, opened. Throws tactnet::file_error.
+std::shared_ptr<pretrained_weights> open_trunk(std::shared_ptr<const compiled_trunk> trunk,
+                                               trunk_features_form form, tactnet::extent image,
+                                               const std::filesystem::path& path);
+
+/// What it was opened as.
+std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrained_weights>& opened);
 
 /// The part of the largest value by which what is found from features may differ on another processor: a
 /// pixel of the photograph that lies half-way between two counts may be rounded to either.

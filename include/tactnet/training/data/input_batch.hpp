@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 
 #include <cstddef>
@@ -12,7 +11,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The batch in front of a network: images of counts, each as (count − mean) × scale, or features alike.
+/// The batch in front of a network: images of counts, each as (count − mean) × scale. Features have no mean
+/// and a scale of 1: they are what they are.
 class input_batch {
 public:
     /// Images of `size` pixels, made on `threads`. Until told otherwise nothing is subtracted, and the scale

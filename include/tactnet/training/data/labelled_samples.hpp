@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <variant>
 
 namespace tactnet {
@@ -23,17 +24,27 @@ struct labelled_features {
 class labelled_samples {
 public:
     labelled_samples(const labelled_images& images)
-        : labels_(images.labels), classes_(images.classes), numbers_(images.pixels) {}
+        : labelled_samples(images.pixels, images.labels, images.classes) {}
     labelled_samples(const labelled_features& features)
-        : labels_(features.labels), classes_(features.classes), numbers_(features.values) {}
+        : labelled_samples(features.values, features.labels, features.classes) {}
+    labelled_samples(std::span<const std::uint8_t> pixels, std::span<const std::size_t> labels,
+                     std::size_t classes)
+        : labels_(labels), classes_(classes), numbers_(pixels) {}
+    labelled_samples(std::span<const float> features, std::span<const std::size_t> labels,
+                     std::size_t classes)
+        : labels_(labels), classes_(classes), numbers_(features) {}
 
     [[nodiscard]] std::size_t size() const { return labels_.size(); }
     [[nodiscard]] std::size_t classes() const { return classes_; }
     [[nodiscard]] std::size_t label(std::size_t sample) const { return labels_[sample]; }
     [[nodiscard]] bool are_images() const { return numbers_.index() == 0; }
 
-    /// The counts of all images. Throws std::bad_variant_access for features.
-    [[nodiscard]] std::span<const std::uint8_t> pixels() const { return std::get<0>(numbers_); }
+    /// The counts of all images. Throws std::logic_error for features.
+    [[nodiscard]] std::span<const std::uint8_t> pixels() const {
+        if (!are_images())
+            throw std::logic_error("labelled_samples: expected images, found features");
+        return std::get<0>(numbers_);
+    }
     /// The numbers of one sample, as many as there is room for: counts, or features.
     void copy(std::size_t sample, std::span<float> to) const {
         std::visit(
