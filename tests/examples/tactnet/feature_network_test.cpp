@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <string>
 #include <thread>
 #include <vector>
@@ -60,8 +61,15 @@ TEST_SUITE("program") {
         REQUIRE_FALSE(fs::exists(shop / "net"));
         // What another training cannot go on from it does not touch.
         const std::string kept = text_of(shop / "net.features");
-        shop.refuses(arguments("net", {"--resume", "--seed", "7"}),
-                     "net.checkpoint: setting 'seed' of the stopped training: expected '7', found ");
+        const fs::path image = shop.data() / "left" / "image0.png";
+        fs::rename(image, shop / "away.png");
+        const outcome refused = shop.run(arguments("net", {"--resume"}));
+        fs::rename(shop / "away.png", image);
+        CHECK(refused.status == 2);
+        CHECK_MESSAGE(
+            refused.error.find("net.checkpoint: setting 'data' of the stopped training: expected '") !=
+                std::string::npos,
+            refused.error);
         CHECK(text_of(shop / "net.features") == kept);
         const outcome again = shop.run(arguments("net", {"--resume"}));
         REQUIRE_MESSAGE(again.status == 0, again.error);
@@ -121,8 +129,10 @@ TEST_SUITE("program") {
         const auto confusions = [&](const char* results) {
             std::vector<std::string> all;
             for (const std::string& line : lines_of(text_of(shop / results / "evaluation.jsonl")))
-                if (line.find("pooled-nn") != std::string::npos)
-                    all.push_back(line.substr(line.find("\"confusion\"")).substr(0, 60));
+                if (line.find("pooled-nn") != std::string::npos) {
+                    const std::size_t first = line.find("\"confusion\"");
+                    all.push_back(line.substr(first, line.find(']', first) - first));
+                }
             std::sort(all.begin(), all.end());
             return all;
         };
