@@ -12,7 +12,7 @@ using namespace tactnet;
 
 TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
     using net_type = tactnet4<shape{28, 50, 1}, 22>;
-    net_type net, same, other;
+    net_type net, again, other;
     for (const bool by_he : {false, true}) {
         const initialisation rule = by_he ? initialisation(he_normal{}) : initialisation(fixed_normal{0.01});
         for (float& v : net.learnable_values())
@@ -41,9 +41,9 @@ TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
         return std::vector<float>(learned.begin(), learned.end());
     };
     initialise(net, he_normal{}, 1);
-    initialise(same, he_normal{}, 1);
+    initialise(again, he_normal{}, 1);
     initialise(other, he_normal{}, 2);
-    CHECK(values(net) == values(same));
+    CHECK(values(net) == values(again));
     CHECK(values(net) != values(other));
     CHECK(net.learnable_values()[0] != net.learnable_values()[208 + 16]); // arrays are not drawn alike
 }
