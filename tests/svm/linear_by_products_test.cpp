@@ -60,7 +60,7 @@ TEST_CASE("linear_by_products: values are those of a kernel machine of the linea
 TEST_CASE("linear_by_products: bit-exact on any number of threads") {
     const support::samples s = support::blobs(50, 300, 5, 1);
     const auto alone = train(s, {});
-    for (const std::size_t threads : {2, 3, 7}) {
+    for (const std::size_t threads : {2U, 3U, 7U}) {
         const auto many = train(s, {}, threads);
         CHECK(many.machine.parameters().weights == alone.machine.parameters().weights);
         CHECK(many.machine.parameters().offsets == alone.machine.parameters().offsets);

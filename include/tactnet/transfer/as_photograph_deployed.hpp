@@ -36,8 +36,8 @@ template <extent From, std::size_t InputStride, extent To>
 struct step_spelling<as_photograph_step<single_precision, From, InputStride, To>> {
     static spelled_step of(step_text& text, const shape&, const std::string& stride) {
         text.include("tactnet/transfer/as_photograph_step.hpp");
-        return {"Photograph", "tactnet::as_photograph_step<tactnet::single_precision, " + text_of(From) +
-                                  ", " + stride + ", " + text_of(To) + ">"};
+        return {"Photograph", "tactnet::as_photograph_step<tactnet::single_precision, tactnet::extent" +
+                                  text_of(From) + ", " + stride + ", tactnet::extent" + text_of(To) + ">"};
     }
 };
 

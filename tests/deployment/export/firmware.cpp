@@ -5,6 +5,7 @@
 // TEST_SAME_BITS  the outputs must have the bits of the machine that wrote the header
 // TEST_SEALED     it must be possible to give up system calls
 
+#include "large.hpp" // compiled only: it is not for a stack
 #include "mixed.hpp"
 #include "small.hpp"
 

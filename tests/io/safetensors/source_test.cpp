@@ -90,7 +90,7 @@ TEST_CASE("safetensors_source: bytes go from file to file without being held, an
 
     // What does not give as many bytes as it said leaves nothing.
     const std::array<std::byte, 8> bytes{};
-    for (const std::size_t given : {7, 9}) {
+    for (const std::size_t given : {7U, 9U}) {
         safetensors_writer wrong;
         wrong.add("x", element_type::float32, {2}, [&](const auto& take) {
             take(std::span(bytes).first(4));
