@@ -80,7 +80,7 @@ task resize_task(const char* name, std::size_t calls, double goal) {
 
 /// In and out of a pixel's neighbourhood within OpenCV's 1/32 of a pixel: positions are rounded to that.
 task affine_task() {
-    static tactnet::tensor<float, frame> ours, peers;
+    static tactnet::tensor<float, frame> ours;
     static std::uint32_t sample = 0;
     static const tactnet::augmentation_ranges ranges{.reflect_rows = 0.5,
                                                      .reflect_columns = 0.5,
@@ -95,6 +95,7 @@ task affine_task() {
     task t{.name = "28x50 random affine, bilinear, drawn", .calls = 500, .goal = 3};
     t.ours = [] { tactnet::transform_image<frame>(draw(sample++), image().view(), ours.view()); };
 #ifdef TACTNET_BENCHMARK_OPENCV
+    static tactnet::tensor<float, frame> peers;
     static const auto warp = [](const tactnet::image_transform& m) {
         const double x = (frame.columns - 1) / 2.0, y = (frame.rows - 1) / 2.0;
         const double map[6]{m.column_by_column,
