@@ -2,7 +2,7 @@
 
 #include <tactnet/transfer/as_photograph_deployed.hpp>
 #include <tactnet/transfer/feature_extractor.hpp>
-#include <tactnet/transfer/feature_network.hpp>
+#include <tactnet/transfer/feature_head.hpp>
 #include <tactnet/transfer/feature_pooling.hpp>
 #include <tactnet/transfer/networks.hpp>
 #include <tactnet/transfer/photograph.hpp>

@@ -1,5 +1,6 @@
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/file.hpp>
+#include <tactnet/io/safetensors.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/training/trainer.hpp>
@@ -131,6 +132,10 @@ TEST_CASE("checkpoint: of other settings it says which") {
     CHECK(error_of(path, second, {{"seed", "3"}, {"network", "small"}, {"data", "x"}}) ==
           "setting 'data' of the stopped training: expected 'x', found none");
     CHECK(second.bits() == before);
+    // Without reading what was trained: from the header alone.
+    CHECK_NOTHROW(check_checkpoint(path, settings));
+    CHECK_THROWS_AS(check_checkpoint(path, {{"seed", "4"}}), file_error);
+    CHECK_THROWS_AS(check_checkpoint(folder / "nothing", settings), file_error);
 }
 
 TEST_CASE("checkpoint: damaged files change nothing") {

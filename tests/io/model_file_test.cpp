@@ -211,7 +211,7 @@ TEST_CASE("model_file: as many names as outputs at most, and one at least") {
     for (const std::size_t wrong : {0u, 6u}) {
         m.classes.assign(wrong, "one of them");
         CHECK_THROWS_WITH_AS(save_model(folder / "m.safetensors", m, {}, images(1)),
-                             "save_model: classes must be 1 to 5", std::invalid_argument);
+                             "model: classes must be 1 to 5", std::invalid_argument);
     }
     CHECK_FALSE(std::filesystem::exists(folder / "m.safetensors"));
 }

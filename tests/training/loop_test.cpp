@@ -137,7 +137,7 @@ TEST_CASE("training_loop: features go to the network as they are") {
     how.input = input_rule::subtract_mean;
     how.augmentation = augmentation_rule::sixfold;
     training_loop on_features(std::make_unique<trainable_network<net>>(), how, found, split, 1, threads);
-    CHECK(on_features.images_per_epoch() == split.training.size());
+    CHECK(on_features.samples_per_epoch() == split.training.size());
     CHECK(on_features.scale() == 1);
     CHECK(std::ranges::count(on_features.mean(), 0.0F) == 91);
     while (!on_images.finished()) {

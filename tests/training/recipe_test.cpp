@@ -26,6 +26,16 @@ TEST_CASE("recipe::published: as in the authors' programs for pretrained network
     CHECK(r.augmentation == augmentation_rule::none);
 }
 
+TEST_CASE("recipe::on_features: no new samples are made, and the rate falls to nothing over few epochs") {
+    const recipe r = recipe::on_features();
+    CHECK(r.augmentation == augmentation_rule::none);
+    CHECK(r.epochs == 30);
+    CHECK(r.rate == 3e-3);
+    CHECK(r.averaging == 0);
+    CHECK(std::holds_alternative<adamw>(r.optimiser));
+    CHECK(std::holds_alternative<one_cycle>(r.schedule));
+}
+
 TEST_CASE("recipe::published: as in the paper") {
     const recipe r = recipe::published(28, 50, tactnet6_training);
     CHECK(std::get<sgd>(r.optimiser).momentum == 0.8);

@@ -380,10 +380,10 @@ TEST_CASE("trainer: input as counts minus the mean of the training images, or sc
     training scaled(r, task.images(), split_of(task), 1, threads);
     CHECK(scaled.input_normalisation().scale == 1.0f / 255);
     CHECK(scaled.input_normalisation().mean(3, 3) == 0);
-    CHECK(centred.images_per_epoch() == 3 * 13);
+    CHECK(centred.samples_per_epoch() == 3 * 13);
     r.augmentation = augmentation_rule::sixfold;
     training six(r, task.images(), split_of(task), 1, threads);
-    CHECK(six.images_per_epoch() == 6 * centred.images_per_epoch());
+    CHECK(six.samples_per_epoch() == 6 * centred.samples_per_epoch());
 }
 
 TEST_CASE("trainer: refuses a split without training images") {

@@ -126,12 +126,10 @@ void keep_unwritten(network_training& training, const checkpoint_options& checkp
 
 bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,
                 const tactnet::file_metadata& settings) {
-    if (checkpoint.resume) {
-        check_no_device(checkpoint.path);
+    if (checkpoint.resume)
         if (training.load_checkpoint(checkpoint.path, settings) == tactnet::checksum_state::absent)
             tell("{}: no checksum in it, so that damage may go unnoticed\n",
                  printable(checkpoint.path.string()));
-    }
     catch_interrupts();
     if (run(training, epochs, checkpoint, settings))
         return true;

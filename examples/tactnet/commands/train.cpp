@@ -119,7 +119,7 @@ output_files files_for(const method& what, const train_options& o) {
 }
 
 /// `training`: nothing for a support vector machine, which has no learning curve.
-void write_reports(const train_options& o, const std::filesystem::path& reports,
+void write_reports(const train_options& o, const std::filesystem::path& reports, std::string_view recipe,
                    const network_training* training, const tactnet::confusion_matrix& test,
                    const std::vector<std::string>& classes) {
     const std::string title = fmt::format("{} {}x{}", o.method, o.training.rows, o.training.columns);
@@ -127,8 +127,8 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
     if (training != nullptr) {
         tactnet::write_file(reports.string() + ".learning.jsonl",
                             learning_curve_json_lines(training->history()));
-        plot_learning_curve(reports.string() + ".learning",
-                            fmt::format("{}, {} recipe", title, o.training.recipe), training->history());
+        plot_learning_curve(reports.string() + ".learning", fmt::format("{}, {} recipe", title, recipe),
+                            training->history());
     }
     if (test.total() > 0)
         plot_confusion(reports.string() + ".confusion",
@@ -153,7 +153,7 @@ std::string finish(const train_options& o, const output_files& files, const imag
 
     make_folder_of(files.weights);
     best->save(files.weights, metadata, selftest_images(o.selftest, o.training.rows, o.training.columns));
-    write_reports(o, files.reports, epochs, test.confusion, classes);
+    write_reports(o, files.reports, recipe_for(what, o.training).name, epochs, test.confusion, classes);
     std::error_code ignored; // a finished training has nothing to go on with
     if (epochs != nullptr)
         std::filesystem::remove(files.checkpoint, ignored);
@@ -275,8 +275,8 @@ void add_run_options(CLI::App& app, train_options& o) {
 } // namespace
 
 command add_train(CLI::App& program) {
-    auto* app = program.add_subcommand(
-        "train", "Train a network or a support vector machine on a folder of images and save it");
+    auto* app = program.add_subcommand("train", "Train a network, the head of a frozen one or a support "
+                                                "vector machine on a folder of images, and save it");
     auto o = std::make_shared<train_options>();
     app->add_option("--data", o->data,
                     "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")

@@ -132,7 +132,7 @@ public:
 
     /// What it is, for sentences.
     virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
-    /// Of a network: the recipe that did best.
+    /// Of a network: the recipe that did best, or the authors' where none was looked for.
     virtual tactnet::recipe default_recipe() const { return tactnet::recipe::default_for(rows, columns); }
     /// All that decides what comes of a training, apart from images, split and seed.
     virtual tactnet::file_metadata describe(const tactnet::recipe& recipe) const = 0;

@@ -29,24 +29,12 @@ const method& find_method(std::string_view name, std::size_t rows, std::size_t c
                     name, sizes, rows, columns));
 }
 
-namespace {
-
-template <class Wanted>
-std::string names_of(const Wanted& wanted) {
+std::string method_names() {
     std::vector<std::string> names;
     for (const auto& m : all_methods())
-        if (wanted(*m) && std::find(names.begin(), names.end(), m->name) == names.end())
+        if (std::find(names.begin(), names.end(), m->name) == names.end())
             names.push_back(m->name);
     return fmt::format("{}", fmt::join(names, ", "));
-}
-
-} // namespace
-
-std::string network_names() {
-    return names_of([](const method& m) { return m.is_network(); });
-}
-std::string method_names() {
-    return names_of([](const method&) { return true; });
 }
 
 void check_capacity(const method& what, const std::string& data, std::size_t classes) {

@@ -22,7 +22,5 @@ const method& find_method(std::string_view name, std::size_t rows, std::size_t c
 /// Throws tactnet::file_error when a data folder has more classes than the method can tell apart.
 void check_capacity(const method& what, const std::string& data, std::size_t classes);
 
-/// Each network once: "tactnet4, tactnet6, …".
-std::string network_names();
-/// Networks and support vector machines.
+/// Each once: "tactnet4, tactnet6, …".
 std::string method_names();

@@ -103,6 +103,11 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--augmentation: expected none, since features of images are found once, for {}; "
                         "found {}",
                         what.name, *s.augmentation));
+    if (what.is_network() && what.keeps_features() && s.batch == 1U)
+        throw usage_error(
+            fmt::format("--batch: expected 0 or at least 2, since batch norms learn nothing from "
+                        "one row of features, for {}; found 1",
+                        what.name));
     if (what.pretrained() && s.input && *s.input != "scale")
         throw usage_error(
             fmt::format("--input: expected scale, as weights learnt from photographs want it, for {}; "

@@ -2,8 +2,10 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors/header.hpp>
+#include <tactnet/io/safetensors/index.hpp>
+#include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/text.hpp>
 
@@ -68,7 +70,7 @@ void save_checkpoint(const std::filesystem::path& path, Trainer& trainer, const 
 namespace detail {
 
 /// Throws file_error unless the file is a checkpoint of a training with these settings.
-inline void check_checkpoint(const safetensors& file, const file_metadata& settings) {
+inline void check_checkpoint(const safetensors_index& file, const file_metadata& settings) {
     const auto stored = [&](const std::string& key) -> const std::string* {
         const auto found = file.metadata().find(key);
         return found == file.metadata().end() ? nullptr : &found->second;
@@ -90,10 +92,10 @@ inline void check_checkpoint(const safetensors& file, const file_metadata& setti
 
 } // namespace detail
 
-/// Throws file_error unless the file is a checkpoint of a training with these settings. Whether its arrays
-/// are that training's only `load_checkpoint` tells.
+/// Throws file_error unless the file says that it is a checkpoint of a training with these settings. Reads
+/// its header only: whether its arrays are whole, and that training's, `load_checkpoint` tells.
 inline void check_checkpoint(const std::filesystem::path& path, const file_metadata& settings) {
-    detail::check_checkpoint(safetensors::read(path), settings);
+    detail::check_checkpoint(safetensors_source::open(path, checksum_rule::ignore), settings);
 }
 
 /// Fills arrays from a checkpoint, after `restore` took the numbers beside them. Returns what is known of the
@@ -101,20 +103,23 @@ inline void check_checkpoint(const std::filesystem::path& path, const file_metad
 inline checksum_state load_checkpoint(const std::filesystem::path& path, std::span<const state_array> arrays,
                                       const std::function<void(std::span<const double>)>& restore,
                                       const file_metadata& settings) {
-    const safetensors file = safetensors::read(path);
+    safetensors_source file = safetensors_source::open(path);
     detail::check_checkpoint(file, settings);
     // All is read and checked before any of it is used.
-    std::vector<std::vector<double>> states;
-    for (const state_array& array : arrays) {
-        const std::size_t size = std::visit([](auto to) { return to.size(); }, array.values);
-        file.require_extents(array.name, std::vector{size});
-        states.push_back(file.values<double>(array.name));
-        for (std::size_t i = 0; i < states.back().size(); ++i)
-            if (!std::isfinite(states.back()[i]))
-                throw file_error(file.file(),
-                                 detail::tensor_place(array.name) + ", element " + std::to_string(i),
-                                 "a finite number", std::to_string(states.back()[i]));
-    }
+    std::vector<std::variant<std::vector<float>, std::vector<double>>> states;
+    for (const state_array& array : arrays)
+        std::visit(
+            [&](auto to) {
+                file.require_extents(array.name, std::vector{to.size()});
+                auto values = file.values<typename decltype(to)::value_type>(array.name);
+                for (std::size_t i = 0; i < values.size(); ++i)
+                    if (!std::isfinite(values[i]))
+                        throw file_error(file.file(),
+                                         detail::tensor_place(array.name) + ", element " + std::to_string(i),
+                                         "a finite number", std::to_string(values[i]));
+                states.emplace_back(std::move(values));
+            },
+            array.values);
     const std::vector<double> progress = file.values<double>("progress");
     try {
         restore(progress);
@@ -125,9 +130,8 @@ inline checksum_state load_checkpoint(const std::filesystem::path& path, std::sp
     for (std::size_t index = 0; index < arrays.size(); ++index)
         std::visit(
             [&](auto to) {
-                using number = typename decltype(to)::value_type;
-                std::transform(states[index].begin(), states[index].end(), to.begin(),
-                               [](double v) { return static_cast<number>(v); });
+                std::ranges::copy(std::get<std::vector<typename decltype(to)::value_type>>(states[index]),
+                                  to.begin());
             },
             arrays[index].values);
     return file.checksum();

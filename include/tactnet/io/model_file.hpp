@@ -193,7 +193,7 @@ template <class Network>
 inline void add_model(safetensors_writer& writer, const model_parts& m,
                       std::span<const std::uint8_t> selftest, const logits_function& logits) {
     const std::size_t classes = m.classes.size();
-    detail::check_classes("save_model", classes, m.arrays.outputs);
+    detail::check_classes("model", classes, m.arrays.outputs);
     const bool subtracts = std::any_of(m.mean.begin(), m.mean.end(), [](float v) { return v != 0; });
     add_description(writer.metadata, {.network = {},
                                       .rows = m.input.rows,

@@ -45,6 +45,16 @@ inline void check_trunk(std::span<const parameter> parameters, std::span<const s
             refuse("numbers in " + parameters[i].name, parameters[i].size, arrays[i].size());
 }
 
+/// Throws unless batch norms of a network of features, which has one value of each in a sample, see more than
+/// one: of a single value they give their shift alone, whatever the value is.
+inline void check_batches(trainable& network, const epoch_samples& shown) {
+    const shape input = network.input_shape();
+    if (input.rows * input.columns == 1 && !network.running_statistics().empty() &&
+        shown.size() / shown.steps() < 2)
+        throw std::invalid_argument("trainer: expected batches of two or more samples, since batch norms of "
+                                    "one value learn nothing, found one of a single sample");
+}
+
 } // namespace detail
 
 /// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, sample), all
@@ -69,6 +79,7 @@ public:
           in_(network_->input_shape().size(), threads),
           out_(network_->outputs()),
           out_gradient_(network_->outputs()) {
+        detail::check_batches(*network_, shown_);
         network_->epsilon() = how.epsilon;
         if (samples_.are_images()) {
             if (how.input == input_rule::subtract_mean)
@@ -83,23 +94,19 @@ public:
         decayed_ = detail::decay_mask(parameters, size);
         std::uint32_t index = 0;
         for (const parameter& p : parameters)
-            detail::initialise(
-                p,
-                (learnable(p.what) ? network_->learnable_values() : network_->running_statistics())
-                    .subspan(p.offset, p.size),
-                how.initialisation, seed, index);
+            detail::initialise(p, network_->values_of(p), how.initialisation, seed, index);
         averaged_ = network_->copy();
         best_ = network_->copy();
     }
 
     [[nodiscard]] bool finished() const { return progress_.stopped || history().size() >= how_.epochs; }
     [[nodiscard]] const std::vector<epoch_report>& history() const { return progress_.history; }
-    [[nodiscard]] std::size_t images_per_epoch() const { return shown_.size(); }
+    [[nodiscard]] std::size_t samples_per_epoch() const { return shown_.size(); }
     /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
     /// where there are no validation images.
     [[nodiscard]] const trainable& best() const { return split_.validation.empty() ? candidate() : *best_; }
     [[nodiscard]] const trainable& latest() const { return candidate(); }
-    /// Inputs are (count − mean) × scale.
+    /// Inputs are (number − mean) × scale, of counts or of features.
     [[nodiscard]] std::span<const float> mean() const { return in_.mean(); }
     [[nodiscard]] float scale() const { return in_.scale(); }
     [[nodiscard]] const data_split& split() const { return split_; }
@@ -130,10 +137,7 @@ public:
                 continue;
             const parameter& p = parameters[i];
             for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
-                std::copy(arrays[i].begin(), arrays[i].end(),
-                          (learnable(p.what) ? each->learnable_values() : each->running_statistics())
-                              .subspan(p.offset, p.size)
-                              .begin());
+                std::copy(arrays[i].begin(), arrays[i].end(), each->values_of(p).begin());
             if (learnable(p.what))
                 std::fill_n(rate_shares_.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size,
                             static_cast<float>(how_.pretrained_rate));
@@ -203,6 +207,7 @@ private:
 
     const recipe& checked(const recipe& how, const labelled_samples& samples, const data_split& split) const {
         samples.check(network_->input_shape(), network_->outputs());
+        samples.check_finite(network_->input_shape());
         if (how.validate_every == 0)
             throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
         if (split.training.empty())

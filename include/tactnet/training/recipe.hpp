@@ -75,7 +75,6 @@ struct recipe {
         recipe r;
         r.epochs = 30;
         r.rate = 3e-3;
-        r.input = input_rule::scale;
         r.augmentation = augmentation_rule::none;
         r.label_smoothing = 0.05;
         return r;

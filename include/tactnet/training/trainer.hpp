@@ -31,7 +31,7 @@ public:
 
     [[nodiscard]] bool finished() const { return loop_.finished(); }
     [[nodiscard]] const std::vector<epoch_report>& history() const { return loop_.history(); }
-    [[nodiscard]] std::size_t images_per_epoch() const { return loop_.images_per_epoch(); }
+    [[nodiscard]] std::size_t samples_per_epoch() const { return loop_.samples_per_epoch(); }
     /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
     /// where there are no validation images.
     [[nodiscard]] const Network& best() const { return network_of(loop_.best()); }

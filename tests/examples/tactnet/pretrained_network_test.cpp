@@ -1,7 +1,6 @@
 // Networks that begin with weights learnt from photographs, and are trained on.
 
-#include "pretrained_weights.hpp"
-#include "workshop.hpp"
+#include "behind_trunk.hpp"
 
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
@@ -28,17 +27,8 @@ using squeezenet = tactnet::squeezenet1_1<tactnet::shape{227, 227, 3}>;
 /// Nine images of the workshop in 28 × 50, a network of which few epochs take seconds.
 struct fine_tuning {
     workshop shop;
-    fine_tuning() {
-        for (const char* folder : {"left", "middle, of all", "right"})
-            for (std::size_t i = 3; i < images_per_class; ++i)
-                fs::remove(shop.data() / folder / ("image" + std::to_string(i) + ".png"));
-    }
-    bool known() const {
-        const bool found = shop.run({"list"}).out.find("squeezenet-nn ") != std::string::npos;
-        if (!found)
-            MESSAGE("skipped: the program was built without squeezenet-nn");
-        return found;
-    }
+    fine_tuning() { keep_images(shop, 3); }
+    bool known() const { return knows(shop, "squeezenet-nn"); }
     std::vector<std::string> arguments(const std::string& output, std::vector<std::string> more) const {
         more.insert(more.begin(),
                     {"--network", "squeezenet-nn", "--output", output, "--rows", "28", "--columns", "50",

@@ -123,25 +123,36 @@ private:
     support::temporary_folder folder_;
 };
 
+/// What a file holds, but for one of its tensors.
+inline tactnet::safetensors_writer copy_of(const tactnet::safetensors& file, std::string_view without = {}) {
+    tactnet::safetensors_writer writer;
+    writer.metadata = file.metadata();
+    for (const auto& [name, entry] : file.tensors())
+        if (name != without)
+            writer.add(name, entry.type, entry.extents, file.bytes(name));
+    return writer;
+}
+
 /// The weight file with one tensor changed.
 template <class Number = float>
 void rewrite(const fs::path& from, const fs::path& to, const std::string& tensor,
              const std::type_identity_t<std::function<void(std::vector<Number>&)>>& change) {
     const auto file = tactnet::safetensors::read(from);
-    tactnet::safetensors_writer writer;
-    writer.metadata = file.metadata();
-    for (const auto& [name, entry] : file.tensors()) {
-        if (name != tensor) {
-            writer.add(name, entry.type, entry.extents, file.bytes(name));
-            continue;
-        }
-        auto values = file.values<Number>(name);
-        change(values);
-        auto extents = entry.extents;
-        if (extents.size() == 1)
-            extents[0] = values.size();
-        writer.add(name, std::move(extents), std::span<const Number>(values));
-    }
+    tactnet::safetensors_writer writer = copy_of(file, tensor);
+    auto values = file.values<Number>(tensor);
+    change(values);
+    auto extents = file.at(tensor).extents;
+    if (extents.size() == 1)
+        extents[0] = values.size();
+    writer.add(tensor, std::move(extents), std::span<const Number>(values));
+    writer.write(to);
+}
+
+/// A safetensors file with one of its metadata changed.
+inline void rewrite_metadata(const fs::path& from, const fs::path& to, const std::string& key,
+                             const std::string& value) {
+    tactnet::safetensors_writer writer = copy_of(tactnet::safetensors::read(from));
+    writer.metadata[key] = value;
     writer.write(to);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -50,14 +51,24 @@ TEST_CASE("labelled_samples: what does not fit a network is told with the number
         return std::string();
     };
     CHECK(told(labelled_images{pixels, labels, 2}, 2).empty());
-    CHECK(told({pixels, labels, 2}, 2).empty());
-    CHECK(told({values, labels, 2}, 2).empty());
+    CHECK(told(labelled_images{{}, {}, 1}, 1).empty());
     CHECK(told(labelled_features{values, labels, 2}, 3).empty());
-    CHECK(told(labelled_features{values, labels, 2}, 1) ==
-          "features: expected classes, at least one and at most 1, found 2");
-    CHECK(told(labelled_features{values, labels, 1}, 3) == "features: expected a label below 1, found 1");
+    CHECK(told(labelled_features{values, labels, 2}, 1) == "features: expected 1 to 1 classes, found 2");
+    CHECK(told(labelled_images{pixels, labels, 0}, 3) == "images: expected 1 to 3 classes, found 0");
+    CHECK(told(labelled_features{values, labels, 1}, 3) == "features: expected labels below 1, found 1");
     CHECK(told(labelled_features{std::span(values).first(5), labels, 2}, 2) ==
-          "features: expected numbers: 6, found 5");
+          "features: expected 6 numbers, found 5");
     CHECK(told(labelled_images{std::span(pixels).first(5), labels, 2}, 2) ==
-          "images: expected pixels: 6, found 5");
+          "images: expected 6 pixels, found 5");
+}
+
+TEST_CASE("labelled_samples: a feature that is no number is told with its place") {
+    std::array<float, 6> broken = values;
+    const labelled_samples features = labelled_features{broken, labels, 2};
+    CHECK_NOTHROW(features.check_finite(size));
+    CHECK_NOTHROW(labelled_samples(labelled_images{pixels, labels, 2}).check_finite(size));
+    broken[3] = std::numeric_limits<float>::infinity();
+    CHECK_THROWS_WITH_AS(features.check_finite(size),
+                         "features: expected a finite number in sample 1, feature 1, found inf",
+                         std::invalid_argument);
 }

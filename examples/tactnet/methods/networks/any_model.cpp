@@ -11,9 +11,7 @@
 std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
     std::vector<std::span<float>> arrays;
     for (const tactnet::parameter& p : network.describe())
-        arrays.push_back(
-            (tactnet::learnable(p.what) ? network.learnable_values() : network.running_statistics())
-                .subspan(p.offset, p.size));
+        arrays.push_back(network.values_of(p));
     return arrays;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "methods/method.hpp"
+#include "methods/networks/any_model.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/training/loop.hpp>
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,7 +20,7 @@ public:
     bool finished() const override { return loop_.finished(); }
     void advance() override { loop_.run_epoch(); }
     const std::vector<tactnet::epoch_report>& history() const override { return loop_.history(); }
-    std::size_t images_per_epoch() const override { return loop_.images_per_epoch(); }
+    std::size_t images_per_epoch() const override { return loop_.samples_per_epoch(); }
     const tactnet::data_split& split() const override { return loop_.split(); }
     void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override {
         tactnet::save_checkpoint(path, loop_, settings);
@@ -34,8 +36,10 @@ protected:
                     tactnet::thread_pool& threads)
         : loop_(std::move(network), recipe, samples, std::move(split), seed, threads) {}
 
+    any_model best_model(const std::vector<std::string>& classes) const {
+        return {loop_.best().copy(), {loop_.mean().begin(), loop_.mean().end()}, loop_.scale(), classes};
+    }
     tactnet::training_loop& loop() { return loop_; }
-    const tactnet::training_loop& loop() const { return loop_; }
 
 private:
     tactnet::training_loop loop_;

@@ -99,10 +99,7 @@ public:
     }
     void start_from(const begun_weights& weights) { loop().start_from_trunk(weights.arrays()); }
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
-        return std::make_unique<own_trained_network>(
-            code_,
-            any_model{
-                loop().best().copy(), {loop().mean().begin(), loop().mean().end()}, loop().scale(), classes});
+        return std::make_unique<own_trained_network>(code_, best_model(classes));
     }
 
 private:
@@ -135,8 +132,8 @@ public:
     }
     /// The authors' of those that begin with pretrained weights.
     tactnet::recipe default_recipe() const override {
-        return pretrained() ? tactnet::recipe::published(rows, columns, published.value())
-                            : method::default_recipe();
+        return pretrained() && published ? tactnet::recipe::published(rows, columns, *published)
+                                         : method::default_recipe();
     }
     tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
         return describe_recipe(recipe);

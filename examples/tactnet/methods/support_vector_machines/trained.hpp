@@ -1,5 +1,6 @@
 #pragma once
 
+#include "methods/in_parts.hpp"
 #include "methods/support_vector_machines/image_features.hpp"
 #include "methods/support_vector_machines/machine.hpp"
 
@@ -89,18 +90,16 @@ private:
     std::vector<scored_class> recognise_chosen(std::span<const std::uint8_t> images,
                                                std::span<const std::size_t> chosen,
                                                tactnet::thread_pool& threads) const {
-        // Some at a time: features and values of all of them can be more than there is memory.
-        constexpr std::size_t most_bytes = std::size_t{1} << 26U;
-        const std::size_t each = own_.machines(),
-                          most = std::max<std::size_t>(
-                              1, most_bytes / (each * sizeof(double) + features_->size() * sizeof(float)));
+        const std::size_t each = own_.machines();
         std::vector<scored_class> result;
-        while (result.size() < chosen.size()) {
-            const auto part = chosen.subspan(result.size(), std::min(most, chosen.size() - result.size()));
-            const std::vector<double> values = values_of(images, {part.begin(), part.end()}, threads);
-            for (std::size_t i = 0; i < part.size(); ++i)
-                result.push_back(own_.decide(std::span(values).subspan(i * each, each)));
-        }
+        in_parts(
+            chosen.size(), each * sizeof(double) + features_->size() * sizeof(float),
+            [&](std::size_t first, std::size_t count) {
+                const auto part = chosen.subspan(first, count);
+                const std::vector<double> values = values_of(images, {part.begin(), part.end()}, threads);
+                for (std::size_t i = 0; i < count; ++i)
+                    result.push_back(own_.decide(std::span(values).subspan(i * each, each)));
+            });
         return result;
     }
 

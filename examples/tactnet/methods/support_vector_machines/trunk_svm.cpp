@@ -7,7 +7,6 @@
 #include <tactnet/runtime/random.hpp>
 
 #include <algorithm>
-#include <stopwatch.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -124,6 +123,9 @@ public:
           trunk_(std::move(trunk)) {}
 
     std::optional<pretrained_file> pretrained() const override { return pretrained_file_of(*trunk_); }
+    std::size_t learnable(std::size_t classes) const override {
+        return costs(classes).parameters - trunk_->costs.parameters;
+    }
     bool keeps_features() const override { return true; }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
         return open_trunk(trunk_, form_, {rows, columns}, path);
@@ -143,27 +145,14 @@ public:
         result.activation_bytes = std::max(result.activation_bytes, trunk_->costs.activation_bytes);
         return result;
     }
-    /// With weights by chance, since none may be at hand.
     frame_times time_frames() const override {
-        const feature_finder finder{trunk_, form_, {rows, columns}, tactnet::torchvision_photograph};
-        const std::unique_ptr<any_trunk> network = trunk_->seeded();
-        const support_vector_machine machine = std::visit(
-            [&](const auto& options) { return made_up_machine(options, finder.size()); }, recipe().options);
+        const std::size_t size = form_.size(trunk_->map);
+        const support_vector_machine machine =
+            std::visit([&](const auto& options) { return made_up_machine(options, size); }, recipe().options);
         tactnet::thread_pool alone;
-        const auto time = [&](std::size_t batch) {
-            std::vector<std::uint8_t> images(batch * rows * columns);
-            for (std::size_t e = 0; e < images.size(); ++e)
-                images[e] = static_cast<std::uint8_t>(e * 37 % 64);
-            const label_list all = tactnet::all_samples(batch);
-            std::vector<float> found(batch * finder.size());
-            return brief_median_microseconds([&] {
-                       finder.find(*network, images, all, alone, found);
-                       static_cast<void>(machine.values(feature_list(found, finder.size()), alone));
-                   }) /
-                   static_cast<double>(batch);
-        };
-        // Of more frames these many pass together, one group after the other.
-        return {time(1), time(feature_finder::together)};
+        return time_behind(trunk_, form_, {rows, columns}, [&](std::span<const float> features) {
+            static_cast<void>(machine.values(feature_list(features, size), alone));
+        });
     }
 
 private:

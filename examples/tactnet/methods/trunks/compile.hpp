@@ -10,7 +10,7 @@
 #include <tactnet/networks.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
-#include <tactnet/transfer/feature_network.hpp>
+#include <tactnet/transfer/feature_head.hpp>
 
 #include <memory>
 #include <span>
@@ -37,12 +37,12 @@ private:
 template <class Trunk, std::size_t Classes>
 compiled_head compile_head() {
     constexpr std::size_t features = Trunk::head_features.size(Trunk::network::output_shape);
-    using head = tactnet::feature_network<features, Classes>;
+    using head = tactnet::feature_head<features, Classes>;
     return {Trunk::head_method,
             Trunk::head_features,
             Classes,
             costs_of<head>(),
-            costs_of<tactnet::feature_network<features, 1>>(),
+            costs_of<tactnet::feature_head<features, 1>>(),
             tactnet::detail::dense_inputs<head>::of(),
             []() -> std::unique_ptr<tactnet::trainable> {
                 return std::make_unique<tactnet::trainable_network<head>>();

@@ -8,6 +8,7 @@
 #include "reports/report.hpp"
 
 #include <tactnet/io/pretrained.hpp>
+#include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/transfer/feature_pooling.hpp>
 #include <tactnet/transfer/running_photograph.hpp>
 #include <tactnet/transfer/stored_photograph_form.hpp>
@@ -17,7 +18,6 @@
 #include <algorithm>
 #include <chrono>
 #include <interrupt.hpp>
-#include <numeric>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <thread>
@@ -34,6 +34,10 @@ std::vector<std::uint8_t> mirrored(std::span<const std::uint8_t> image, tactnet:
             result.push_back(image[((view & 1U) != 0 ? size.rows - 1 - y : y) * size.columns +
                                    ((view & 2U) != 0 ? size.columns - 1 - x : x)]);
     return result;
+}
+
+bool same_images(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) {
+    return a.data() == b.data() && a.size() == b.size();
 }
 
 } // namespace
@@ -105,7 +109,7 @@ std::vector<float> trunk_features::rows(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const {
     const std::size_t size = finder_.size();
     std::vector<float> result(chosen.size() * size);
-    if (kept_ && images.data() == kept_images_.data() && images.size() == kept_images_.size()) {
+    if (kept_ && same_images(images, kept_images_)) {
         threads.for_each(chosen.size(), [&](std::size_t i) {
             kept_->read(chosen[i], std::span(result).subspan(i * size, size));
         });
@@ -119,22 +123,17 @@ std::shared_ptr<const std::vector<float>> trunk_features::all_rows(std::span<con
                                                                    tactnet::thread_pool& threads) const {
     const std::lock_guard lock(shared_mutex_); // the second waits, and has them too
     auto shared = shared_.lock();
-    if (shared && shared_images_ == images.data())
+    if (shared && same_images(images, shared_images_))
         return shared;
-    std::vector<std::size_t> all(images.size() / finder_.image.area());
-    std::iota(all.begin(), all.end(), std::size_t{0});
+    const auto all = tactnet::all_samples(images.size() / finder_.image.area());
     shared = std::make_shared<const std::vector<float>>(rows(images, all, threads));
     shared_ = shared;
-    shared_images_ = images.data();
+    shared_images_ = images;
     return shared;
 }
 
 tactnet::file_metadata trunk_features::describe(const image_data& data) const {
-    tactnet::file_metadata all = finder_.form.describe();
-    all["trunk"] = finder_.trunk->names.network.name;
-    all["features"] = finder_.trunk->names.features;
-    all["photograph"] =
-        fmt::format("{}x{}", finder_.trunk->photograph.rows, finder_.trunk->photograph.columns);
+    tactnet::file_metadata all = describe_features(*finder_.trunk, finder_.form);
     all["rows"] = fmt::to_string(finder_.image.rows);
     all["columns"] = fmt::to_string(finder_.image.columns);
     all["data"] = data.fingerprint;
@@ -237,6 +236,27 @@ std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrain
     if (!features)
         throw std::logic_error("a method behind a trunk expects the weights that it has opened");
     return features;
+}
+
+frame_times time_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
+                        tactnet::extent image, const std::function<void(std::span<const float>)>& use) {
+    const feature_finder finder{trunk, form, image, tactnet::torchvision_photograph};
+    const std::unique_ptr<any_trunk> network = trunk->seeded();
+    tactnet::thread_pool alone;
+    const auto time = [&](std::size_t batch) {
+        std::vector<std::uint8_t> images(batch * image.area());
+        for (std::size_t e = 0; e < images.size(); ++e)
+            images[e] = static_cast<std::uint8_t>(e * 37 % 64);
+        const auto all = tactnet::all_samples(batch);
+        std::vector<float> found(batch * finder.size());
+        const double microseconds = brief_median_microseconds([&] {
+            finder.find(*network, images, all, alone, found);
+            use(found);
+        });
+        return microseconds / static_cast<double>(batch);
+    };
+    // Of more frames these many pass together, one group after the other.
+    return {time(1), time(feature_finder::together)};
 }
 
 tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form) {

@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -77,7 +78,7 @@ private:
     std::unique_ptr<row_store> kept_;
     mutable std::mutex shared_mutex_;
     mutable std::weak_ptr<const std::vector<float>> shared_; ///< rows of all images …
-    mutable const std::uint8_t* shared_images_ = nullptr;    ///< … that are there
+    mutable std::span<const std::uint8_t> shared_images_;    ///< … that are there
 };
 
 // What methods behind a trunk have in common.
@@ -90,12 +91,17 @@ std::shared_ptr<pretrained_weights> open_trunk(std::shared_ptr<const compiled_tr
                                                trunk_features_form form, tactnet::extent image,
                                                const std::filesystem::path& path);
 
-/// What it was opened as.
+/// What open_trunk gave, which methods keep as pretrained weights of any kind.
 std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrained_weights>& opened);
 
 /// The part of the largest value by which what is found from features may differ on another processor: a
 /// pixel of the photograph that lies half-way between two counts may be rounded to either.
 inline constexpr double feature_rounding = 0.02;
+
+/// Times a frame on its way through a trunk and what is behind it, use(features) for the rows of one frame
+/// or more. With weights by chance, since none may be at hand.
+frame_times time_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
+                        tactnet::extent image, const std::function<void(std::span<const float>)>& use);
 
 /// How features of a trunk are computed. A weight file says the same, or it is for others.
 tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form);

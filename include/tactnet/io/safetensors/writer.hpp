@@ -76,18 +76,19 @@ public:
     }
 
     /// Writes the file; what was there before stays until the new one is complete.
-    /// Throws file_error; std::invalid_argument for metadata that are not UTF-8 or look like a checksum; and
-    /// std::runtime_error when a tensor gives other bytes in its second reading than in its first.
+    /// Throws file_error, also when a tensor gives other bytes in its second reading than in its first; and
+    /// std::invalid_argument for metadata that are not UTF-8 or look like a checksum.
     void write(const std::filesystem::path& path) const {
         const head begin = make_head();
-        write_file(path,
-                   [&](const std::function<void(std::span<const std::byte>)>& take) { give(begin, take); });
+        write_file(path, [&](const std::function<void(std::span<const std::byte>)>& take) {
+            give(begin, path.string(), take);
+        });
     }
 
-    /// The content of the file that `write` makes. Throws as `write`, but for file_error.
+    /// The content of the file that `write` makes. Throws as `write`.
     std::vector<std::byte> to_bytes() const {
         std::vector<std::byte> bytes;
-        give(make_head(), [&](std::span<const std::byte> piece) {
+        give(make_head(), "a file", [&](std::span<const std::byte> piece) {
             bytes.insert(bytes.end(), piece.begin(), piece.end());
         });
         return bytes;
@@ -159,15 +160,15 @@ private:
         return sum.digest();
     }
     template <class Take>
-    void give(const head& begin, const Take& take) const {
+    void give(const head& begin, const std::string& file, const Take& take) const {
         const std::uint64_t sum = sum_of(begin, [](std::span<const std::byte>) {});
         const std::string text = checksum_text(sum);
         std::vector<std::byte> bytes = begin.bytes;
         std::memcpy(bytes.data() + begin.digits, text.data() + checksum_mark.size(), checksum_digits);
         take(std::span<const std::byte>(bytes));
         if (sum_of(begin, take) != sum)
-            throw std::runtime_error("tactnet: a tensor that is read while it is written gave other bytes "
-                                     "than in its first reading");
+            throw file_error(file, "", "the same bytes in both readings of a tensor that stays elsewhere",
+                             "others in the second");
     }
 
     head make_head() const {

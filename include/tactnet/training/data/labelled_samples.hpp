@@ -1,12 +1,15 @@
 #pragma once
 
+#include <tactnet/tensor/shape.hpp>
 #include <tactnet/training/data/labelled_images.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <variant>
 
 namespace tactnet {
@@ -24,15 +27,9 @@ struct labelled_features {
 class labelled_samples {
 public:
     labelled_samples(const labelled_images& images)
-        : labelled_samples(images.pixels, images.labels, images.classes) {}
+        : labels_(images.labels), classes_(images.classes), numbers_(images.pixels) {}
     labelled_samples(const labelled_features& features)
-        : labelled_samples(features.values, features.labels, features.classes) {}
-    labelled_samples(std::span<const std::uint8_t> pixels, std::span<const std::size_t> labels,
-                     std::size_t classes)
-        : labels_(labels), classes_(classes), numbers_(pixels) {}
-    labelled_samples(std::span<const float> features, std::span<const std::size_t> labels,
-                     std::size_t classes)
-        : labels_(labels), classes_(classes), numbers_(features) {}
+        : labels_(features.labels), classes_(features.classes), numbers_(features.values) {}
 
     [[nodiscard]] std::size_t size() const { return labels_.size(); }
     [[nodiscard]] std::size_t classes() const { return classes_; }
@@ -55,15 +52,38 @@ public:
             numbers_);
     }
 
-    /// Throws std::invalid_argument unless a network of such inputs and so many outputs can learn from them:
-    /// as `check_images`.
-    void check(shape size, std::size_t outputs) const {
-        const std::size_t numbers = std::visit([](const auto& all) { return all.size(); }, numbers_);
-        detail::check_labelled(are_images() ? "images" : "features", are_images() ? "pixels" : "numbers",
-                               numbers, labels_, classes_, size.size(), outputs);
+    /// Throws std::invalid_argument unless a network of such inputs and so many outputs can tell the classes
+    /// apart, every label is one of them, and there are as many numbers as the labels need.
+    void check(shape input, std::size_t outputs) const {
+        const std::size_t expected = size() * input.size(),
+                          found = std::visit([](const auto&numbers) { return numbers.size(); }, numbers_);
+        if (classes_ == 0 || classes_ > outputs)
+            refuse("1 to " + std::to_string(outputs) + " classes", std::to_string(classes_));
+        if (found != expected)
+            refuse(std::to_string(expected) + (are_images() ? " pixels" : " numbers"), std::to_string(found));
+        for (const std::size_t label : labels_)
+            if (label >= classes_)
+                refuse("labels below " + std::to_string(classes_), std::to_string(label));
+    }
+    /// Throws std::invalid_argument for a feature that is not a finite number. `input` is the shape of a
+    /// sample, as above.
+    void check_finite(shape input) const {
+        if (are_images())
+            return;
+        const std::span<const float> features = std::get<1>(numbers_);
+        for (std::size_t i = 0; i < features.size(); ++i)
+            if (!std::isfinite(features[i]))
+                refuse("a finite number in sample " + std::to_string(i / input.size()) + ", feature " +
+                           std::to_string(i % input.size()),
+                       std::to_string(features[i]));
     }
 
 private:
+    [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
+        throw std::invalid_argument((are_images() ? "images: expected " : "features: expected ") + expected +
+                                    ", found " + found);
+    }
+
     std::span<const std::size_t> labels_;
     std::size_t classes_;
     std::variant<std::span<const std::uint8_t>, std::span<const float>> numbers_;

@@ -66,6 +66,10 @@ public:
         std::copy(values.begin(), values.end(), learnable_values().begin());
         std::copy(statistics.begin(), statistics.end(), running_statistics().begin());
     }
+    /// Those of one array of `describe`.
+    [[nodiscard]] std::span<float> values_of(const parameter& p) {
+        return (learnable(p.what) ? learnable_values() : running_statistics()).subspan(p.offset, p.size);
+    }
     void take(trainable& other) { take(other.learnable_values(), other.running_statistics()); }
 
 protected:
@@ -74,7 +78,8 @@ protected:
     trainable& operator=(const trainable&) = default;
 };
 
-/// As for a network whose type is known: inputs are (count − mean) × scale, with a mean for each pixel.
+/// As for a network whose type is known: inputs are (number − mean) × scale, with a mean for each number of a
+/// sample.
 [[nodiscard]] inline evaluation evaluate(const trainable& network, std::span<const float> mean, float scale,
                                          const labelled_samples& samples, std::span<const std::size_t> chosen,
                                          thread_pool& threads) {

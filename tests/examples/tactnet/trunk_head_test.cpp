@@ -11,6 +11,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstddef>
+#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -26,23 +27,23 @@ using squeezenet = tactnet::squeezenet1_1_trunk<shape{227, 227, 3}>;
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("feature_network: SqueezeNet, from pretrained weights to one file") {
+    TEST_CASE("trunk_head: SqueezeNet, from pretrained weights to one file") {
         check_from_end_to_end<squeezenet>("squeezenet-pooled-nn", element_type::float32, "selftest.logits");
     }
-    TEST_CASE("feature_network: AlexNet, from pretrained weights to one file") {
+    TEST_CASE("trunk_head: AlexNet, from pretrained weights to one file") {
         check_from_end_to_end<tactnet::alexnet_fc7<shape{224, 224, 3}>>(
             "alexnet-fc7-nn", element_type::float16, "selftest.logits");
     }
-    TEST_CASE("feature_network: ResNet-50, from pretrained weights to one file") {
+    TEST_CASE("trunk_head: ResNet-50, from pretrained weights to one file") {
         check_from_end_to_end<tactnet::resnet50<shape{224, 224, 3}>>(
             "resnet50-fc1000-nn", element_type::float16, "selftest.logits");
     }
-    TEST_CASE("feature_network: VGG16, from pretrained weights to one file") {
+    TEST_CASE("trunk_head: VGG16, from pretrained weights to one file") {
         check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>("vgg16-fc6-nn", element_type::float16,
                                                                       "selftest.logits");
     }
 
-    TEST_CASE("feature_network: stopped between epochs and gone on with, the same bits") {
+    TEST_CASE("trunk_head: stopped between epochs and gone on with, the same bits") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
@@ -80,7 +81,7 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "net.learning.jsonl"));
     }
 
-    TEST_CASE("feature_network: interrupted before and between epochs, it says how to go on") {
+    TEST_CASE("trunk_head: interrupted before and between epochs, it says how to go on") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
@@ -106,7 +107,7 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "net"));
     }
 
-    TEST_CASE("feature_network: features are those of the support vector machine's trunk, found once") {
+    TEST_CASE("trunk_head: features are those of the support vector machine's trunk, found once") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
@@ -118,13 +119,13 @@ TEST_SUITE("program") {
                              "--columns", "13", "--splits", "2", "--pretrained", "pretrained", "--results",
                              results, "--jobs", jobs});
         };
-        const outcome machine = evaluate("squeezenet-pooled-svm"), layers = evaluate("squeezenet-pooled-nn");
+        const outcome machine = evaluate("squeezenet-pooled-svm"), head = evaluate("squeezenet-pooled-nn");
         REQUIRE_MESSAGE(machine.status == 0, machine.error);
-        REQUIRE_MESSAGE(layers.status == 0, layers.error);
+        REQUIRE_MESSAGE(head.status == 0, head.error);
         CHECK(machine.error.find("features of 12 of 12 images") != std::string::npos);
-        CHECK(layers.error.find("features of") == std::string::npos);
-        CHECK(layers.out.find("squeezenet-pooled-nn") != std::string::npos);
-        // Several trainings share the rows.
+        CHECK(head.error.find("features of") == std::string::npos);
+        CHECK(head.out.find("squeezenet-pooled-nn") != std::string::npos);
+        // Side by side, the same results.
         REQUIRE(evaluate("squeezenet-pooled-nn", "side_by_side", "3").status == 0);
         const auto confusions = [&](const char* results) {
             std::vector<std::string> all;
@@ -140,7 +141,7 @@ TEST_SUITE("program") {
         CHECK(confusions("side_by_side") == confusions("results"));
     }
 
-    TEST_CASE("feature_network: what it cannot do is said") {
+    TEST_CASE("trunk_head: what it cannot do is said") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
@@ -151,6 +152,9 @@ TEST_SUITE("program") {
         };
         refuses({"--augmentation", "sixfold"}, "--augmentation: expected none, since features of images are "
                                                "found once, for squeezenet-pooled-nn; found sixfold");
+        refuses({"--batch", "1"},
+                "--batch: expected 0 or at least 2, since batch norms learn nothing from one row "
+                "of features, for squeezenet-pooled-nn; found 1");
         refuses({"--recipe", "published"}, "nothing was published for squeezenet-pooled-nn");
         refuses({"--start", "other"},
                 "--start: expected a network that begins with random weights, found squeezenet-pooled-nn");
@@ -161,11 +165,24 @@ TEST_SUITE("program") {
             {"export", "--weights", "net", "--output", "net.hpp"},
             "net: expected a network, found the head of a frozen trunk squeezenet-pooled-nn, which cannot "
             "be written as a header");
-        // One trunk's layers are no other's.
         shop.refuses({"classify", "--weights", "net", "--method", "squeezenet-pooled-svm",
                       (shop.data() / "left" / "image0.png").string()},
                      "net: expected weights of squeezenet-pooled-svm as --method says, found those of "
                      "squeezenet-pooled-nn");
+        const std::map<std::string, std::string> foreign{{"pooling", "none"},
+                                                         {"reflections", "none"},
+                                                         {"features", "fc7 of AlexNet"},
+                                                         {"photograph", "224x224"}};
+        for (const auto& [key, value] : foreign) {
+            rewrite_metadata(shop / "net", shop / "other", key, value);
+            const outcome refused =
+                shop.run({"classify", "--weights", "other", (shop.data() / "left" / "image0.png").string()});
+            CHECK(refused.status == 2);
+            CHECK_MESSAGE(refused.error.find("other: metadata '" + key + "': expected '") !=
+                              std::string::npos,
+                          refused.error);
+            CHECK_MESSAGE(refused.error.find("found '" + value + "'") != std::string::npos, refused.error);
+        }
         const auto whole = text_of(shop / "net");
         std::string flipped = whole;
         flipped[whole.size() / 2] = static_cast<char>(flipped[whole.size() / 2] ^ 1);

@@ -11,5 +11,5 @@
 
 /// One for each trunk, for images of one size.
 std::vector<std::unique_ptr<method>>
-make_feature_network_methods(std::size_t rows, std::size_t columns,
-                             const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);
+make_trunk_head_methods(std::size_t rows, std::size_t columns,
+                        const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);

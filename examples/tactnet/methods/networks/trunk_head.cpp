@@ -1,72 +1,59 @@
-#include "methods/networks/feature_network.hpp"
+#include "methods/networks/trunk_head.hpp"
 
 #include "methods/description.hpp"
+#include "methods/in_parts.hpp"
 #include "methods/networks/any_model.hpp"
 #include "methods/networks/looped_training.hpp"
 #include "methods/trunks/features.hpp"
 
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/svm/feature_rows.hpp>
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
-#include <stopwatch.hpp>
 #include <utility>
 
 namespace {
-
-std::vector<std::size_t> all_of(std::size_t count) {
-    std::vector<std::size_t> all(count);
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    return all;
-}
-
-/// body(first, how many) for some images at a time: features of all of them can be more than there is memory.
-template <class Body>
-void in_parts(std::size_t images, std::size_t features, const Body& body) {
-    constexpr std::size_t most_bytes = std::size_t{1} << 26U;
-    const std::size_t most = std::max<std::size_t>(1, most_bytes / (features * sizeof(float)));
-    for (std::size_t first = 0; first < images; first += most)
-        body(first, std::min(most, images - first));
-}
 
 tactnet::stored_arrays stored_arrays_of(const compiled_head& head, const tactnet::trainable& network) {
     return tactnet::detail::make_stored_arrays(network.describe(), head.outputs, head.dense_inputs);
 }
 
 /// A frozen trunk with the head that was trained behind it.
-class trained_feature_network final : public trained_method {
+class trained_trunk_head final : public trained_method {
 public:
-    trained_feature_network(const compiled_head& head, tactnet::extent image,
-                            std::shared_ptr<const trunk_features> features, any_model model)
+    trained_trunk_head(const compiled_head& head, tactnet::extent image,
+                       std::shared_ptr<const trunk_features> features, any_model model)
         : head_(head), image_(image), features_(std::move(features)), model_(std::move(model)) {}
 
     const std::vector<std::string>& classes() const override { return model_.classes; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads) const override {
         tactnet::evaluation result{0, tactnet::confusion_matrix(images.classes), {}};
-        in_parts(chosen.size(), model_.mean.size(), [&](std::size_t first, std::size_t count) {
-            const auto some = chosen.subspan(first, count);
-            const std::vector<float> rows = features_->rows(images.pixels, some, threads);
-            std::vector<std::size_t> labels;
-            for (const std::size_t image : some)
-                labels.push_back(images.labels[image]);
-            const tactnet::evaluation part =
-                tactnet::evaluate(*model_.network, model_.mean, model_.scale, {rows, labels, images.classes},
-                                  all_of(count), threads);
-            result.loss += part.loss * static_cast<double>(count) / static_cast<double>(chosen.size());
-            for (std::size_t i = 0; i < count; ++i) {
-                result.recognised.push_back(part.recognised[i]);
-                result.confusion.add(labels[i], part.recognised[i]);
-            }
-        });
+        in_parts(
+            chosen.size(), model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
+                const auto some = chosen.subspan(first, count);
+                const std::vector<float> rows = features_->rows(images.pixels, some, threads);
+                std::vector<std::size_t> labels;
+                for (const std::size_t image : some)
+                    labels.push_back(images.labels[image]);
+                const tactnet::evaluation part =
+                    tactnet::evaluate(*model_.network, model_.mean, model_.scale,
+                                      tactnet::labelled_features{rows, labels, images.classes},
+                                      tactnet::all_samples(count), threads);
+                result.loss += part.loss * static_cast<double>(count) / static_cast<double>(chosen.size());
+                for (std::size_t i = 0; i < count; ++i) {
+                    result.recognised.push_back(part.recognised[i]);
+                    result.confusion.add(labels[i], part.recognised[i]);
+                }
+            });
         return result;
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const override {
         std::vector<scored_class> result;
-        in_parts(tactnet::detail::count_images(images.size(), image_.area()), model_.mean.size(),
-                 [&](std::size_t first, std::size_t count) {
+        in_parts(tactnet::detail::count_images(images.size(), image_.area()),
+                 model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
                      const auto some = images.subspan(first * image_.area(), count * image_.area());
                      for (const scored_class& found :
                           likeliest_of(logits(some, threads), classes().size(), classes().size()))
@@ -96,7 +83,7 @@ public:
 private:
     std::vector<float> logits(std::span<const std::uint8_t> images, tactnet::thread_pool& threads) const {
         const std::size_t count = tactnet::detail::count_images(images.size(), image_.area());
-        const std::vector<float> rows = features_->rows(images, all_of(count), threads);
+        const std::vector<float> rows = features_->rows(images, tactnet::all_samples(count), threads);
         const std::size_t size = model_.mean.size();
         return logits_of(model_, count, [&](std::size_t i, std::span<float> features) {
             std::ranges::copy(std::span(rows).subspan(i * size, size), features.begin());
@@ -113,20 +100,21 @@ private:
     any_model model_;
 };
 
-/// What trainings learn from, in memory for as long as one lasts.
+/// What a training learns from. A base, so that it is there before the loop that views it, and after.
 struct kept_rows {
     std::shared_ptr<const std::vector<float>> rows;
 };
 
-class feature_network_training final : private kept_rows, public looped_training {
+class trunk_head_training final : private kept_rows, public looped_training {
 public:
-    feature_network_training(const compiled_head& head, tactnet::extent image,
-                             std::shared_ptr<const trunk_features> features, const tactnet::recipe& recipe,
-                             const tactnet::labelled_images& images, tactnet::data_split split,
-                             std::uint64_t seed, tactnet::thread_pool& threads)
+    trunk_head_training(const compiled_head& head, tactnet::extent image,
+                        std::shared_ptr<const trunk_features> features, const tactnet::recipe& recipe,
+                        const tactnet::labelled_images& images, tactnet::data_split split, std::uint64_t seed,
+                        tactnet::thread_pool& threads)
         : kept_rows{features->all_rows(images.pixels, threads)},
-          looped_training(head.make(), recipe, {*rows, images.labels, images.classes}, std::move(split), seed,
-                          threads),
+          looped_training(head.make(), recipe,
+                          tactnet::labelled_features{*rows, images.labels, images.classes}, std::move(split),
+                          seed, threads),
           head_(head),
           image_(image),
           features_(std::move(features)) {}
@@ -135,10 +123,7 @@ public:
         throw std::logic_error("the head of a frozen trunk begins by chance");
     }
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
-        return std::make_unique<trained_feature_network>(
-            head_, image_, features_,
-            any_model{
-                loop().best().copy(), {loop().mean().begin(), loop().mean().end()}, loop().scale(), classes});
+        return std::make_unique<trained_trunk_head>(head_, image_, features_, best_model(classes));
     }
 
 private:
@@ -147,10 +132,9 @@ private:
     std::shared_ptr<const trunk_features> features_;
 };
 
-class feature_network_method final : public method {
+class trunk_head_method final : public method {
 public:
-    feature_network_method(std::size_t rows_, std::size_t columns_,
-                           std::shared_ptr<const compiled_trunk> trunk)
+    trunk_head_method(std::size_t rows_, std::size_t columns_, std::shared_ptr<const compiled_trunk> trunk)
         : method(trunk->head.method, rows_, columns_, trunk->head.outputs), trunk_(std::move(trunk)) {}
 
     bool is_network() const override { return true; }
@@ -178,38 +162,28 @@ public:
     std::size_t learnable(std::size_t classes) const override {
         return costs(classes).parameters - trunk_->costs.parameters;
     }
-    /// With weights by chance, since none may be at hand.
     frame_times time_frames() const override {
-        const feature_finder finder{trunk_, head().features, image(), tactnet::torchvision_photograph};
-        const std::unique_ptr<any_trunk> network = trunk_->seeded();
         const std::unique_ptr<tactnet::trainable> own = head().make();
         draw_arrays(*own);
         tactnet::thread_pool alone;
         const auto space = own->make_workspace();
         own->prepare(alone, *space);
-        const auto time = [&](std::size_t batch) {
-            std::vector<std::uint8_t> images(batch * rows * columns);
-            for (std::size_t e = 0; e < images.size(); ++e)
-                images[e] = static_cast<std::uint8_t>(e * 37 % 64);
-            const std::vector<std::size_t> all = all_of(batch);
-            std::vector<float> found(batch * finder.size());
-            tactnet::sample_batch in(finder.size(), batch), out(own->outputs(), batch);
-            return brief_median_microseconds([&] {
-                       finder.find(*network, images, all, alone, found);
-                       for (std::size_t i = 0; i < batch; ++i)
-                           in.set(i, std::span(found).subspan(i * finder.size(), finder.size()));
-                       own->logits(alone, *space, in, out);
-                   }) /
-                   static_cast<double>(batch);
-        };
-        return {time(1), time(feature_finder::together)};
+        const std::size_t size = head().features.size(trunk_->map);
+        tactnet::sample_batch in(size), out(own->outputs());
+        return time_behind(trunk_, head().features, image(), [&](std::span<const float> features) {
+            const std::size_t batch = features.size() / size;
+            in.resize(batch), out.resize(batch);
+            for (std::size_t i = 0; i < batch; ++i)
+                in.set(i, features.subspan(i * size, size));
+            own->logits(alone, *space, in, out);
+        });
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
-        return std::make_unique<feature_network_training>(head(), image(), features_of(from), recipe, images,
-                                                          std::move(split), seed, threads);
+        return std::make_unique<trunk_head_training>(head(), image(), features_of(from), recipe, images,
+                                                     std::move(split), seed, threads);
     }
     std::unique_ptr<trained_method> load(const weight_file& file,
                                          std::optional<double> epsilon) const override {
@@ -217,7 +191,7 @@ public:
         any_model model{head().make(), {}, 1, {}};
         const auto arrays = stored_arrays_of(head(), *model.network);
         take(model, tactnet::read_model(file.arrays, {rows, columns}, arrays, epsilon));
-        auto trained = std::make_unique<trained_feature_network>(
+        auto trained = std::make_unique<trained_trunk_head>(
             head(), image(), stored_features(trunk_, head().features, image(), file), std::move(model));
         trained->check_selftest(file.arrays);
         return trained;
@@ -233,10 +207,10 @@ private:
 } // namespace
 
 std::vector<std::unique_ptr<method>>
-make_feature_network_methods(std::size_t rows, std::size_t columns,
-                             const std::vector<std::shared_ptr<const compiled_trunk>>& trunks) {
+make_trunk_head_methods(std::size_t rows, std::size_t columns,
+                        const std::vector<std::shared_ptr<const compiled_trunk>>& trunks) {
     std::vector<std::unique_ptr<method>> list;
     for (const auto& trunk : trunks)
-        list.push_back(std::make_unique<feature_network_method>(rows, columns, trunk));
+        list.push_back(std::make_unique<trunk_head_method>(rows, columns, trunk));
     return list;
 }
