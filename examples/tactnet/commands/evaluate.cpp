@@ -174,7 +174,7 @@ evaluation_row row_of(const candidate& c, const evaluate_options& o, const std::
                       const result_list& results) {
     const std::size_t classes = c.data->images.classes.size();
     evaluation_row row{c.what,
-                       recipe_for(*c.what, c.training).name,
+                       std::string(recipe_for(*c.what, c.training).name),
                        c.what->costs(classes),
                        c.what->time_frames(),
                        {},
