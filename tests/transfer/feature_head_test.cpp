@@ -68,7 +68,7 @@ TEST_CASE("feature_head: learns classes from features of any scale, and recognis
                                                   numbers);
         REQUIRE(recognise(tensor_view<const float, head::input_shape>(row), logits) ==
                 frame_status::recognised);
-        CHECK(likeliest(logits).index == tested.recognised[i]);
+        CHECK(likeliest(logits).value().index == tested.recognised[i]);
     }
 }
 
