@@ -181,7 +181,8 @@ int evaluate(const evaluate_options& o) {
     tell("{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
          printable(list.string()));
     catch_interrupts();
-    if (!to_do.empty() && !(prepare_features(to_do, features_of(o), o.jobs) && run_all(to_do, o.jobs, results))) {
+    if (!to_do.empty() &&
+        !(prepare_features(to_do, features_of(o), o.jobs) && run_all(to_do, o.jobs, results))) {
         tell("stopped; the same command goes on with what is left\n");
         return interrupted_by_user;
     }

@@ -46,9 +46,12 @@ training_result result_of(const std::string& text) {
     const json line = json::parse(text);
     training_result r;
     r.settings = line.at("settings").get<tactnet::file_metadata>();
-    const auto number_in = [](const json& value) { return value.is_null() ? std::nan("") : value.get<double>(); };
+    const auto number_in = [](const json& value) {
+        return value.is_null() ? std::nan("") : value.get<double>();
+    };
     r.validation_accuracy = number_in(line.at("validation_accuracy"));
-    r.training_accuracy = line.contains("training_accuracy") ? number_in(line["training_accuracy"]) : std::nan("");
+    r.training_accuracy =
+        line.contains("training_accuracy") ? number_in(line["training_accuracy"]) : std::nan("");
     r.epochs = count_in(line.at("epochs"));
     r.seconds = line.at("seconds");
     r.images_per_second = line.at("images_per_second");

@@ -169,16 +169,17 @@ public:
         tactnet::thread_pool threads;
         own->prepare(threads, *space);
         const std::size_t size = head().features.size(trunk_->map);
-        return work_behind(trunk_, head().features, image(),
-                           [own, space, size, in = tactnet::sample_batch(size),
-                            out = tactnet::sample_batch(own->outputs())](std::span<const float> features) mutable {
-                               const std::size_t count = features.size() / size;
-                               in.resize(count), out.resize(count);
-                               for (std::size_t i = 0; i < count; ++i)
-                                   in.set(i, features.subspan(i * size, size));
-                               tactnet::thread_pool alone;
-                               own->logits(alone, *space, in, out);
-                           });
+        return work_behind(
+            trunk_, head().features, image(),
+            [own, space, size, in = tactnet::sample_batch(size),
+             out = tactnet::sample_batch(own->outputs())](std::span<const float> features) mutable {
+                const std::size_t count = features.size() / size;
+                in.resize(count), out.resize(count);
+                for (std::size_t i = 0; i < count; ++i)
+                    in.set(i, features.subspan(i * size, size));
+                tactnet::thread_pool alone;
+                own->logits(alone, *space, in, out);
+            });
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,

@@ -147,13 +147,13 @@ public:
     }
     frame_work make_work() const override {
         const std::size_t size = form_.size(trunk_->map);
-        return work_behind(trunk_, form_, {rows, columns},
-                           [size, machine = std::visit(
-                                      [&](const auto& options) { return made_up_machine(options, size); },
-                                      recipe().options)](std::span<const float> features) {
-                               tactnet::thread_pool alone;
-                               static_cast<void>(machine.values(feature_list(features, size), alone));
-                           });
+        return work_behind(
+            trunk_, form_, {rows, columns},
+            [size, machine = std::visit([&](const auto& options) { return made_up_machine(options, size); },
+                                        recipe().options)](std::span<const float> features) {
+                tactnet::thread_pool alone;
+                static_cast<void>(machine.values(feature_list(features, size), alone));
+            });
     }
 
 private:
