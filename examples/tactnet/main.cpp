@@ -71,7 +71,8 @@ int run(int count, char** arguments) {
     CLI::App program("Recognises touched objects from the pressure images of tactile arrays", "tactnet");
     program.require_subcommand(1);
     command_list commands;
-    for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate}) {
+    for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate,
+                           add_study, add_recommend}) {
         command action = add(program);
         commands.emplace_back(program.get_subcommands({}).back(), std::move(action));
     }

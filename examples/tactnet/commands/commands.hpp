@@ -16,4 +16,6 @@ command add_evaluate(CLI::App& program);
 command add_classify(CLI::App& program);
 command add_export(CLI::App& program);
 command add_list(CLI::App& program);
+command add_recommend(CLI::App& program);
+command add_study(CLI::App& program);
 command add_simulate(CLI::App& program);

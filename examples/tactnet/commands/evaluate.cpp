@@ -6,11 +6,10 @@
 #include "commands/commands.hpp"
 #include "console/printable.hpp"
 #include "console/standard_streams.hpp"
+#include "evaluation/candidates.hpp"
 #include "evaluation/table.hpp"
-#include "evaluation/trainings.hpp"
 #include "files/places.hpp"
 #include "files/same_file.hpp"
-#include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
@@ -26,8 +25,6 @@
 #include <cstdio>
 #include <interrupt.hpp>
 #include <iterator>
-#include <limits>
-#include <map>
 #include <memory>
 #include <set>
 #include <string_view>
@@ -63,111 +60,53 @@ std::filesystem::path confusion_stem(const evaluate_options& o, const method& wh
            fmt::format("confusion_{}_{}x{}", what.name, what.rows, what.columns);
 }
 
-/// All that was asked for, with its images. Throws usage_error and tactnet::file_error for all that can be
-/// wrong.
-class candidate_list {
-public:
-    explicit candidate_list(const evaluate_options& o) {
-        for (const auto& [rows, columns] : sizes_of(o))
-            for (const std::string& name : o.methods) {
-                training_settings training = o.training;
-                training.rows = rows, training.columns = columns;
-                list_.push_back({&find_method(name, rows, columns), training, nullptr});
-            }
-        const bool any =
-            std::ranges::any_of(list_, [](const candidate& c) { return c.what->pretrained().has_value(); });
-        for (candidate& c : list_) {
-            if (any && !c.what->pretrained()) // it is for the others
-                c.training.pretrained.clear();
-            static_cast<void>(recipe_for(*c.what, c.training));
-        }
-        if (o.splits - 1 > std::numeric_limits<std::uint64_t>::max() - o.first_seed)
-            throw usage_error(
-                fmt::format("--seed, --splits: expected seeds below 2^64 for all splits, found {} "
-                            "of them from {} on",
-                            o.splits, o.first_seed));
-        if (o.training.shares.test <= 0)
-            throw usage_error(
-                "--test: expected a share above 0, since accuracy is measured on these images, found 0");
-        const std::vector<named_file> outputs = outputs_of(o);
-        check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs,
-                     o.data);
-        tidy_folders_of(outputs);
-        if (std::ranges::any_of(list_, [](const candidate& c) { return c.what->keeps_features(); }))
-            check_outside_classes(o.data,
-                                  {{"--results", std::filesystem::path(o.results) / "features" / "any"}});
-        for (candidate& c : list_) {
-            const std::pair size{c.what->rows, c.what->columns};
-            if (!data_.contains(size))
-                data_.emplace(size, load_data(o.data, size.first, size.second, o.training.resize));
-            c.data = &data_.at(size);
-            check_capacity(*c.what, o.data, c.data->images.classes.size());
-            check_test_images(o, *c.data);
-            c.start = load_start(*c.what, c.training, c.data->images.classes);
-            c.pretrained = open_pretrained(*c.what, c.training);
-        }
-    }
-    candidate_list(const candidate_list&) = delete;
-    candidate_list& operator=(const candidate_list&) = delete;
-
-    auto begin() const { return list_.begin(); }
-    auto end() const { return list_.end(); }
-
-private:
-    /// How many there are does not depend on the rule or the seed.
-    static void check_test_images(const evaluate_options& o, const image_data& data) {
-        const auto split = tactnet::split_data(data.images.labels, data.images.classes.size(),
-                                               tactnet::split_rule::random, 0, o.training.shares);
-        if (split.test.empty())
-            throw tactnet::file_error(
-                o.data, "",
-                fmt::format("enough images for a test, of which --test takes a share of {}",
-                            o.training.shares.test),
-                fmt::format("{} of {} classes", data.images.size(), data.images.classes.size()));
-    }
-
-    std::vector<named_file> outputs_of(const evaluate_options& o) const {
-        const std::filesystem::path folder = o.results;
-        std::vector<named_file> files;
-        for (const char* name : {"evaluation.jsonl", "table.jsonl", "table.csv"})
-            files.push_back({"--results", folder / name});
-        std::set<std::filesystem::path> stems{folder / "accuracy_and_cost"}; // a method may be named twice
-        for (const candidate& c : list_)
-            stems.insert(confusion_stem(o, *c.what));
-        for (const std::filesystem::path& stem : stems)
-            std::ranges::move(picture_files("--results", stem), std::back_inserter(files));
-        return files;
-    }
-
-    std::map<std::pair<std::size_t, std::size_t>, image_data> data_;
-    std::vector<candidate> list_;
-};
-
-std::vector<task> tasks_of(const evaluate_options& o, const candidate_list& candidates) {
-    std::vector<task> all;
-    for (std::size_t split = 0; split < o.splits; ++split)
-        for (const candidate& c : candidates)
-            for (const tactnet::split_rule rule : rules_of(o)) {
-                const std::uint64_t seed = o.first_seed + split;
-                all.push_back({&c, rule, seed,
-                               describe_training(*c.what, c.training, rule, seed, c.data->fingerprint)});
-            }
-    return all;
+std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<candidate>& chosen) {
+    const std::filesystem::path folder = o.results;
+    std::vector<named_file> files;
+    for (const char* name : {"evaluation.jsonl", "table.jsonl", "table.csv"})
+        files.push_back({"--results", folder / name});
+    std::set<std::filesystem::path> stems{folder / "accuracy_and_cost"}; // a method may be named twice
+    for (const candidate& c : chosen)
+        stems.insert(confusion_stem(o, *c.what));
+    for (const std::filesystem::path& stem : stems)
+        std::ranges::move(picture_files("--results", stem), std::back_inserter(files));
+    return files;
 }
 
-/// What pretrained networks make of the images, for those methods that have trainings to do. False if
-/// interrupted.
-bool prepare(const evaluate_options& o, const std::vector<task>& to_do) {
-    std::set<const candidate*> candidates;
-    for (const task& t : to_do)
-        if (t.of->pretrained)
-            candidates.insert(t.of);
-    if (candidates.empty())
-        return true;
-    tactnet::thread_pool threads(o.jobs);
-    const feature_place place{std::filesystem::path(o.results) / "features", true};
-    return std::ranges::all_of(
-        candidates, [&](const candidate* c) { return c->pretrained->prepare(*c->data, place, threads); });
+std::filesystem::path features_of(const evaluate_options& o) {
+    return std::filesystem::path(o.results) / "features";
+}
+
+/// All that was asked for. Throws usage_error.
+std::vector<candidate> candidates_of(const evaluate_options& o) {
+    std::vector<candidate> chosen;
+    for (const auto& [rows, columns] : sizes_of(o))
+        for (const std::string& name : o.methods) {
+            training_settings training = o.training;
+            training.rows = rows, training.columns = columns;
+            chosen.push_back({&find_method(name, rows, columns), training, nullptr});
+        }
+    const bool any =
+        std::ranges::any_of(chosen, [](const candidate& c) { return c.what->pretrained().has_value(); });
+    for (candidate& c : chosen) {
+        if (any && !c.what->pretrained()) // it is for the others
+            c.training.pretrained.clear();
+        static_cast<void>(recipe_for(*c.what, c.training));
+    }
+    return chosen;
+}
+
+/// Throws usage_error.
+void check(const evaluate_options& o, const split_plan& plan, const std::vector<candidate>& chosen) {
+    check_seeds(plan);
+    if (o.training.shares.test <= 0)
+        throw usage_error(
+            "--test: expected a share above 0, since accuracy is measured on these images, found 0");
+    const std::vector<named_file> outputs = outputs_of(o, chosen);
+    check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
+    tidy_folders_of(outputs);
+    if (std::ranges::any_of(chosen, [](const candidate& c) { return c.what->keeps_features(); }))
+        check_outside_classes(o.data, {{"--results", features_of(o) / "any"}});
 }
 
 evaluation_row row_of(const candidate& c, const evaluate_options& o, const std::vector<task>& all,
@@ -176,7 +115,7 @@ evaluation_row row_of(const candidate& c, const evaluate_options& o, const std::
     evaluation_row row{c.what,
                        std::string(recipe_for(*c.what, c.training).name),
                        c.what->costs(classes),
-                       c.what->time_frames(),
+                       time_frames(*c.what),
                        {},
                        {},
                        tactnet::confusion_matrix(classes),
@@ -225,21 +164,25 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
 }
 
 int evaluate(const evaluate_options& o) {
-    const candidate_list candidates(o);
+    const split_plan plan{rules_of(o), o.first_seed, o.splits};
+    std::vector<candidate> chosen = candidates_of(o);
+    check(o, plan, chosen);
+    const candidate_list candidates(o.data, std::move(chosen));
     const std::filesystem::path list = std::filesystem::path(o.results) / "evaluation.jsonl";
     if (o.afresh) {
         std::error_code ignored;
         std::filesystem::remove(list, ignored);
     }
     result_list results(list);
-    const std::vector<task> all = tasks_of(o, candidates);
+    const std::vector<task> all = tasks_of(candidates, plan);
     std::vector<task> to_do;
     std::ranges::copy_if(all, std::back_inserter(to_do),
                          [&](const task& t) { return results.find(t.settings) == nullptr; });
     tell("{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
          printable(list.string()));
     catch_interrupts();
-    if (!to_do.empty() && !(prepare(o, to_do) && run_all(to_do, o.jobs, results))) {
+    if (!to_do.empty() &&
+        !(prepare_features(to_do, features_of(o), o.jobs) && run_all(to_do, o.jobs, results))) {
         tell("stopped; the same command goes on with what is left\n");
         return interrupted_by_user;
     }

@@ -4,6 +4,7 @@
 #include "commands/evaluate.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
+#include "evaluation/frame_times.hpp"
 #include "files/places.hpp"
 #include "number_options.hpp"
 #include "reports/plot.hpp"
@@ -111,7 +112,7 @@ int evaluate_weights(const evaluate_options& o) {
     tactnet::thread_pool threads(o.jobs);
     const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
     const method_costs costs = what.costs(classes.size());
-    const frame_times times = what.time_frames();
+    const frame_times times = time_frames(what);
     plot_confusion(stem, o.weights.weights, result.confusion, classes);
     print(table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
                   "on pixels", "bytes", "µs/frame", "µs in batch"},

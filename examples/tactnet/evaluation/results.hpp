@@ -3,6 +3,8 @@
 // Finished trainings of an evaluation, in a file of JSON lines that grows by one as each is done. What is in
 // there need not be done again.
 
+#include "files/line_file.hpp"
+
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/training/metrics.hpp>
 
@@ -13,7 +15,8 @@
 struct training_result {
     tactnet::file_metadata settings; ///< see describe_training
     tactnet::confusion_matrix confusion;
-    double validation_accuracy = 0;
+    double validation_accuracy = 0; ///< NaN without such images
+    double training_accuracy = 0;   ///< of images as they are; NaN in files made before
     double seconds = 0;
     std::size_t epochs = 0;
     double images_per_second = 0;
@@ -27,6 +30,7 @@ public:
 
     /// The result of a training with just these settings, or nothing.
     const training_result* find(const tactnet::file_metadata& settings) const;
+    const std::vector<training_result>& all() const { return results_; }
     /// Takes over what other programs have added since. Throws tactnet::file_error.
     void read_on();
     /// Keeps a result, on the disk before anything else. Other programs may add to the same file.
@@ -36,8 +40,6 @@ public:
     std::filesystem::path claims_path() const;
 
 private:
-    std::filesystem::path path_;
-    std::size_t lines_ = 0; ///< read so far
-    std::size_t bytes_ = 0; ///< that these lines take
+    line_file file_;
     std::vector<training_result> results_;
 };

@@ -2,6 +2,7 @@
 
 // What an evaluation found, as a table for people, as CSV and as JSON lines.
 
+#include "evaluation/frame_times.hpp"
 #include "methods/method.hpp"
 #include "reports/plot.hpp"
 

@@ -49,6 +49,8 @@ std::optional<training_result> run(const task& t) {
     result.confusion = best->evaluate(data.view(), training->split().test, alone).confusion;
     result.validation_accuracy =
         best->evaluate(data.view(), training->split().validation, alone).confusion.accuracy();
+    result.training_accuracy =
+        best->evaluate(data.view(), training->split().training, alone).confusion.accuracy();
     const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
     result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
     const std::size_t images =

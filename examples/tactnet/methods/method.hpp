@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -41,11 +42,9 @@ constexpr method_costs costs_of() {
             Network::parameter_bytes, Network::activation_bytes};
 }
 
-/// Microseconds a frame on one thread: the median of repeated runs.
-struct frame_times {
-    double alone = 0;    ///< one frame at a time
-    double in_batch = 0; ///< 64 frames at once, 16 where photographs are made of them
-};
+/// Recognises as many frames as it is told, together, on one thread: what is timed. The first call with a
+/// number makes room for as many.
+using frame_work = std::function<void(std::size_t frames)>;
 
 /// What an image was taken for. Not tactnet::recognition, whose probability not every method has.
 struct scored_class {
@@ -139,7 +138,10 @@ public:
     virtual method_costs costs(std::size_t classes) const = 0;
     /// Of all its parameters those that a training changes.
     virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
-    virtual frame_times time_frames() const = 0;
+    /// With weights by chance, since none may be at hand.
+    virtual frame_work make_work() const = 0;
+    /// How many frames it is timed with beside a single one. Of photographs no more pass together.
+    std::size_t frames_together() const { return pretrained() ? 16 : 64; }
     /// The network that others have trained on photographs and that it begins with, if it does.
     virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }
     /// Whether what that makes of images is found once, and kept: where it is not trained on.

@@ -97,8 +97,10 @@ void converse(stream& in, stream& out, stream& error, std::string_view script, s
     }
 }
 
-bool is_whole_png(std::string_view bytes) {
+bool is_whole(std::string_view bytes, picture_format format) {
     using namespace std::string_view_literals;
+    if (format == picture_format::svg)
+        return bytes.starts_with("<?xml"sv) && bytes.ends_with("</svg>\n\n"sv);
     return bytes.starts_with("\x89PNG\r\n\x1A\n"sv) && bytes.ends_with("\0\0\0\0IEND\xAE\x42\x60\x82"sv);
 }
 
@@ -125,7 +127,7 @@ drawn_picture not_run(int error) {
 
 } // namespace
 
-drawn_picture draw_png(std::string_view script) {
+drawn_picture draw_picture(std::string_view script, picture_format format) {
     stream in, out, error;
     if (!in.open() || !out.open() || !error.open())
         return not_run(errno);
@@ -151,7 +153,7 @@ drawn_picture draw_png(std::string_view script) {
     while (::waitpid(child, &status, 0) != child)
         if (errno != EINTR)
             return not_run(errno);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && is_whole_png(result.picture))
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && is_whole(result.picture, format))
         return result;
     const std::string line = first_line(words);
     return no_drawing("gnuplot did not draw it" + (line.empty() ? "" : " ('" + line + "')"));

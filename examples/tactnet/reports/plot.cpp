@@ -35,7 +35,7 @@ std::filesystem::path with_ending(std::filesystem::path stem, const char* ending
     return stem;
 }
 
-/// Writes data, and the picture that `body` plots. The script names no file: see draw_png.
+/// Writes data, and the picture that `body` plots. The script names no file: see draw_picture.
 void draw(const std::filesystem::path& stem, const std::string& csv, const std::string& size,
           const std::string& body) {
     make_folder_of(stem);
@@ -47,7 +47,7 @@ void draw(const std::filesystem::path& stem, const std::string& csv, const std::
                     "set datafile separator ','\n"
                     "{}",
                     size, size, body);
-    const drawn_picture drawn = draw_png(text);
+    const drawn_picture drawn = draw_picture(text, picture_format::png);
     if (!drawn.picture.empty()) {
         tactnet::write_file(picture, drawn.picture);
         std::error_code ignored;

@@ -1,6 +1,7 @@
 #include "methods/networks/method.hpp"
 
 #include "methods/description.hpp"
+#include "methods/made_up_frames.hpp"
 #include "methods/networks/looped_training.hpp"
 
 #include <tactnet/io/model_file.hpp>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <stopwatch.hpp>
 #include <utility>
 
 namespace {
@@ -143,10 +143,20 @@ public:
         return costs_for(code_->costs, code_->costs_of_one, code_->outputs, classes);
     }
 
-    frame_times time_frames() const override {
+    frame_work make_work() const override {
         any_model model{code_->make(), std::vector<float>(rows * columns), 1, {}};
         draw_arrays(*model.network);
-        return {time(model, 1), time(model, pretrained() ? 16 : 64)};
+        return [deployed = std::shared_ptr(code_->deploy(model)), pixels = rows * columns,
+                outputs = code_->outputs, frames = std::vector<std::uint8_t>(),
+                logits = std::vector<float>()](std::size_t count) mutable {
+            if (frames.size() != count * pixels) {
+                frames = made_up_frames(count * pixels);
+                logits.resize(count * outputs);
+            }
+            tactnet::thread_pool alone;
+            if (!deployed->recognise(alone, frames, logits))
+                throw std::runtime_error("expected finite logits of the frames that are timed");
+        };
     }
 
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
@@ -166,22 +176,6 @@ public:
     }
 
 private:
-    double time(const any_model& model, std::size_t batch) const {
-        tactnet::thread_pool alone;
-        const auto deployed = code_->deploy(model);
-        std::vector<std::uint8_t> frames(batch * rows * columns);
-        std::vector<float> logits(batch * code_->outputs);
-        for (std::size_t e = 0; e < frames.size(); ++e)
-            frames[e] = static_cast<std::uint8_t>(e * 37 % 64);
-        bool good = true;
-        const auto recognise = [&] { good = deployed->recognise(alone, frames, logits) && good; };
-        const double microseconds =
-            pretrained() ? brief_median_microseconds(recognise) : median_microseconds(recognise);
-        if (!good)
-            throw std::runtime_error("expected finite logits of the frames that are timed");
-        return microseconds / static_cast<double>(batch);
-    }
-
     std::unique_ptr<compiled_network> code_;
 };
 

@@ -162,21 +162,24 @@ public:
     std::size_t learnable(std::size_t classes) const override {
         return costs(classes).parameters - trunk_->costs.parameters;
     }
-    frame_times time_frames() const override {
-        const std::unique_ptr<tactnet::trainable> own = head().make();
+    frame_work make_work() const override {
+        std::shared_ptr<tactnet::trainable> own = head().make();
         draw_arrays(*own);
-        tactnet::thread_pool alone;
-        const auto space = own->make_workspace();
-        own->prepare(alone, *space);
+        std::shared_ptr<tactnet::trainable::workspace> space = own->make_workspace();
+        tactnet::thread_pool threads;
+        own->prepare(threads, *space);
         const std::size_t size = head().features.size(trunk_->map);
-        tactnet::sample_batch in(size), out(own->outputs());
-        return time_behind(trunk_, head().features, image(), [&](std::span<const float> features) {
-            const std::size_t batch = features.size() / size;
-            in.resize(batch), out.resize(batch);
-            for (std::size_t i = 0; i < batch; ++i)
-                in.set(i, features.subspan(i * size, size));
-            own->logits(alone, *space, in, out);
-        });
+        return work_behind(
+            trunk_, head().features, image(),
+            [own, space, size, in = tactnet::sample_batch(size),
+             out = tactnet::sample_batch(own->outputs())](std::span<const float> features) mutable {
+                const std::size_t count = features.size() / size;
+                in.resize(count), out.resize(count);
+                for (std::size_t i = 0; i < count; ++i)
+                    in.set(i, features.subspan(i * size, size));
+                tactnet::thread_pool alone;
+                own->logits(alone, *space, in, out);
+            });
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,

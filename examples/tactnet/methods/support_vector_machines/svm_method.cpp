@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <stopwatch.hpp>
 #include <utility>
 #include <variant>
 
@@ -88,7 +87,7 @@ method_costs svm_method::costs(std::size_t classes) const {
     return result;
 }
 
-frame_times svm_method::time_frames() const {
+frame_work svm_method::make_work() const {
     // Made-up touches, as many as the paper trains with: the time of a machine depends on what it learnt.
     constexpr std::size_t classes = 22, count = classes * images_of_class;
     std::vector<std::uint8_t> pixels;
@@ -110,14 +109,11 @@ frame_times svm_method::time_frames() const {
     tactnet::thread_pool alone;
     svm_training run({rows, columns}, features_(), recipe_, {pixels, labels, classes}, {all, {}, {}}, alone);
     run.advance();
-    const auto trained = run.best({});
-    const auto time = [&](std::size_t batch) {
-        const auto some = std::span<const std::size_t>(all).first(batch);
-        const tactnet::labelled_images images{pixels, labels, classes};
-        return median_microseconds([&] { static_cast<void>(trained->evaluate(images, some, alone)); }) /
-               static_cast<double>(batch);
+    return [trained = std::shared_ptr(run.best({})), pixels](std::size_t frames) {
+        tactnet::thread_pool threads;
+        const std::size_t each = pixels.size() / count;
+        static_cast<void>(trained->recognise(std::span(pixels).first(frames * each), threads));
     };
-    return {time(1), time(64)};
 }
 
 std::unique_ptr<training_run> svm_method::train_on(std::unique_ptr<image_features> features,

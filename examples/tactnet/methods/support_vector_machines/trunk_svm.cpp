@@ -145,14 +145,15 @@ public:
         result.activation_bytes = std::max(result.activation_bytes, trunk_->costs.activation_bytes);
         return result;
     }
-    frame_times time_frames() const override {
+    frame_work make_work() const override {
         const std::size_t size = form_.size(trunk_->map);
-        const support_vector_machine machine =
-            std::visit([&](const auto& options) { return made_up_machine(options, size); }, recipe().options);
-        tactnet::thread_pool alone;
-        return time_behind(trunk_, form_, {rows, columns}, [&](std::span<const float> features) {
-            static_cast<void>(machine.values(feature_list(features, size), alone));
-        });
+        return work_behind(
+            trunk_, form_, {rows, columns},
+            [size, machine = std::visit([&](const auto& options) { return made_up_machine(options, size); },
+                                        recipe().options)](std::span<const float> features) {
+                tactnet::thread_pool alone;
+                static_cast<void>(machine.values(feature_list(features, size), alone));
+            });
     }
 
 private:

@@ -5,6 +5,7 @@
 #include "console/standard_streams.hpp"
 #include "data/fingerprint.hpp"
 #include "methods/description.hpp"
+#include "methods/made_up_frames.hpp"
 #include "reports/report.hpp"
 
 #include <tactnet/io/pretrained.hpp>
@@ -238,25 +239,19 @@ std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrain
     return features;
 }
 
-frame_times time_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
-                        tactnet::extent image, const std::function<void(std::span<const float>)>& use) {
+frame_work work_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
+                       tactnet::extent image, std::function<void(std::span<const float>)> use) {
     const feature_finder finder{trunk, form, image, tactnet::torchvision_photograph};
-    const std::unique_ptr<any_trunk> network = trunk->seeded();
-    tactnet::thread_pool alone;
-    const auto time = [&](std::size_t batch) {
-        std::vector<std::uint8_t> images(batch * image.area());
-        for (std::size_t e = 0; e < images.size(); ++e)
-            images[e] = static_cast<std::uint8_t>(e * 37 % 64);
-        const auto all = tactnet::all_samples(batch);
-        std::vector<float> found(batch * finder.size());
-        const double microseconds = brief_median_microseconds([&] {
-            finder.find(*network, images, all, alone, found);
-            use(found);
-        });
-        return microseconds / static_cast<double>(batch);
+    return [finder, network = std::shared_ptr(trunk->seeded()), use = std::move(use),
+            images = std::vector<std::uint8_t>(), found = std::vector<float>()](std::size_t frames) mutable {
+        if (images.size() != frames * finder.image.area()) {
+            images = made_up_frames(frames * finder.image.area());
+            found.resize(frames * finder.size());
+        }
+        tactnet::thread_pool alone;
+        finder.find(*network, images, tactnet::all_samples(frames), alone, found);
+        use(found);
     };
-    // Of more frames these many pass together, one group after the other.
-    return {time(1), time(feature_finder::together)};
 }
 
 tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form) {

@@ -98,10 +98,10 @@ std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrain
 /// pixel of the photograph that lies half-way between two counts may be rounded to either.
 inline constexpr double feature_rounding = 0.02;
 
-/// Times a frame on its way through a trunk and what is behind it, use(features) for the rows of one frame
-/// or more. With weights by chance, since none may be at hand.
-frame_times time_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
-                        tactnet::extent image, const std::function<void(std::span<const float>)>& use);
+/// Frames on their way through a trunk with weights by chance, and what is behind it: use(features) for the
+/// rows of all frames of a call.
+frame_work work_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
+                       tactnet::extent image, std::function<void(std::span<const float>)> use);
 
 /// How features of a trunk are computed. A weight file says the same, or it is for others.
 tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form);

@@ -1,0 +1,132 @@
+// tactnet recommend: the best network of a study within a budget.
+
+#include "commands/commands.hpp"
+#include "console/standard_streams.hpp"
+#include "number_options.hpp"
+#include "reports/report.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/file.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace {
+
+struct recommend_options {
+    std::string results = "study", split = "random";
+    std::optional<double> microseconds;
+    std::optional<std::size_t> bytes, rows, columns;
+};
+
+/// What a study found of a network.
+struct studied_network {
+    std::string method, recipe, declaration;
+    std::size_t rows, columns, splits, bytes;
+    double accuracy, deviation, microseconds, p99;
+};
+
+/// Nothing for what is no network, or was not trained on such splits or timed.
+std::optional<studied_network> network_of(const nlohmann::json& line, const std::string& split) {
+    const auto& accuracy = line.at(split + "_accuracy");
+    if (line.at("declaration") == "" || accuracy.is_null() || line.at("microseconds").is_null())
+        return std::nullopt;
+    return studied_network{line.at("method"),
+                           line.at("recipe"),
+                           line.at("declaration"),
+                           line.at("rows"),
+                           line.at("columns"),
+                           line.at(split + "_splits"),
+                           line.at("bytes"),
+                           accuracy,
+                           line.at(split + "_deviation"),
+                           line.at("microseconds"),
+                           line.at("microseconds_p99")};
+}
+
+std::vector<studied_network> networks_in(const std::filesystem::path& path, const std::string& split) {
+    const auto bytes = tactnet::read_file(path);
+    std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    std::vector<studied_network> found;
+    for (std::size_t number = 1; !rest.empty(); ++number) {
+        const std::string_view line = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+        try {
+            if (auto network = network_of(nlohmann::json::parse(line), split))
+                found.push_back(std::move(*network));
+        } catch (const std::exception& error) {
+            throw tactnet::file_error(path.string(), fmt::format("line {}", number), "a row of tactnet study",
+                                      fmt::format("'{}'", error.what()));
+        }
+    }
+    return found;
+}
+
+bool fits(const studied_network& n, const recommend_options& o) {
+    return (!o.microseconds || n.microseconds <= *o.microseconds) && (!o.bytes || n.bytes <= *o.bytes) &&
+           (!o.rows || n.rows <= *o.rows) && (!o.columns || n.columns <= *o.columns);
+}
+
+int recommend(const recommend_options& o) {
+    const std::filesystem::path path = std::filesystem::path(o.results) / "study.jsonl";
+    std::vector<studied_network> all = networks_in(path, o.split);
+    if (all.empty())
+        throw tactnet::file_error(path.string(), "",
+                                  fmt::format("networks that were timed, and tested on {} splits", o.split),
+                                  "none");
+    const auto fastest = *std::ranges::min_element(all, {}, &studied_network::microseconds);
+    std::erase_if(all, [&](const studied_network& n) { return !fits(n, o); });
+    if (all.empty())
+        throw usage_error(
+            fmt::format("expected a budget that a network of {} keeps, found none; the fastest, "
+                        "{} {}x{}, takes {:.2f} µs and {} bytes",
+                        path.string(), fastest.method, fastest.rows, fastest.columns, fastest.microseconds,
+                        fastest.bytes));
+    std::ranges::stable_sort(all, [](const auto& a, const auto& b) {
+        return a.accuracy != b.accuracy ? a.accuracy > b.accuracy : a.microseconds < b.microseconds;
+    });
+    const studied_network& best = all.front();
+    print(fmt::format(
+        "{} {}x{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs a frame (p99 {:.2f}), "
+        "{} bytes of weights\n{}\n",
+        best.method, best.rows, best.columns, best.recipe, 100 * best.accuracy, 100 * best.deviation,
+        best.splits, o.split, best.microseconds, best.p99, grouped(best.bytes), best.declaration));
+    return success;
+}
+
+} // namespace
+
+command add_recommend(CLI::App& program) {
+    auto* app = program.add_subcommand(
+        "recommend", "The most accurate network of a study that keeps a budget, and its type in C++");
+    auto o = std::make_shared<recommend_options>();
+    app->add_option("--results", o->results, "Folder of a study")->type_name("FOLDER")->capture_default_str();
+    app->add_option("--microseconds", o->microseconds, "The most that a frame may take")
+        ->type_name("T")
+        ->check(positive_number());
+    app->add_option("--bytes", o->bytes, "The most that its weights may take, in single precision")
+        ->type_name("N")
+        ->check(whole_number(1, 1'000'000'000'000));
+    app->add_option("--rows", o->rows, "Rows of the sensor, or fewer after resizing")
+        ->type_name("N")
+        ->check(whole_number(1, 100'000));
+    app->add_option("--columns", o->columns, "Columns, likewise")
+        ->type_name("N")
+        ->check(whole_number(1, 100'000));
+    app->add_option("--split", o->split, "Splits that count: 'random' or 'blocked'")
+        ->check(CLI::IsMember({"random", "blocked"}))
+        ->capture_default_str();
+    return [o] { return recommend(*o); };
+}

@@ -1,0 +1,316 @@
+// tactnet study: the paper's experiments again, and what they cost in time, on one page.
+
+#include "commands/commands.hpp"
+#include "console/printable.hpp"
+#include "console/progress.hpp"
+#include "console/standard_streams.hpp"
+#include "evaluation/candidates.hpp"
+#include "files/places.hpp"
+#include "files/same_file.hpp"
+#include "methods/registry.hpp"
+#include "number_options.hpp"
+#include "reports/report.hpp"
+#include "study/page.hpp"
+#include "study/pictures.hpp"
+#include "usage_error.hpp"
+
+#include <tactnet/io/file.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <interrupt.hpp>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace {
+
+struct study_options {
+    std::string data, results = "study", shard;
+    std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged;
+    std::string split = "both";
+    std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
+    bool report_only = false;
+};
+
+/// One part of all trainings, for a machine among several.
+struct shard {
+    std::size_t index = 0, count = 1;
+};
+
+shard shard_of(const std::string& text) {
+    if (text.empty())
+        return {};
+    const std::size_t slash = std::min(text.find('/'), text.size());
+    const auto index = whole_number_of(std::string_view(text).substr(0, slash)),
+               count = whole_number_of(std::string_view(text).substr(std::min(slash + 1, text.size())));
+    if (!index || !count || *index < 1 || *index > *count)
+        throw usage_error(
+            fmt::format("--shard: expected a part of all such as 1/4, from 1 on, found '{}'", text));
+    return {*index - 1, *count};
+}
+
+/// "squeezenet=FILE" by the name in front.
+std::map<std::string, std::string, std::less<>> pretrained_files(const study_options& o) {
+    std::map<std::string, std::string, std::less<>> files;
+    for (const std::string& text : o.pretrained) {
+        const std::size_t middle = text.find('=');
+        const std::string name = text.substr(0, middle);
+        if (middle == std::string::npos ||
+            std::ranges::none_of(photograph_networks::all, [&](const auto& n) { return n.name == name; }))
+            throw usage_error(fmt::format("--pretrained: expected a network and its file, such as "
+                                          "squeezenet=FILE, found '{}'",
+                                          text));
+        files[name] = text.substr(middle + 1);
+    }
+    return files;
+}
+
+/// What is tried, and what cannot be.
+struct study_plan {
+    std::vector<candidate> candidates;
+    std::vector<study_row> missing;
+};
+
+bool chosen(const std::vector<std::string>& wanted, const std::string& name) {
+    return wanted.empty() || std::ranges::find(wanted, name) != wanted.end();
+}
+
+void check_names(const study_options& o) {
+    for (const std::string& name : o.methods)
+        if (std::ranges::none_of(all_methods(), [&](const auto& m) { return m->name == name; }))
+            throw usage_error(
+                fmt::format("--methods: expected some of {}, found '{}'", method_names(), name));
+    for (const std::string& size : o.sizes)
+        if (std::ranges::none_of(all_methods(), [&](const auto& m) {
+                return fmt::format("{}x{}", m->rows, m->columns) == size;
+            }))
+            throw usage_error(fmt::format("--sizes: expected sizes that were compiled in, found '{}'", size));
+}
+
+/// Every method of the program at every size, and of the paper those that it lacks.
+study_plan plan_of(const study_options& o) {
+    check_names(o);
+    const auto files = pretrained_files(o);
+    study_plan plan;
+    for (const auto& m : all_methods()) {
+        const std::string size = fmt::format("{}x{}", m->rows, m->columns);
+        if (!chosen(o.methods, m->name) || !chosen(o.sizes, size))
+            continue;
+        training_settings settings;
+        settings.rows = m->rows, settings.columns = m->columns;
+        settings.resize = true;
+        if (const auto needed = m->pretrained()) {
+            const auto file = files.find(needed->network.name);
+            if (file == files.end()) {
+                plan.missing.push_back(
+                    {.method = m->name,
+                     .rows = m->rows,
+                     .columns = m->columns,
+                     .recipe = "default",
+                     .missing = fmt::format("needs {} trained on photographs, --pretrained {}=FILE",
+                                            needed->network.title, needed->network.name),
+                     .costs = m->costs(m->is_network() ? std::min<std::size_t>(22, m->capacity) : 22),
+                     .published = find_published(m->name, m->rows, m->columns)});
+                continue;
+            }
+            settings.pretrained = file->second;
+        }
+        std::vector<std::string> tried; // recipes that come to the same
+        for (const std::string& recipe : o.recipes) {
+            if (recipe == "published" && !(m->is_network() && m->published))
+                continue;
+            settings.recipe = recipe;
+            const std::string name(recipe_for(*m, settings).name);
+            if (std::ranges::find(tried, name) != tried.end())
+                continue;
+            tried.push_back(name);
+            plan.candidates.push_back({m.get(), settings, nullptr});
+        }
+    }
+    for (const published_result& p : published_results)
+        if (p.rows == 28 && chosen(o.methods, std::string(p.method)) && chosen(o.sizes, "28x50") &&
+            std::ranges::none_of(all_methods(), [&](const auto& m) {
+                return m->name == p.method && m->rows == p.rows && m->columns == p.columns;
+            }))
+            plan.missing.push_back({.method = std::string(p.method),
+                                    .rows = p.rows,
+                                    .columns = p.columns,
+                                    .recipe = "default",
+                                    .missing = "the program was built without it, TACTNET_PROGRAM_NETWORKS",
+                                    .published = &p});
+    return plan;
+}
+
+split_plan splits_of(const study_options& o) {
+    using tactnet::split_rule;
+    return {o.split == "both" ? std::vector{split_rule::random, split_rule::blocked}
+                              : std::vector{split_rule_of(o.split)},
+            0, o.splits};
+}
+
+/// Takes over what other folders of results have.
+void merge(const study_options& o, result_list& results) {
+    for (const std::string& folder : o.merged) {
+        const auto path = std::filesystem::path(folder) / "evaluation.jsonl";
+        if (!std::filesystem::exists(path))
+            throw usage_error(
+                fmt::format("--merge: expected a folder of results, found no {}", path.string()));
+        std::size_t taken = 0;
+        for (const training_result& r : result_list(path).all())
+            if (results.find(r.settings) == nullptr) {
+                results.add(r);
+                ++taken;
+            }
+        tell("{} trainings taken from {}\n", taken, printable(path.string()));
+    }
+}
+
+/// False if interrupted.
+bool time_all(const candidate_list& candidates, timing_list& timings) {
+    std::vector<const method*> missing;
+    for (const candidate& c : candidates)
+        if (timings.find(*c.what) == nullptr && std::ranges::find(missing, c.what) == missing.end())
+            missing.push_back(c.what);
+    progress line;
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        if (interrupted()) {
+            line.end_line();
+            return false;
+        }
+        const method& what = *missing[i];
+        const frame_latency found = measure_latency(what.make_work(), what.frames_together());
+        timings.add(what, found);
+        line.show(fmt::format("{} of {} methods timed: {} {}x{}, {:.1f} µs", i + 1, missing.size(), what.name,
+                              what.rows, what.columns, found.median),
+                  i + 1 == missing.size());
+    }
+    return true;
+}
+
+void report(const std::filesystem::path& folder, const std::vector<study_row>& rows) {
+    tactnet::write_file(folder / "study.jsonl", study_json_lines(rows));
+    tactnet::write_file(folder / "study.csv", study_csv(rows));
+    std::vector<drawn_study_picture> drawn;
+    for (const study_picture& picture : study_pictures(rows))
+        drawn.push_back({picture.caption, draw_study_picture(picture, folder)});
+    tactnet::write_file(folder / "study.html", study_page(rows, drawn));
+    print(study_table(rows));
+    tell("the page: {}\n", printable((folder / "study.html").string()));
+}
+
+/// Throws usage_error.
+void check(const study_options& o, const study_plan& plan) {
+    const std::filesystem::path folder = o.results;
+    std::vector<named_file> outputs;
+    for (const char* name : {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.html",
+                             "accuracy_and_time.png", "accuracy_and_tactels.png"})
+        outputs.push_back({"--results", folder / name});
+    std::vector<named_file> inputs;
+    for (const auto& [name, file] : pretrained_files(o))
+        inputs.push_back({"--pretrained", file});
+    check_places(inputs, outputs, o.data);
+    tidy_folders_of(outputs);
+    if (std::ranges::any_of(plan.candidates, [](const candidate& c) { return c.what->keeps_features(); }))
+        check_outside_classes(o.data, {{"--results", folder / "features" / "any"}});
+    if (plan.candidates.empty())
+        throw usage_error(
+            "--methods, --sizes, --recipes: expected something to study, found nothing that can "
+            "be trained");
+}
+
+int study(const study_options& o) {
+    const std::filesystem::path folder = o.results;
+    const shard part = shard_of(o.shard);
+    study_plan plan = plan_of(o);
+    check(o, plan);
+    const split_plan splits = splits_of(o);
+    const candidate_list candidates(o.data, std::move(plan.candidates));
+    result_list results(folder / "evaluation.jsonl");
+    merge(o, results);
+    const std::vector<task> all = tasks_of(candidates, splits);
+    std::vector<task> to_do;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (!o.report_only && i % part.count == part.index && results.find(all[i].settings) == nullptr)
+            to_do.push_back(all[i]);
+    tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
+         printable((folder / "evaluation.jsonl").string()));
+    catch_interrupts();
+    const auto stopped = [] {
+        tell("stopped; the same command goes on with what is left\n");
+        return int{interrupted_by_user};
+    };
+    if (!to_do.empty() &&
+        !(prepare_features(to_do, folder / "features", o.jobs) && run_all(to_do, o.jobs, results)))
+        return stopped();
+    if (part.count > 1) {
+        tell("part {} of {} is done; study --merge takes over what all have found\n", part.index + 1,
+             part.count);
+        return success;
+    }
+    make_folder_of(folder / "timings.jsonl");
+    timing_list timings(folder / "timings.jsonl");
+    if (!o.report_only && !time_all(candidates, timings))
+        return stopped();
+    std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings);
+    std::ranges::move(plan.missing, std::back_inserter(rows));
+    report(folder, rows);
+    return success;
+}
+
+} // namespace
+
+command add_study(CLI::App& program) {
+    auto* app = program.add_subcommand(
+        "study", "Train and time all methods at all sizes, beside the paper's results, on one page");
+    auto o = std::make_shared<study_options>();
+    app->add_option("--data", o->data,
+                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
+        ->type_name("FOLDER")
+        ->required();
+    app->add_option("--results", o->results,
+                    "Folder for results; what is found there is not done again, by any number of programs")
+        ->type_name("FOLDER")
+        ->capture_default_str();
+    app->add_option("--methods", o->methods, "Some of " + method_names() + " (default: all)")
+        ->type_name("NAME,...")
+        ->delimiter(',');
+    app->add_option("--sizes", o->sizes, "Some sizes, such as 28x50,14x25 (default: all)")
+        ->type_name("SIZE,...")
+        ->delimiter(',');
+    app->add_option("--recipes", o->recipes, "'default', 'published' or both")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"default", "published"}))
+        ->capture_default_str();
+    app->add_option("--split", o->split, "'random', 'blocked' or 'both'")
+        ->check(CLI::IsMember({"both", "random", "blocked"}))
+        ->capture_default_str();
+    app->add_option("--splits", o->splits, "Splits of each kind, 1 to 10000")
+        ->type_name("N")
+        ->check(whole_number(1, 10'000))
+        ->capture_default_str();
+    app->add_option(
+           "--pretrained", o->pretrained,
+           "Networks trained on photographs, such as squeezenet=FILE, for the methods that begin with "
+           "one")
+        ->type_name("NAME=FILE,...")
+        ->delimiter(',');
+    app->add_option("--jobs", o->jobs, "Trainings at the same time, 1 to 1024 (default: one a core)")
+        ->type_name("N")
+        ->check(whole_number(1, 1024));
+    app->add_option("--shard", o->shard, "One part of all trainings, such as 2/8, for one machine of eight")
+        ->type_name("PART/ALL");
+    app->add_option("--merge", o->merged, "Folders of other parts, whose trainings are taken over")
+        ->type_name("FOLDER,...")
+        ->delimiter(',');
+    app->add_flag("--report-only", o->report_only, "Train and time nothing; write what is there");
+    return [o] { return study(*o); };
+}

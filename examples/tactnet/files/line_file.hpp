@@ -1,0 +1,29 @@
+#pragma once
+
+// A file of JSON lines with a checksum each, which grows by one line at a time and which several programs may
+// share.
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+
+class line_file {
+public:
+    explicit line_file(std::filesystem::path path) : path_(std::move(path)) {}
+
+    const std::filesystem::path& path() const { return path_; }
+    /// take(text) for each line that came since the last call, without its checksum; the beginning of a line
+    /// that was never finished is passed over. What `take` throws names the line then, and that it should be
+    /// `expected`. Throws tactnet::file_error.
+    void read_on(const std::string& expected, const std::function<void(const std::string&)>& take);
+    /// Adds a line, on the disk when this returns. It is then read as those of others are. Throws
+    /// tactnet::file_error.
+    void add(const std::string& text) const;
+
+private:
+    std::filesystem::path path_;
+    std::size_t lines_ = 0; ///< read so far
+    std::size_t bytes_ = 0; ///< that these lines take
+};

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+/// Counts of frames to be timed, whose values decide nothing.
+inline std::vector<std::uint8_t> made_up_frames(std::size_t pixels) {
+    std::vector<std::uint8_t> counts(pixels);
+    for (std::size_t e = 0; e < pixels; ++e)
+        counts[e] = static_cast<std::uint8_t>(e * 37 % 64);
+    return counts;
+}

@@ -1,0 +1,138 @@
+# tactnet_add_program(target
+#     NETWORKS network… [SIZES size…] [TRUNKS trunk…] [CLASSES number]
+#     [HEADER file NAMESPACE namespace])
+#
+# The program `tactnet` with these networks: a unit is compiled for each network at each of the sizes (28x50), or at its
+# own as in tactnet4=28x50,7x13. TRUNKS are networks trained on photographs that methods begin with, at all sizes.
+# Networks are the library's, or templates of a header of one's own, `namespace::network<input, classes>`, where a - in a
+# name stands for a _. The property TACTNET_UNITS of the target tells what was compiled, as network_size.
+
+# Sets <rows> and <columns> of a size.
+macro(tactnet_split_size size)
+    if(NOT "${size}" MATCHES "^([1-9][0-9]*)x([1-9][0-9]*)$")
+        message(FATAL_ERROR "tactnet_add_program: expected sizes such as 28x50, found '${size}'.")
+    endif()
+    set(rows "${CMAKE_MATCH_1}")
+    set(columns "${CMAKE_MATCH_2}")
+endmacro()
+
+function(tactnet_add_program target)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "CLASSES;HEADER;NAMESPACE" "NETWORKS;SIZES;TRUNKS")
+    if(arg_UNPARSED_ARGUMENTS OR NOT arg_NETWORKS)
+        message(FATAL_ERROR "tactnet_add_program: expected NETWORKS and other keywords, found '${arg_UNPARSED_ARGUMENTS}'.")
+    endif()
+    get_property(templates GLOBAL PROPERTY TACTNET_PROGRAM_SOURCE_DIR)
+    set(units_dir "${CMAKE_CURRENT_BINARY_DIR}/${target}_units")
+    set(program_classes "${arg_CLASSES}")
+    if(NOT program_classes)
+        set(program_classes 22)
+    endif()
+    set(namespace tactnet)
+    set(own_include "")
+    if(arg_HEADER)
+        get_filename_component(header "${arg_HEADER}" ABSOLUTE)
+        set(own_include "#include \"${header}\"\n")
+        set(namespace "${arg_NAMESPACE}")
+    endif()
+
+    set(unit_sources "")
+    set(all_unit_declarations "")
+    set(unit_calls "")
+    set(all_units "")
+    set(all_sizes "")
+    foreach(entry IN LISTS arg_NETWORKS)
+        if(NOT entry MATCHES "^([^=]+)(=(.+))?$")
+            message(FATAL_ERROR "tactnet_add_program: expected a network or network=size,size, found '${entry}'.")
+        endif()
+        set(network "${CMAKE_MATCH_1}")
+        string(REPLACE "," ";" sizes "${CMAKE_MATCH_3}")
+        if(NOT sizes)
+            set(sizes "${arg_SIZES}")
+        endif()
+        string(MAKE_C_IDENTIFIER "${network}" alias)
+        set(qualified "${namespace}::${alias}")
+        # Those that begin with weights learnt from photographs.
+        if(network MATCHES "-nn$")
+            set(family of_photographs)
+            set(unit_includes
+                "#include <tactnet/transfer/as_photograph_deployed.hpp>\n#include <tactnet/transfer/networks.hpp>\n"
+            )
+        else()
+            set(family of_touches)
+            set(unit_includes "#include <tactnet/networks.hpp>\n")
+        endif()
+        string(APPEND unit_includes "${own_include}")
+        set(training "std::nullopt")
+        if(NOT arg_HEADER)
+            set(training "${qualified}_training")
+        endif()
+        foreach(size IN LISTS sizes)
+            tactnet_split_size("${size}")
+            set(unit "${alias}_${size}")
+            # Two forms of a network may be the same type at a size: the unit asks the compiler.
+            set(unit_declarations "std::unique_ptr<compiled_network> make_${unit}();\n")
+            set(unit_twins "")
+            foreach(twin IN LISTS twins_${family}_${size})
+                string(APPEND unit_declarations "std::unique_ptr<compiled_network> make_${twin}_${size}();\n")
+                string(APPEND unit_twins
+                       "    if constexpr (std::is_same_v<Network, ${namespace}::${twin}<input, classes>>)\n"
+                       "        return make_${twin}_${size}();\n    else\n"
+                )
+            endforeach()
+            set(source "${units_dir}/${unit}.cpp")
+            configure_file("${templates}/methods/networks/unit.cpp.in" "${source}" @ONLY)
+            list(APPEND twins_${family}_${size} "${alias}")
+            list(APPEND unit_sources "${source}")
+            list(APPEND all_units "${network}_${size}")
+            list(APPEND all_sizes "${size}")
+            string(APPEND all_unit_declarations "std::unique_ptr<compiled_network> make_${unit}();\n")
+            string(APPEND unit_calls
+                   "    list.push_back(make_network_method(\"${network}\", make_${unit}(), ${training}));\n"
+            )
+        endforeach()
+    endforeach()
+    # Behind the networks, heads and support vector machines for images of each size.
+    list(REMOVE_DUPLICATES all_sizes)
+    foreach(size IN LISTS all_sizes)
+        tactnet_split_size("${size}")
+        set(source "${units_dir}/surf_${size}.cpp")
+        configure_file("${templates}/methods/support_vector_machines/surf_unit.cpp.in" "${source}" @ONLY)
+        list(APPEND unit_sources "${source}")
+        string(APPEND all_unit_declarations "std::vector<std::unique_ptr<method>> make_svm_methods_${size}();\n")
+        string(APPEND unit_calls
+               "    for (auto& svm : make_svm_methods_${size}())\n        list.push_back(std::move(svm));\n"
+               "    for (auto& svm : make_trunk_svm_methods(${rows}, ${columns}, trunks))\n"
+               "        list.push_back(std::move(svm));\n"
+               "    for (auto& head : make_trunk_head_methods(${rows}, ${columns}, trunks))\n"
+               "        list.push_back(std::move(head));\n"
+        )
+    endforeach()
+    # Trunks take photographs, which images of all sizes become: a unit each.
+    set(trunk_calls "")
+    foreach(trunk IN LISTS arg_TRUNKS)
+        if(NOT trunk MATCHES "^[a-z0-9]+$")
+            message(FATAL_ERROR "tactnet_add_program: expected trunks such as squeezenet, found '${trunk}'.")
+        endif()
+        set(source "${units_dir}/trunk_${trunk}.cpp")
+        configure_file("${templates}/methods/trunks/unit.cpp.in" "${source}" @ONLY)
+        list(APPEND unit_sources "${source}")
+        string(APPEND all_unit_declarations "std::shared_ptr<const compiled_trunk> make_trunk_${trunk}();\n")
+        list(APPEND trunk_calls "make_trunk_${trunk}()")
+    endforeach()
+    list(JOIN trunk_calls ", " trunk_calls)
+    set(unit_declarations "${all_unit_declarations}")
+    configure_file("${templates}/methods/method_list.cpp.in" "${units_dir}/method_list.cpp" @ONLY)
+
+    add_library(${target}_units OBJECT ${unit_sources})
+    add_executable(
+        ${target} $<TARGET_OBJECTS:tactnet_program_commands> $<TARGET_OBJECTS:tactnet_program_scenes>
+                  $<TARGET_OBJECTS:${target}_units>
+                  "${units_dir}/method_list.cpp"
+    )
+    foreach(part IN ITEMS ${target}_units ${target})
+        tactnet_use(${part})
+        target_link_libraries(${part} PRIVATE tactnet_program_parts)
+    endforeach()
+    target_link_libraries(${target} PRIVATE tactnet::simulation tactnet_quick_to_compile)
+    set_target_properties(${target} PROPERTIES TACTNET_UNITS "${all_units}")
+endfunction()

@@ -1,0 +1,197 @@
+#include "study/pictures.hpp"
+
+#include "console/printable.hpp"
+#include "console/standard_streams.hpp"
+#include "reports/gnuplot.hpp"
+
+#include <tactnet/io/file.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string_view>
+
+namespace {
+
+using tactnet::split_rule;
+
+// Three hues that people who confuse colours tell apart, on light and dark ground; grey for the paper.
+constexpr std::string_view of_touches = "#2a78d6", of_photographs = "#d9622b", machines = "#199e70",
+                           of_paper = "#8a8a86";
+
+struct family {
+    std::string_view title, colour;
+    bool (*has)(const study_row&);
+};
+constexpr std::array families{
+    family{"networks for touches", of_touches,
+           [](const study_row& row) {
+               return row.method.starts_with("tact") ||
+                      (!row.declaration.empty() && !row.method.ends_with("-nn"));
+           }},
+    family{"networks from photographs", of_photographs,
+           [](const study_row& row) { return row.method.ends_with("-nn"); }},
+    family{"support vector machines", machines,
+           [](const study_row& row) {
+               return row.method.starts_with("svm") || row.method.ends_with("svm") ||
+                      row.method.ends_with("rbf");
+           }},
+};
+
+/// What the pointer is told; no quotes, which would end gnuplot's text.
+std::string words_of(const study_row& row) {
+    std::string text = fmt::format("{}, {} recipe", title_of(row), row.recipe);
+    for (const auto& a : row.accuracies)
+        text += fmt::format("\\n{:.2f} ± {:.2f} %, {} {} splits", 100 * a.test.mean, 100 * a.test.deviation,
+                            a.splits, a.rule == split_rule::random ? "random" : "blocked");
+    if (row.latency)
+        text += fmt::format("\\n{:.1f} µs a frame", row.latency->median);
+    if (!row.declaration.empty())
+        text += "\\n" + row.declaration;
+    return text;
+}
+
+std::string block(std::string_view name, const std::string& lines) {
+    return fmt::format("${} << END\n{}END\n", name, lines);
+}
+
+/// From the lowest of all accuracies, rounded down, to 100 %: nothing is more.
+std::string accuracy_axis(double lowest) {
+    return fmt::format("set ylabel 'test accuracy, %'\nset yrange [{}:100]\n",
+                       std::max(0.0, 5 * std::floor((lowest - 1) / 5)));
+}
+
+constexpr std::string_view style =
+    "set border 3 lc rgb '#8a8a86'\nset tics nomirror\n"
+    "set grid lc rgb '#d0d0cc' lw 0.5\nset key opaque\nset pointintervalbox 0\n";
+
+/// Accuracy against microseconds: each method, the front, and the paper.
+study_picture costs_picture(const std::vector<study_row>& rows) {
+    std::string data, plot;
+    double lowest = 100;
+    for (const family& f : families) {
+        std::string lines;
+        for (const study_row& row : rows)
+            if (const auto* a = find_accuracy(row, split_rule::random);
+                a != nullptr && row.latency && f.has(row)) {
+                const double mean = 100 * a->test.mean, deviation = 100 * a->test.deviation;
+                lines += fmt::format("{} {} {} {} \"{}\"\n", row.latency->median, mean, mean - deviation,
+                                     std::min(100.0, mean + deviation), words_of(row));
+                lowest = std::min(lowest, mean - deviation);
+            }
+        if (lines.empty())
+            continue;
+        const std::string name = fmt::format("family{}", &f - families.data());
+        data += block(name, lines);
+        plot += fmt::format("${0} using 1:2:3:4 with yerrorbars pt 7 ps 0.8 lc rgb '{1}' title '{2}', "
+                            "${0} using 1:2:5 with labels hypertext point pt 7 ps 0.8 lc rgb '{1}' notitle, ",
+                            name, f.colour, f.title);
+    }
+    std::string paper, front, labels;
+    for (const published_result& p : published_results)
+        if (p.seconds > 0) {
+            paper += fmt::format("{} {} {} {} \"the paper: {}\\n{:.2f} ± {:.2f} %, {:.0f} ms an image\"\n",
+                                 1e6 * p.seconds, p.accuracy, p.accuracy - p.deviation,
+                                 p.accuracy + p.deviation, p.title, p.accuracy, p.deviation, 1e3 * p.seconds);
+            lowest = std::min(lowest, p.accuracy - p.deviation);
+        }
+    data += block("paper", paper);
+    for (const study_row* row : pareto_front(rows, split_rule::random)) {
+        const double accuracy = 100 * find_accuracy(*row, split_rule::random)->test.mean;
+        front += fmt::format("{} {}\n", row->latency->median, accuracy);
+        labels += fmt::format("{} {} \"{}\"\n", row->latency->median, accuracy, title_of(*row));
+    }
+    if (!front.empty()) {
+        data += block("front", front) + block("names", labels);
+        plot =
+            fmt::format("$front using 1:2 with steps lw 1.5 dt 2 lc rgb '{}' title 'the best for the time', ",
+                        of_touches) +
+            plot + "$names using 1:2:3 with labels noenhanced right offset -0.8,0.5 font ',10' notitle, ";
+    }
+    plot += fmt::format("$paper using 1:2:3:4 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'the paper', "
+                        "$paper using 1:2:5 with labels hypertext point pt 6 ps 0.8 lc rgb '{0}' notitle",
+                        of_paper);
+    return {"accuracy_and_time",
+            "Test accuracy over random splits against the time of a frame on one core; bars are standard "
+            "deviations. The paper's times are those of its own machine.",
+            data + std::string(style) + accuracy_axis(lowest) +
+                "set logscale x\nset format x '10^{%L}'\nset xlabel 'microseconds a frame, one core'\n"
+                "set offsets graph 0.12, graph 0.03, 0, 0\nset key bottom right\nplot " +
+                plot + '\n'};
+}
+
+/// Accuracy against the number of tactels, of methods that were tried at several sizes.
+study_picture sizes_picture(const std::vector<study_row>& rows) {
+    std::map<std::string, std::string> lines;
+    std::map<std::string, std::size_t> counts;
+    double lowest = 100;
+    for (const study_row& row : rows)
+        if (const auto* a = find_accuracy(row, split_rule::random)) {
+            const std::string name = fmt::format("{}, {}", row.method, row.recipe);
+            lines[name] += fmt::format("{} {} {} \"{}\"\n", row.rows * row.columns, 100 * a->test.mean,
+                                       100 * a->test.deviation, words_of(row));
+            ++counts[name];
+        }
+    std::string data, plot;
+    std::size_t series = 0;
+    for (const auto& [name, text] : lines) {
+        if (counts[name] < 2)
+            continue;
+        data += block(fmt::format("series{}", series), text);
+        plot +=
+            fmt::format("$series{0} using 1:2:3 smooth unique with lines lw 1.5 lc {1} notitle, "
+                        "$series{0} using 1:2:3 with yerrorbars pt {2} ps 0.8 lc {1} title '{3}' noenhanced, "
+                        "$series{0} using 1:2:4 with labels hypertext point pt {2} ps 0.8 lc {1} notitle, ",
+                        series, series + 1, 4 + series % 10, name);
+        ++series;
+    }
+    if (series == 0)
+        return {};
+    for (const study_row& row : rows)
+        if (const auto* a = find_accuracy(row, split_rule::random))
+            lowest = std::min(lowest, 100 * (a->test.mean - a->test.deviation));
+    std::string paper;
+    for (const published_result& p : published_results)
+        if (p.method == "tactnet6") {
+            paper += fmt::format("{} {} {}\n", p.rows * p.columns, p.accuracy, p.deviation);
+            lowest = std::min(lowest, p.accuracy - p.deviation);
+        }
+    data += block("paper", paper);
+    plot += fmt::format("$paper using 1:2:3 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'TactNet-6 in the "
+                        "paper', $paper using 1:2 with lines dt 2 lc rgb '{0}' notitle",
+                        of_paper);
+    return {"accuracy_and_tactels", "Test accuracy over random splits against the number of tactels.",
+            data + std::string(style) + accuracy_axis(lowest) +
+                "set logscale x\nset xlabel 'tactels'\nset xtics (91, 180, 350, 700, 1400)\n"
+                "set key bottom right\nplot " +
+                plot + '\n'};
+}
+
+} // namespace
+
+std::vector<study_picture> study_pictures(const std::vector<study_row>& rows) {
+    std::vector<study_picture> pictures{costs_picture(rows)};
+    if (study_picture sizes = sizes_picture(rows); !sizes.name.empty())
+        pictures.push_back(std::move(sizes));
+    return pictures;
+}
+
+std::string draw_study_picture(const study_picture& picture, const std::filesystem::path& folder) {
+    const auto path = folder / (picture.name + ".png");
+    const drawn_picture png = draw_picture(
+        "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) { set terminal pngcairo size 1100,700 font ',11' } "
+        "else { set terminal png size 1100,700 }\n" +
+            picture.script,
+        picture_format::png);
+    if (png.picture.empty())
+        tell("{} is not drawn: {}\n", printable(path.string()), printable(png.problem));
+    else
+        tactnet::write_file(path, png.picture);
+    return draw_picture("set terminal svg size 900,600 dynamic font 'sans-serif,13' background 'none'\n" +
+                            picture.script,
+                        picture_format::svg)
+        .picture;
+}

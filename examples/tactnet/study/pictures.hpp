@@ -1,0 +1,23 @@
+#pragma once
+
+// The pictures of a study, drawn by gnuplot: as PNG beside the page, and as SVG in it, where the pointer asks
+// what a point is (gnuplot_svg.showHypertext, which the page has).
+
+#include "study/rows.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+struct study_picture {
+    std::string name;    ///< of the file, without its ending
+    std::string caption; ///< what it shows, a sentence
+    std::string script;  ///< of gnuplot, without a terminal
+};
+
+/// Those that the rows have something for.
+std::vector<study_picture> study_pictures(const std::vector<study_row>& rows);
+
+/// Writes a picture into a folder as PNG, and gives it as SVG: nothing where it cannot be drawn, which is
+/// told.
+std::string draw_study_picture(const study_picture& picture, const std::filesystem::path& folder);

@@ -1,0 +1,195 @@
+#include "study/rows.hpp"
+
+#include "methods/training_settings.hpp"
+#include "reports/report.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace {
+
+/// Networks by the library's names, which a user may write as they are.
+std::string declaration_of(const method& what) {
+    if (!what.is_network() || what.keeps_features())
+        return {};
+    std::string name = what.name;
+    std::ranges::replace(name, '-', '_');
+    return fmt::format("tactnet::{}<tactnet::shape{{{}, {}}}, 22>", name, what.rows, what.columns);
+}
+
+split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
+                               const result_list& results, study_row& row, std::vector<double>& seconds) {
+    std::vector<double> test, validation, training;
+    const auto keep = [](std::vector<double>& list, double value) {
+        if (std::isfinite(value))
+            list.push_back(value);
+    };
+    for (const task& t : tasks) {
+        if (t.of != &c || t.rule != rule)
+            continue;
+        const training_result* r = results.find(t.settings);
+        if (r == nullptr)
+            continue;
+        keep(test, r->confusion.accuracy());
+        keep(validation, r->validation_accuracy);
+        keep(training, r->training_accuracy);
+        seconds.push_back(r->seconds);
+        if (row.accuracies.empty()) // of the first rule that has any
+            row.confusion.add(r->confusion);
+    }
+    using tactnet::mean_and_deviation;
+    return {rule, test.size(), mean_and_deviation::of(test), mean_and_deviation::of(validation),
+            mean_and_deviation::of(training)};
+}
+
+nlohmann::ordered_json json_of(const study_row& row) {
+    nlohmann::ordered_json object{
+        {"method", row.method}, {"rows", row.rows}, {"columns", row.columns}, {"recipe", row.recipe}};
+    for (const tactnet::split_rule rule : {tactnet::split_rule::random, tactnet::split_rule::blocked}) {
+        const split_accuracies* found = find_accuracy(row, rule);
+        const auto put = [&](const char* what, auto value) {
+            auto& entry = object[fmt::format("{}_{}", name_of(rule), what)];
+            if (found != nullptr)
+                entry = value(*found);
+        };
+        put("splits", [](const auto& a) { return a.splits; });
+        put("accuracy", [](const auto& a) { return a.test.mean; });
+        put("deviation", [](const auto& a) { return a.test.deviation; });
+        put("validation_accuracy", [](const auto& a) { return a.validation.mean; });
+        put("training_accuracy", [](const auto& a) { return a.training.mean; });
+    }
+    const auto number = [&](const char* name, bool known, auto value) {
+        object[name] = known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+    };
+    const bool timed = row.latency.has_value(), costs = row.costs.parameters > 0;
+    const frame_latency latency = row.latency.value_or(frame_latency{});
+    number("microseconds", timed, latency.median);
+    number("microseconds_p99", timed, latency.p99);
+    number("microseconds_in_batch", timed, latency.in_batch);
+    number("jitter", timed, latency.jitter);
+    number("training_seconds", !row.accuracies.empty(), row.seconds);
+    number("parameters", costs, row.costs.parameters);
+    number("multiply_adds", costs, row.costs.multiply_adds);
+    number("multiply_adds_on_pixels", costs, row.costs.multiply_adds_on_pixels);
+    number("bytes", costs, row.costs.parameter_bytes);
+    number("activation_bytes", costs, row.costs.activation_bytes);
+    const bool published = row.published != nullptr;
+    number("published_accuracy", published, published ? row.published->accuracy / 100 : 0);
+    number("published_deviation", published, published ? row.published->deviation / 100 : 0);
+    number("published_microseconds", published && row.published->seconds > 0,
+           published ? 1e6 * row.published->seconds : 0);
+    object["declaration"] = row.declaration;
+    object["missing"] = row.missing;
+    return object;
+}
+
+std::string percent(const split_accuracies* a) {
+    return a == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", 100 * a->test.mean, 100 * a->test.deviation);
+}
+
+} // namespace
+
+const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule rule) {
+    const auto found = std::ranges::find(row.accuracies, rule, &split_accuracies::rule);
+    return found == row.accuracies.end() ? nullptr : &*found;
+}
+
+std::string title_of(const study_row& row) {
+    return fmt::format("{} {}x{}", row.method, row.rows, row.columns);
+}
+
+std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
+                               const std::vector<task>& tasks, const result_list& results,
+                               const timing_list& timings) {
+    std::vector<study_row> rows;
+    for (const candidate& c : candidates) {
+        study_row row{.method = c.what->name,
+                      .rows = c.what->rows,
+                      .columns = c.what->columns,
+                      .recipe = std::string(recipe_for(*c.what, c.training).name)};
+        row.classes = c.data->images.classes;
+        row.confusion = tactnet::confusion_matrix(row.classes.size());
+        std::vector<double> seconds;
+        for (const tactnet::split_rule rule : plan.rules)
+            if (split_accuracies found = accuracies_of(c, rule, tasks, results, row, seconds);
+                found.splits > 0)
+                row.accuracies.push_back(std::move(found));
+        row.seconds = tactnet::mean_and_deviation::of(seconds).mean;
+        if (const frame_latency* found = timings.find(*c.what))
+            row.latency = *found;
+        row.costs = c.what->costs(row.classes.size());
+        row.published = find_published(row.method, row.rows, row.columns);
+        row.declaration = declaration_of(*c.what);
+        if (row.accuracies.empty())
+            row.missing = "not trained yet";
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule) {
+    std::vector<const study_row*> known, front;
+    for (const study_row& row : rows)
+        if (row.latency && find_accuracy(row, rule) != nullptr)
+            known.push_back(&row);
+    std::ranges::stable_sort(known, {}, [](const study_row* row) { return row->latency->median; });
+    double best = -1;
+    for (const study_row* row : known)
+        if (const double accuracy = find_accuracy(*row, rule)->test.mean; accuracy > best) {
+            best = accuracy;
+            front.push_back(row);
+        }
+    return front;
+}
+
+std::string study_table(const std::vector<study_row>& rows) {
+    std::vector<std::vector<std::string>> cells{{"method", "size", "recipe", "random, %", "blocked, %",
+                                                 "paper, %", "µs/frame", "p99", "in batch", "parameters",
+                                                 "training, s"}};
+    std::string reasons;
+    for (const study_row& row : rows) {
+        const auto time = [&](double frame_latency::*what) {
+            return row.latency ? fmt::format("{:.1f}", (*row.latency).*what) : "";
+        };
+        cells.push_back(
+            {row.method, fmt::format("{}x{}", row.rows, row.columns), row.recipe,
+             percent(find_accuracy(row, tactnet::split_rule::random)),
+             percent(find_accuracy(row, tactnet::split_rule::blocked)),
+             row.published == nullptr
+                 ? ""
+                 : fmt::format("{:.2f} ± {:.2f}", row.published->accuracy, row.published->deviation),
+             time(&frame_latency::median), time(&frame_latency::p99), time(&frame_latency::in_batch),
+             row.costs.parameters > 0 ? grouped(row.costs.parameters) : "",
+             row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds)});
+        if (!row.missing.empty())
+            reasons += fmt::format("{}: {}\n", title_of(row), row.missing);
+    }
+    return table(cells) + reasons;
+}
+
+std::string study_json_lines(const std::vector<study_row>& rows) {
+    std::string lines;
+    for (const study_row& row : rows)
+        lines += json_of(row).dump() + '\n';
+    return lines;
+}
+
+std::string study_csv(const std::vector<study_row>& rows) {
+    std::string text;
+    for (const study_row& row : rows) {
+        std::string head, line;
+        const nlohmann::ordered_json cells = json_of(row);
+        for (const auto& [key, value] : cells.items()) {
+            head += (head.empty() ? "" : ",") + key;
+            line += (line.empty() ? "" : ",") + (value.is_null()     ? ""
+                                                 : value.is_string() ? csv_field(value.get<std::string>())
+                                                                     : value.dump());
+        }
+        text += (text.empty() ? head + '\n' : "") + line + '\n';
+    }
+    return text;
+}

@@ -1,0 +1,51 @@
+#pragma once
+
+// The rows of a study: a method at a size with a recipe, what it recognised, and what it costs.
+
+#include "evaluation/candidates.hpp"
+#include "study/published.hpp"
+#include "study/timings.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+struct split_accuracies {
+    tactnet::split_rule rule;
+    std::size_t splits; ///< that were trained and tested
+    tactnet::mean_and_deviation test, validation, training;
+};
+
+struct study_row {
+    std::string method;
+    std::size_t rows, columns;
+    std::string recipe;
+    std::string missing{}; ///< why it was not run; else empty
+    method_costs costs{};
+    std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
+    double seconds = 0;                         ///< of a training, the mean
+    std::optional<frame_latency> latency{};
+    /// The same in the paper, where it has it.
+    const published_result* published = nullptr;
+    std::string declaration{}; ///< its type in C++, of a network that is one
+    std::vector<std::string> classes{};
+    tactnet::confusion_matrix confusion{}; ///< of all random splits, or of the others where there are none
+};
+
+/// The accuracy by a rule, or nothing.
+const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule rule);
+
+/// "tactnet6 28x50".
+std::string title_of(const study_row& row);
+
+/// A row for each candidate that has a result or a timing.
+std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
+                               const std::vector<task>& tasks, const result_list& results,
+                               const timing_list& timings);
+
+/// Those with which no other is both faster and more accurate on splits by the rule, the fastest first.
+std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
+
+std::string study_table(const std::vector<study_row>& rows);
+std::string study_json_lines(const std::vector<study_row>& rows);
+std::string study_csv(const std::vector<study_row>& rows);

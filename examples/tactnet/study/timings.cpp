@@ -1,0 +1,73 @@
+#include "study/timings.hpp"
+
+#include "methods/description.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+namespace {
+
+tactnet::file_metadata key_of(const method& what) {
+    tactnet::file_metadata key{{"method", what.name},
+                               {"rows", fmt::to_string(what.rows)},
+                               {"columns", fmt::to_string(what.columns)},
+                               {"processor", processor_name()},
+                               {"compiler", compiler_name()}};
+    key.merge(describe_program());
+    return key;
+}
+
+} // namespace
+
+timing_list::timing_list(const std::filesystem::path& path) : file_(path) {
+    file_.read_on("a timing of tactnet study", [&](const std::string& text) {
+        const auto line = nlohmann::json::parse(text);
+        const auto positive = [&](const char* name) {
+            const double value = line.at(name);
+            if (!(value > 0))
+                throw std::runtime_error(fmt::format("expected {} above 0, found {}", name, value));
+            return value;
+        };
+        all_[line.at("settings").get<tactnet::file_metadata>()] = {positive("median"), positive("p99"),
+                                                                   positive("in_batch"), positive("jitter")};
+    });
+}
+
+const frame_latency* timing_list::find(const method& what) const {
+    const auto found = all_.find(key_of(what));
+    return found == all_.end() ? nullptr : &found->second;
+}
+
+void timing_list::add(const method& what, const frame_latency& found) {
+    const tactnet::file_metadata key = key_of(what);
+    file_.add(nlohmann::ordered_json{{"settings", key},
+                                     {"median", found.median},
+                                     {"p99", found.p99},
+                                     {"in_batch", found.in_batch},
+                                     {"jitter", found.jitter}}
+                  .dump());
+    all_[key] = found;
+}
+
+std::string processor_name() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name"))
+            if (const auto colon = line.find(": "); colon != std::string::npos)
+                return line.substr(colon + 2);
+    return "unknown";
+}
+
+std::string compiler_name() {
+#if defined(__clang__)
+    return fmt::format("Clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#elif defined(__GNUC__)
+    return fmt::format("GCC {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#else
+    return "unknown";
+#endif
+}

@@ -1,0 +1,31 @@
+#pragma once
+
+// Latencies that were measured, in a file of JSON lines: each by method, size, processor and program, since
+// those of another machine are not to be mixed in.
+
+#include "files/line_file.hpp"
+#include "study/latency.hpp"
+
+#include <tactnet/io/model_file.hpp>
+
+#include <filesystem>
+#include <map>
+
+class timing_list {
+public:
+    /// Reads what there is. Throws tactnet::file_error.
+    explicit timing_list(const std::filesystem::path& path);
+
+    /// By this program on this machine, or nothing.
+    const frame_latency* find(const method& what) const;
+    void add(const method& what, const frame_latency& found);
+
+private:
+    line_file file_;
+    std::map<tactnet::file_metadata, frame_latency> all_;
+};
+
+/// What this machine calls its processor.
+std::string processor_name();
+/// The compiler and its version.
+std::string compiler_name();

@@ -1,0 +1,169 @@
+// tactnet study and tactnet recommend.
+
+#include "workshop.hpp"
+
+#include <tactnet/io/file.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+/// A study of two methods on 7 × 13 tactels.
+std::vector<std::string> study(const workshop& shop, const std::string& results,
+                               const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all{
+        "study",     "--data",  shop.data().string(), "--methods", "tactnet4,svm-linear", "--sizes", "7x13",
+        "--recipes", "default", "--splits",           "2",         "--results",           results};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+/// What of the table does not depend on the machine or the hour: all up to the first time.
+std::vector<std::string> accuracies_in(const std::string& csv) {
+    std::vector<std::string> lines = lines_of(csv);
+    const std::string head = lines.at(0);
+    const std::size_t end = head.find(",microseconds");
+    const auto columns = static_cast<std::size_t>(
+                             std::count(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(end), ',')) +
+                         1;
+    for (std::string& line : lines) {
+        std::size_t place = 0;
+        for (std::size_t c = 0; c < columns; ++c)
+            place = line.find(',', place) + 1;
+        line.resize(place - 1);
+    }
+    return lines;
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("study: methods trained and timed once, on one page") {
+        const workshop shop;
+        const outcome first = shop.run(study(shop, "s"));
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        CHECK(first.error.find("8 trainings to do, of 8 in all") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8);
+        CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
+        CHECK(lines_of(text_of(shop / "s/study.csv")).size() == 3);
+        CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 2);
+        CHECK(first.out.find("svm-linear") != std::string::npos);
+
+        // The page stands alone, and says all of it.
+        const std::string page = text_of(shop / "s/study.html");
+        CHECK(page.starts_with("<!DOCTYPE html>"));
+        CHECK(page.ends_with("</html>\n"));
+        for (const std::string_view part :
+             {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
+              "middle, of all"})
+            CHECK_MESSAGE(page.find(part) != std::string::npos, part);
+        for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
+            CHECK_MESSAGE(page.find(foreign) == std::string::npos, foreign);
+        if (fs::exists(shop / "s/accuracy_and_time.png")) // where there is gnuplot
+            CHECK(page.find("<svg") != std::string::npos);
+
+        const auto before = text_of(shop / "s/study.csv");
+        const outcome second = shop.run(study(shop, "s"));
+        REQUIRE_MESSAGE(second.status == 0, second.error);
+        CHECK(second.error.find("0 trainings to do, of 8 in all") != std::string::npos);
+        CHECK(text_of(shop / "s/study.csv") == before);
+    }
+
+    TEST_CASE("study: parts of several machines give the table of one, to the last digit") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "whole")).status == 0);
+        for (const char* part : {"1", "2"}) {
+            const outcome run =
+                shop.run(study(shop, std::string("part") + part, {"--shard", std::string(part) + "/2"}));
+            REQUIRE_MESSAGE(run.status == 0, run.error);
+            CHECK(run.error.find("4 trainings to do, of 8 in all") != std::string::npos);
+        }
+        const outcome merged = shop.run(study(shop, "merged", {"--merge", "part1,part2", "--report-only"}));
+        REQUIRE_MESSAGE(merged.status == 0, merged.error);
+        CHECK(accuracies_in(text_of(shop / "merged/study.csv")) ==
+              accuracies_in(text_of(shop / "whole/study.csv")));
+        CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
+        // Again: nothing is doubled.
+        REQUIRE(shop.run(study(shop, "merged", {"--merge", "part1,part2", "--report-only"})).status == 0);
+        CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
+    }
+
+    TEST_CASE("study: killed, it goes on with what is left, and so do two programs on one folder") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "whole")).status == 0);
+        const pid_t child = shop.start(study(shop, "killed", {"--jobs", "1"}));
+        for (int i = 0; i < 60'000 && !fs::exists(shop / "killed/evaluation.jsonl"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        kill(child, SIGKILL);
+        shop.wait(child);
+        const pid_t one = shop.start(study(shop, "killed", {"--jobs", "1"})),
+                    other = shop.start(study(shop, "killed", {"--jobs", "1"}));
+        CHECK(shop.wait(one).status == 0);
+        CHECK(shop.wait(other).status == 0);
+        CHECK(lines_of(text_of(shop / "killed/evaluation.jsonl")).size() == 8);
+        CHECK(accuracies_in(text_of(shop / "killed/study.csv")) ==
+              accuracies_in(text_of(shop / "whole/study.csv")));
+    }
+
+    TEST_CASE("study: what cannot be had has its row, with the reason") {
+        const workshop shop;
+        const outcome run =
+            shop.run({"study", "--data", shop.data().string(), "--methods", "svm-linear,squeezenet-svm",
+                      "--sizes", "7x13", "--splits", "1", "--results", "s"});
+        REQUIRE_MESSAGE(run.status == 0, run.error);
+        const std::string reason =
+            "needs SqueezeNet 1.1 trained on photographs, --pretrained squeezenet=FILE";
+        CHECK(run.out.find("squeezenet-svm 7x13: " + reason) != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find(reason) != std::string::npos);
+        CHECK(text_of(shop / "s/study.csv").find(reason) != std::string::npos);
+    }
+
+    TEST_CASE("study: what it cannot take is said") {
+        const workshop shop;
+        shop.refuses(study(shop, "s", {"--shard", "3/2"}),
+                     "--shard: expected a part of all such as 1/4, from 1 on, found '3/2'");
+        shop.refuses(study(shop, "s", {"--shard", "0/2"}), "found '0/2'");
+        shop.refuses(
+            study(shop, "s", {"--pretrained", "resnet=x"}),
+            "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'");
+        shop.refuses({"study", "--data", shop.data().string(), "--methods", "tactnet5"},
+                     "--methods: expected some of tactnet4");
+        shop.refuses({"study", "--data", shop.data().string(), "--sizes", "1x1"},
+                     "--sizes: expected sizes that were compiled in, found '1x1'");
+        shop.refuses(study(shop, "s", {"--merge", "nowhere"}),
+                     "--merge: expected a folder of results, found no nowhere/evaluation.jsonl");
+    }
+
+    TEST_CASE("recommend: the best network of a study within a budget, or why there is none") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        const auto recommend = [&](std::vector<std::string> more) {
+            more.insert(more.begin(), {"recommend", "--results", "s"});
+            return more;
+        };
+        const outcome any = shop.run(recommend({"--microseconds", "1000000"}));
+        REQUIRE_MESSAGE(any.status == 0, any.error);
+        CHECK(any.out.starts_with("tactnet4 7x13, default recipe: "));
+        CHECK(any.out.find(" over 2 random splits, ") != std::string::npos);
+        CHECK(any.out.ends_with("tactnet::tactnet4<tactnet::shape{7, 13}, 22>\n"));
+        CHECK(shop.run(recommend({"--rows", "7", "--columns", "13", "--split", "blocked"})).status == 0);
+        shop.refuses(recommend({"--bytes", "100"}),
+                     "expected a budget that a network of s/study.jsonl keeps, found "
+                     "none; the fastest, tactnet4 7x13, takes ");
+        shop.refuses(recommend({"--rows", "6"}), "found none; the fastest");
+        shop.refuses({"recommend", "--results", "nowhere"}, "nowhere/study.jsonl: expected");
+        tactnet::write_file(shop / "s/study.jsonl", std::string("{\"method\": 3}\n"));
+        shop.refuses(recommend({}), "s/study.jsonl: line 1: expected a row of tactnet study, found '");
+    }
+}
