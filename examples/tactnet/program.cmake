@@ -87,7 +87,7 @@ function(tactnet_add_program target)
             list(APPEND all_sizes "${size}")
             string(APPEND all_unit_declarations "std::unique_ptr<compiled_network> make_${unit}();\n")
             string(APPEND unit_calls
-                   "    list.push_back(make_network_method(\"${network}\", make_${unit}(), ${training}));\n"
+                   "    list.push_back(make_network_method(\"${network}\", make_${unit}(), \"${qualified}\", ${training}));\n"
             )
         endforeach()
     endforeach()

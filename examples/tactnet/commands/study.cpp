@@ -136,9 +136,12 @@ study_plan plan_of(const study_options& o) {
             plan.candidates.push_back({m.get(), settings, nullptr});
         }
     }
-    for (const published_result& p : published_results)
-        if (p.rows == 28 && chosen(o.methods, std::string(p.method)) && chosen(o.sizes, "28x50") &&
-            std::ranges::none_of(all_methods(), [&](const auto& m) {
+    const bool for_touches = std::ranges::any_of(all_methods(), [](const auto& m) {
+        return m->is_network() && find_published(m->name, m->rows, m->columns) != nullptr;
+    });
+    for (const published_result& p : published_results) // of no use to a program of other networks
+        if (for_touches && p.rows == 28 && chosen(o.methods, std::string(p.method)) &&
+            chosen(o.sizes, "28x50") && std::ranges::none_of(all_methods(), [&](const auto& m) {
                 return m->name == p.method && m->rows == p.rows && m->columns == p.columns;
             }))
             plan.missing.push_back({.method = std::string(p.method),

@@ -129,6 +129,8 @@ public:
     /// Not a support vector machine.
     virtual bool is_network() const = 0;
 
+    /// Its type in C++, of a network that is one type: "tactnet::tactnet6<tactnet::shape{28, 50}, 22>".
+    virtual std::string declaration() const { return {}; }
     /// What it is, for sentences.
     virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
     /// Of a network: the recipe that did best, or the authors' where none was looked for.

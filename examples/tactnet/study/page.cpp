@@ -54,7 +54,7 @@ table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabul
 th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
 th { color: var(--soft); font-weight: 600; vertical-align: bottom; }
 th:first-child, td:first-child, td.text { text-align: left; }
-td.text { white-space: normal; color: var(--soft); }
+td.text { white-space: normal; min-width: 16rem; color: var(--soft); }
 code { font: .85rem ui-monospace, monospace; }
 .confusion td { padding: 0; width: 1.6rem; height: 1.6rem; text-align: center; font-size: .7rem; border: 1px solid var(--line); }
 .confusion th { padding: 0 .4rem; font-size: .75rem; font-weight: 400; border: 0; text-align: right; }

@@ -12,15 +12,6 @@
 
 namespace {
 
-/// Networks by the library's names, which a user may write as they are.
-std::string declaration_of(const method& what) {
-    if (!what.is_network() || what.keeps_features())
-        return {};
-    std::string name = what.name;
-    std::ranges::replace(name, '-', '_');
-    return fmt::format("tactnet::{}<tactnet::shape{{{}, {}}}, 22>", name, what.rows, what.columns);
-}
-
 split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
                                const result_list& results, study_row& row, std::vector<double>& seconds) {
     std::vector<double> test, validation, training;
@@ -123,7 +114,7 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
             row.latency = *found;
         row.costs = c.what->costs(row.classes.size());
         row.published = find_published(row.method, row.rows, row.columns);
-        row.declaration = declaration_of(*c.what);
+        row.declaration = c.what->declaration();
         if (row.accuracies.empty())
             row.missing = "not trained yet";
         rows.push_back(std::move(row));

@@ -8,6 +8,8 @@
 #include <tactnet/transfer/pretrained_trunk.hpp>
 #include <tactnet/transfer/stored_photograph_form.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -108,11 +110,16 @@ private:
 
 class network_method final : public method {
 public:
-    network_method(std::string_view network, std::unique_ptr<compiled_network> code,
+    network_method(std::string_view network, std::unique_ptr<compiled_network> code, std::string_view type,
                    std::optional<tactnet::published_training> training)
-        : method(network, code->rows, code->columns, code->outputs, training), code_(std::move(code)) {}
+        : method(network, code->rows, code->columns, code->outputs, training),
+          type_(type),
+          code_(std::move(code)) {}
 
     bool is_network() const override { return true; }
+    std::string declaration() const override {
+        return fmt::format("{}<tactnet::shape{{{}, {}}}, {}>", type_, rows, columns, code_->outputs);
+    }
     std::optional<pretrained_file> pretrained() const override {
         const auto* const found =
             std::ranges::find_if(photograph_networks::all, [&](const photograph_network& n) {
@@ -176,12 +183,14 @@ public:
     }
 
 private:
+    std::string type_;
     std::unique_ptr<compiled_network> code_;
 };
 
 } // namespace
 
 std::unique_ptr<method> make_network_method(std::string_view name, std::unique_ptr<compiled_network> code,
+                                            std::string_view type,
                                             std::optional<tactnet::published_training> published) {
-    return std::make_unique<network_method>(name, std::move(code), published);
+    return std::make_unique<network_method>(name, std::move(code), type, published);
 }

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string_view>
 
-/// `published`: how the network was trained where it was published, if it was.
+/// `type`: of the network, without what is between the brackets: "tactnet::tactnet6". `published`: how the
+/// network was trained where it was published, if it was.
 std::unique_ptr<method> make_network_method(std::string_view name, std::unique_ptr<compiled_network> code,
+                                            std::string_view type,
                                             std::optional<tactnet::published_training> published);
