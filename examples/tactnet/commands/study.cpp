@@ -168,7 +168,8 @@ void merge(const study_options& o, result_list& results) {
             throw usage_error(
                 fmt::format("--merge: expected a folder of results, found no {}", path.string()));
         std::size_t taken = 0;
-        for (const training_result& r : result_list(path).all())
+        const result_list others(path);
+        for (const training_result& r : others.all())
             if (results.find(r.settings) == nullptr) {
                 results.add(r);
                 ++taken;

@@ -165,7 +165,7 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
                         of_paper);
     return {"accuracy_and_tactels", "Test accuracy over random splits against the number of tactels.",
             data + std::string(style) + accuracy_axis(lowest) +
-                "set logscale x\nset xlabel 'tactels'\nset xtics (91, 180, 350, 700, 1400)\n"
+                "set logscale x\nset xrange [70:1800]\nset xlabel 'tactels'\nset xtics (91, 180, 350, 700, 1400)\n"
                 "set key bottom right\nplot " +
                 plot + '\n'};
 }
