@@ -42,12 +42,12 @@ body { margin: 0 auto; max-width: 72rem; padding: 1.5rem 1rem 4rem; background: 
        color: var(--text); font: 1rem/1.5 system-ui, sans-serif; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .3rem; }
 h2 { font-size: 1.2rem; margin: 2.5rem 0 .5rem; }
-p, figcaption { color: var(--soft); max-width: 44rem; margin: .3rem 0; }
-figure { margin: 1.5rem 0; }
-figure svg { width: 100%; height: auto; }
+p, figcaption { color: var(--soft); max-width: 44rem; margin: .3rem 0; overflow-wrap: anywhere; }
+figure { margin: 1.5rem 0; overflow-x: auto; }
+figure svg { width: 100%; min-width: 40rem; height: auto; }
 svg text, svg [fill="black"] { fill: var(--text); }
 svg [stroke="black"] { stroke: var(--soft); }
-svg use[color="#FFFFFF"] { color: var(--surface); }
+svg use[color="white"] { color: var(--surface); }
 svg [fill="rgb(255, 255, 255)"], svg polygon { fill: var(--surface); }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }

@@ -97,10 +97,15 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
             lowest = std::min(lowest, p.accuracy - p.deviation);
         }
     data += block("paper", paper);
-    for (const study_row* row : pareto_front(rows, split_rule::random)) {
-        const double accuracy = 100 * find_accuracy(*row, split_rule::random)->test.mean;
-        front += fmt::format("{} {}\n", row->latency->median, accuracy);
-        labels += fmt::format("{} {} \"{}\"\n", row->latency->median, accuracy, title_of(*row));
+    const auto best = pareto_front(rows, split_rule::random);
+    double labelled = 200; // from the top, each well below the one before, so that none covers another
+    for (auto row = best.rbegin(); row != best.rend(); ++row) {
+        const double accuracy = 100 * find_accuracy(**row, split_rule::random)->test.mean;
+        front = fmt::format("{} {}\n", (*row)->latency->median, accuracy) + front;
+        if (labelled - accuracy < 0.04 * (100 - lowest))
+            continue;
+        labels += fmt::format("{} {} \"{}\"\n", (*row)->latency->median, accuracy, title_of(**row));
+        labelled = accuracy;
     }
     if (!front.empty()) {
         data += block("front", front) + block("names", labels);
@@ -165,7 +170,8 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
                         of_paper);
     return {"accuracy_and_tactels", "Test accuracy over random splits against the number of tactels.",
             data + std::string(style) + accuracy_axis(lowest) +
-                "set logscale x\nset xrange [70:1800]\nset xlabel 'tactels'\nset xtics (91, 180, 350, 700, 1400)\n"
+                "set logscale x\nset xrange [70:1800]\nset xlabel 'tactels'\nset xtics (91, 180, 350, 700, "
+                "1400)\n"
                 "set key bottom right\nplot " +
                 plot + '\n'};
 }
@@ -190,8 +196,7 @@ std::string draw_study_picture(const study_picture& picture, const std::filesyst
         tell("{} is not drawn: {}\n", printable(path.string()), printable(png.problem));
     else
         tactnet::write_file(path, png.picture);
-    return draw_picture("set terminal svg size 900,600 dynamic font 'sans-serif,13'\n" +
-                            picture.script,
+    return draw_picture("set terminal svg size 900,600 dynamic font 'sans-serif,13'\n" + picture.script,
                         picture_format::svg)
         .picture;
 }
