@@ -25,9 +25,10 @@ inline constexpr float whole_number_shift = 0x1.8p23F;
                                                       const vector<float>& shifted) {
     constexpr int mantissa_bits = std::numeric_limits<float>::digits - 1;
 #ifndef TACTNET_NO_SIMD
+    // Not xsimd's own cast, whose template argument is a batch up to version 10 and a number since.
     using integers = xsimd::batch<std::int32_t>;
-    const integers powers = xsimd::bitwise_cast<integers>(shifted) << mantissa_bits;
-    return xsimd::bitwise_cast<vector<float>>(xsimd::bitwise_cast<integers>(values) + powers);
+    const integers powers = std::bit_cast<integers>(shifted) << mantissa_bits;
+    return std::bit_cast<vector<float>>(std::bit_cast<integers>(values) + powers);
 #else
     const std::uint32_t powers = std::bit_cast<std::uint32_t>(shifted.value) << mantissa_bits;
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(values.value) + powers);
