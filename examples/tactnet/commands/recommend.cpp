@@ -94,6 +94,9 @@ int recommend(const recommend_options& o) {
                         "{} {}x{}, takes {:.2f} µs and {} bytes",
                         path.string(), fastest.method, fastest.rows, fastest.columns, fastest.microseconds,
                         fastest.bytes));
+    // A mean over few splits says little beside one over many.
+    const std::size_t most = std::ranges::max_element(all, {}, &studied_network::splits)->splits;
+    std::erase_if(all, [&](const studied_network& n) { return n.splits < most; });
     std::ranges::stable_sort(all, [](const auto& a, const auto& b) {
         return a.accuracy != b.accuracy ? a.accuracy > b.accuracy : a.microseconds < b.microseconds;
     });

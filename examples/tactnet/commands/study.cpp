@@ -5,6 +5,7 @@
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
 #include "evaluation/candidates.hpp"
+#include "evaluation/claims.hpp"
 #include "files/places.hpp"
 #include "files/same_file.hpp"
 #include "methods/registry.hpp"
@@ -20,6 +21,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <interrupt.hpp>
 #include <iterator>
 #include <map>
@@ -44,6 +46,14 @@ struct study_options {
 /// One part of all trainings, for a machine among several.
 struct shard {
     std::size_t index = 0, count = 1;
+
+    /// Whether it has the i-th of all trainings. Each part gets some splits by each rule of every method,
+    /// since these take unlike times.
+    bool has(std::size_t i, const split_plan& plan, std::size_t candidates) const {
+        const std::size_t rules = plan.rules.size(), rule = i % rules, candidate = i / rules % candidates,
+                          split = i / rules / candidates;
+        return (split + candidate + rule) % count == index;
+    }
 };
 
 shard shard_of(const std::string& text) {
@@ -118,7 +128,6 @@ study_plan plan_of(const study_options& o) {
                      .recipe = "default",
                      .missing = fmt::format("needs {} trained on photographs, --pretrained {}=FILE",
                                             needed->network.title, needed->network.name),
-                     .costs = m->costs(m->is_network() ? std::min<std::size_t>(22, m->capacity) : 22),
                      .published = find_published(m->name, m->rows, m->columns)});
                 continue;
             }
@@ -144,12 +153,16 @@ study_plan plan_of(const study_options& o) {
             chosen(o.sizes, "28x50") && std::ranges::none_of(all_methods(), [&](const auto& m) {
                 return m->name == p.method && m->rows == p.rows && m->columns == p.columns;
             }))
-            plan.missing.push_back({.method = std::string(p.method),
-                                    .rows = p.rows,
-                                    .columns = p.columns,
-                                    .recipe = "default",
-                                    .missing = "the program was built without it, TACTNET_PROGRAM_NETWORKS",
-                                    .published = &p});
+            plan.missing.push_back(
+                {.method = std::string(p.method),
+                 .rows = p.rows,
+                 .columns = p.columns,
+                 .recipe = "default",
+                 .missing = fmt::format("the program was built without it, {}",
+                                        p.method.ends_with("-svm") && p.method != "surf-svm"
+                                            ? "TACTNET_PROGRAM_TRUNKS or _SIZES"
+                                            : "TACTNET_PROGRAM_NETWORKS or _SIZES"),
+                 .published = &p});
     return plan;
 }
 
@@ -179,7 +192,17 @@ void merge(const study_options& o, result_list& results) {
 }
 
 /// False if interrupted.
-bool time_all(const candidate_list& candidates, timing_list& timings) {
+bool time_all(const candidate_list& candidates, timing_list& timings, const std::filesystem::path& folder) {
+    training_claims claims(folder / ".timings.lock"); // methods that are timed at once disturb each other
+    const tactnet::file_metadata all{{"timings", "all"}};
+    for (bool told = false; !claims.take(all); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
+        if (interrupted())
+            return false;
+        if (!std::exchange(told, true))
+            tell("waiting for another program that times methods for this folder\n");
+    }
+    timings.read_on();
+    const pinned here;
     std::vector<const method*> missing;
     for (const candidate& c : candidates)
         if (timings.find(*c.what) == nullptr && std::ranges::find(missing, c.what) == missing.end())
@@ -200,13 +223,14 @@ bool time_all(const candidate_list& candidates, timing_list& timings) {
     return true;
 }
 
-void report(const std::filesystem::path& folder, const std::vector<study_row>& rows) {
+void report(const std::filesystem::path& folder, const std::vector<study_row>& rows,
+            const std::string& images) {
     tactnet::write_file(folder / "study.jsonl", study_json_lines(rows));
     tactnet::write_file(folder / "study.csv", study_csv(rows));
     std::vector<drawn_study_picture> drawn;
     for (const study_picture& picture : study_pictures(rows))
         drawn.push_back({picture.caption, draw_study_picture(picture, folder)});
-    tactnet::write_file(folder / "study.html", study_page(rows, drawn));
+    tactnet::write_file(folder / "study.html", study_page(rows, drawn, images));
     print(study_table(rows));
     tell("the page: {}\n", printable((folder / "study.html").string()));
 }
@@ -234,16 +258,19 @@ void check(const study_options& o, const study_plan& plan) {
 int study(const study_options& o) {
     const std::filesystem::path folder = o.results;
     const shard part = shard_of(o.shard);
+    if (o.report_only && part.count > 1)
+        throw usage_error("--report-only, --shard: expected one of them, found both; a part has no report");
     study_plan plan = plan_of(o);
     check(o, plan);
     const split_plan splits = splits_of(o);
+    const std::size_t count = plan.candidates.size();
     const candidate_list candidates(o.data, std::move(plan.candidates));
     result_list results(folder / "evaluation.jsonl");
     merge(o, results);
     const std::vector<task> all = tasks_of(candidates, splits);
     std::vector<task> to_do;
     for (std::size_t i = 0; i < all.size(); ++i)
-        if (!o.report_only && i % part.count == part.index && results.find(all[i].settings) == nullptr)
+        if (!o.report_only && part.has(i, splits, count) && results.find(all[i].settings) == nullptr)
             to_do.push_back(all[i]);
     tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
          printable((folder / "evaluation.jsonl").string()));
@@ -252,22 +279,30 @@ int study(const study_options& o) {
         tell("stopped; the same command goes on with what is left\n");
         return int{interrupted_by_user};
     };
+    std::vector<std::string> diverged;
     if (!to_do.empty() &&
-        !(prepare_features(to_do, folder / "features", o.jobs) && run_all(to_do, o.jobs, results)))
+        !(prepare_features(to_do, folder / "features", o.jobs) && run_all(to_do, o.jobs, results, &diverged)))
         return stopped();
+    for (const std::string& what : diverged)
+        tell("{}\n", printable(what));
+    const int status = diverged.empty() ? success : failed;
     if (part.count > 1) {
         tell("part {} of {} is done; study --merge takes over what all have found\n", part.index + 1,
              part.count);
-        return success;
+        return status;
     }
     make_folder_of(folder / "timings.jsonl");
     timing_list timings(folder / "timings.jsonl");
-    if (!o.report_only && !time_all(candidates, timings))
+    if (!o.report_only && !time_all(candidates, timings, folder))
         return stopped();
     std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings);
     std::ranges::move(plan.missing, std::back_inserter(rows));
-    report(folder, rows);
-    return success;
+    const image_data& data = *candidates.begin()->data;
+    report(folder, rows,
+           fmt::format("{} images of {} classes in {}; {} {} splits", data.images.size(),
+                       data.images.classes.size(), printable(o.data), o.splits,
+                       o.split == "both" ? "random and as many blocked" : o.split));
+    return status;
 }
 
 } // namespace

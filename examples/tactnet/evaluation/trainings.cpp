@@ -67,8 +67,8 @@ std::string title_of(const task& t) {
 /// What the workers share.
 class side_by_side {
 public:
-    side_by_side(const std::vector<task>& tasks, result_list& results)
-        : all_(tasks.size()), results_(results), queue_(tasks, results) {}
+    side_by_side(const std::vector<task>& tasks, result_list& results, std::vector<std::string>* diverged)
+        : all_(tasks.size()), results_(results), queue_(tasks, results), diverged_(diverged) {}
 
     /// One worker, until nothing is left, a training has failed, or someone interrupts.
     void work() noexcept {
@@ -120,7 +120,14 @@ private:
                 keep(t, std::move(*result));
             return result.has_value();
         } catch (const tactnet::training_diverged& error) {
-            throw tactnet::training_diverged(title_of(t) + ": " + error.what());
+            const std::string what = title_of(t) + ": " + error.what();
+            if (diverged_ == nullptr)
+                throw tactnet::training_diverged(what);
+            const std::lock_guard lock(mutex_);
+            diverged_->push_back(what);
+            queue_.done(t);
+            ++done_;
+            return true;
         }
     }
     void keep(const task& t, training_result result) {
@@ -148,6 +155,7 @@ private:
     result_list& results_;
     task_queue queue_;
     bool told_ = false; ///< that it waits
+    std::vector<std::string>* const diverged_;
     std::exception_ptr failure_;
     std::size_t done_ = 0;
     progress line_;
@@ -155,8 +163,9 @@ private:
 
 } // namespace
 
-bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results) {
-    side_by_side shared(tasks, results);
+bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
+             std::vector<std::string>* diverged) {
+    side_by_side shared(tasks, results, diverged);
     {
         const std::size_t wanted = std::min(jobs, tasks.size());
         std::vector<std::jthread> workers; // which end before this does, whatever is thrown

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 /// A method with the images of its size.
@@ -30,4 +31,6 @@ struct task {
 };
 
 /// Runs the tasks side by side, each on one thread; results are kept as they come. False if interrupted.
-bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results);
+/// Trainings that diverge are told to `diverged` and passed over; where that is nothing, the first ends all.
+bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
+             std::vector<std::string>* diverged = nullptr);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-/// Counts of frames to be timed, whose values decide nothing.
+/// Frames for timing; their values do not matter.
 inline std::vector<std::uint8_t> made_up_frames(std::size_t pixels) {
     std::vector<std::uint8_t> counts(pixels);
     for (std::size_t e = 0; e < pixels; ++e)

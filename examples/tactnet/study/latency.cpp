@@ -13,36 +13,6 @@
 
 namespace {
 
-/// Keeps the calling thread on its core. Where the system does not let it, it stays free.
-class pinned {
-public:
-#if defined(__linux__)
-    pinned() {
-        cpu_set_t one;
-        CPU_ZERO(&one);
-        const int core = sched_getcpu();
-        if (core < 0 || sched_getaffinity(0, sizeof(before_), &before_) != 0)
-            return;
-        CPU_SET(static_cast<std::size_t>(core), &one);
-        done_ = sched_setaffinity(0, sizeof(one), &one) == 0;
-    }
-    ~pinned() {
-        if (done_)
-            sched_setaffinity(0, sizeof(before_), &before_);
-    }
-
-private:
-    cpu_set_t before_{};
-    bool done_ = false;
-
-public:
-#else
-    pinned() = default;
-#endif
-    pinned(const pinned&) = delete;
-    pinned& operator=(const pinned&) = delete;
-};
-
 /// Microseconds of each of many calls, sorted.
 template <class Work>
 std::vector<double> times_of(const Work& work) {
@@ -85,8 +55,26 @@ double jitter_over(double microseconds) {
 
 } // namespace
 
+#if defined(__linux__)
+pinned::pinned() {
+    cpu_set_t before, one;
+    const int core = sched_getcpu();
+    if (core < 0 || sched_getaffinity(0, sizeof(before), &before) != 0)
+        return;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(core), &one);
+    if (sched_setaffinity(0, sizeof(one), &one) == 0)
+        free_ = [before] { sched_setaffinity(0, sizeof(before), &before); };
+}
+#else
+pinned::pinned() = default;
+#endif
+pinned::~pinned() {
+    if (free_)
+        free_();
+}
+
 frame_latency measure_latency(const frame_work& work, std::size_t together) {
-    const pinned here;
     const std::vector<double> times = times_of([&] { work(1); });
     frame_latency found;
     found.median = quantile(times, 0.5);

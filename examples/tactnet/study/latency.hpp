@@ -5,6 +5,7 @@
 #include "methods/method.hpp"
 
 #include <cstddef>
+#include <functional>
 
 /// In microseconds a frame, on one core.
 struct frame_latency {
@@ -15,6 +16,17 @@ struct frame_latency {
     double jitter = 1;
 };
 
-/// On the core where it runs, which it does not leave meanwhile. Takes about a second, or a few frames where
-/// they take longer.
+/// Keeps the calling thread on the core where it is. Where the system does not let it, it stays free.
+class pinned {
+public:
+    pinned();
+    pinned(const pinned&) = delete;
+    pinned& operator=(const pinned&) = delete;
+    ~pinned();
+
+private:
+    std::function<void()> free_; ///< lets it go where it could before
+};
+
+/// Takes about a second, or five frames where they take longer.
 frame_latency measure_latency(const frame_work& work, std::size_t together);

@@ -1,6 +1,7 @@
 #include "study/page.hpp"
 
 #include "methods/description.hpp"
+#include "methods/training_settings.hpp"
 #include "reports/report.hpp"
 
 #include <fmt/chrono.h>
@@ -89,12 +90,16 @@ std::string cell(const std::string& text) {
 }
 
 std::string percent_cell(const split_accuracies* a) {
-    return a == nullptr
-               ? "<td></td>"
-               : fmt::format("<td title=\"{} splits; training images {:.2f} %, validation {:.2f} %\">"
-                             "{:.2f} ± {:.2f}</td>",
-                             a->splits, 100 * a->training.mean, 100 * a->validation.mean, 100 * a->test.mean,
-                             100 * a->test.deviation);
+    if (a == nullptr)
+        return "<td></td>";
+    std::string says = fmt::format("{} splits", a->splits);
+    if (std::isfinite(a->training))
+        says += fmt::format("; training images {:.2f} %", 100 * a->training);
+    if (std::isfinite(a->validation))
+        says += fmt::format("; validation {:.2f} %", 100 * a->validation);
+    return fmt::format(
+        "<td title=\"{}\">{:.2f} ± {:.2f}{}</td>", says, 100 * a->test.mean, 100 * a->test.deviation,
+        a->splits == a->wanted ? "" : fmt::format("<br>{} of {} splits", a->splits, a->wanted));
 }
 
 std::string methods_table(const std::vector<study_row>& rows) {
@@ -137,14 +142,15 @@ std::string methods_table(const std::vector<study_row>& rows) {
                 cell(row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds)) + "</tr>\n";
     }
     return text +
-           "</table></div>\n<p>Mean ± standard deviation of the accuracy on test images. Jitter: the "
-           "99th percentile by the median of a loop in registers that takes as long as the frame; what "
-           "of p99 is the machine's own.</p>\n";
+           "</table></div>\n<p>Mean ± standard deviation of the accuracy on test images. Jitter: p99 ÷ "
+           "median of a loop in registers that takes as long as the frame; that much of p99 is the "
+           "machine's.</p>\n";
 }
 
 /// From the fastest method to the most accurate: what each step costs.
 std::string front_table(const std::vector<study_row>& rows) {
-    const auto front = pareto_front(rows, split_rule::random);
+    const split_rule rule = shown_rule(rows);
+    const auto front = pareto_front(rows, rule);
     if (front.size() < 2)
         return {};
     std::string text = "<h2>What one more point costs</h2>\n<div class=\"wide\"><table>\n<tr><th>method</th>"
@@ -152,13 +158,13 @@ std::string front_table(const std::vector<study_row>& rows) {
                        "<th>µs a point</th></tr>\n";
     const study_row* before = nullptr;
     for (const study_row* row : front) {
-        const double accuracy = 100 * find_accuracy(*row, split_rule::random)->test.mean;
+        const double accuracy = 100 * find_accuracy(*row, rule)->test.mean;
         text +=
             fmt::format("<tr><td>{}{}</td><td>{:.2f}</td><td>{:.1f}</td>", escaped(title_of(*row)),
                         row->declaration.empty() ? "" : "<br><code>" + escaped(row->declaration) + "</code>",
                         accuracy, row->latency->median);
         if (before != nullptr) {
-            const double points = accuracy - 100 * find_accuracy(*before, split_rule::random)->test.mean,
+            const double points = accuracy - 100 * find_accuracy(*before, rule)->test.mean,
                          time = row->latency->median - before->latency->median;
             text += fmt::format("<td>{:.2f}</td><td>{:.1f}</td><td>{:.1f}</td>", points, time, time / points);
         } else
@@ -198,17 +204,19 @@ std::string confusion_table(const study_row& row) {
 }
 
 const study_row* most_accurate(const std::vector<study_row>& rows) {
+    const split_rule rule = shown_rule(rows);
     const study_row* best = nullptr;
     for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, split_rule::random))
-            if (best == nullptr || a->test.mean > find_accuracy(*best, split_rule::random)->test.mean)
+        if (const auto* a = find_accuracy(row, rule))
+            if (best == nullptr || a->test.mean > find_accuracy(*best, rule)->test.mean)
                 best = &row;
     return best;
 }
 
 } // namespace
 
-std::string study_page(const std::vector<study_row>& rows, const std::vector<drawn_study_picture>& pictures) {
+std::string study_page(const std::vector<study_row>& rows, const std::vector<drawn_study_picture>& pictures,
+                       const std::string& images) {
     const auto program = describe_program();
     std::string page(head);
     page += fmt::format("<h1>What accuracy costs in time</h1>\n<p>{}; {}, {}; tactnet {}; {:%Y-%m-%d}. Each "
@@ -216,6 +224,7 @@ std::string study_page(const std::vector<study_row>& rows, const std::vector<dra
                         escaped(processor_name()), escaped(compiler_name()),
                         escaped(program.at("instruction_set")), escaped(program.at("library")),
                         fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+    page += fmt::format("<p>{}</p>\n", escaped(images));
     for (const drawn_study_picture& picture : pictures)
         if (!picture.svg.empty()) {
             const auto begin = picture.svg.find("<svg"); // without the declaration of an XML file

@@ -5,11 +5,12 @@
 #include "study/rows.hpp"
 
 #include <string>
-#include <utility>
 #include <vector>
 
 struct drawn_study_picture {
     std::string caption, svg;
 };
 
-std::string study_page(const std::vector<study_row>& rows, const std::vector<drawn_study_picture>& pictures);
+/// `images` says what all was trained and tested on, a sentence.
+std::string study_page(const std::vector<study_row>& rows, const std::vector<drawn_study_picture>& pictures,
+                       const std::string& images);

@@ -12,7 +12,9 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string_view>
+#include <system_error>
 
 namespace {
 
@@ -24,23 +26,25 @@ constexpr std::string_view of_touches = "#2a78d6", of_photographs = "#d9622b", m
 
 struct family {
     std::string_view title, colour;
-    bool (*has)(const study_row&);
+    method_family which;
 };
 constexpr std::array families{
-    family{"networks for touches", of_touches,
-           [](const study_row& row) { return !row.declaration.empty() && !row.method.ends_with("-nn"); }},
-    family{"networks from photographs", of_photographs,
-           [](const study_row& row) { return row.method.ends_with("-nn"); }},
-    family{"support vector machines", machines,
-           [](const study_row& row) {
-               return row.method.starts_with("svm") || row.method.ends_with("svm") ||
-                      row.method.ends_with("rbf");
-           }},
+    family{"networks for touches", of_touches, method_family::touches},
+    family{"networks from photographs", of_photographs, method_family::photographs},
+    family{"support vector machines", machines, method_family::machines},
 };
+
+bool has_paper(const std::vector<study_row>& rows) {
+    return std::ranges::any_of(rows, [](const study_row& row) { return row.published != nullptr; });
+}
+
+std::string splits_text(split_rule rule) {
+    return rule == split_rule::random ? "random splits" : "blocked splits";
+}
 
 /// What the pointer is told; no quotes, which would end gnuplot's text.
 std::string words_of(const study_row& row) {
-    std::string text = fmt::format("{}, {} recipe", title_of(row), row.recipe);
+    std::string text = fmt::format("{} {}x{}, {} recipe", row.method, row.rows, row.columns, row.recipe);
     for (const auto& a : row.accuracies)
         text += fmt::format("\\n{:.2f} ± {:.2f} %, {} {} splits", 100 * a.test.mean, 100 * a.test.deviation,
                             a.splits, a.rule == split_rule::random ? "random" : "blocked");
@@ -67,13 +71,14 @@ constexpr std::string_view style =
 
 /// Accuracy against microseconds: each method, the front, and the paper.
 study_picture costs_picture(const std::vector<study_row>& rows) {
+    const split_rule rule = shown_rule(rows);
     std::string data, plot;
     double lowest = 100, fastest = 1e6;
     for (const family& f : families) {
         std::string lines;
         for (const study_row& row : rows)
-            if (const auto* a = find_accuracy(row, split_rule::random);
-                a != nullptr && row.latency && f.has(row)) {
+            if (const auto* a = find_accuracy(row, rule);
+                a != nullptr && row.latency && row.family == f.which) {
                 const double mean = 100 * a->test.mean, deviation = 100 * a->test.deviation;
                 lines += fmt::format("{} {} {} {} \"{}\"\n", row.latency->median, mean, mean - deviation,
                                      std::min(100.0, mean + deviation), words_of(row));
@@ -90,17 +95,17 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
     }
     std::string paper, front, labels;
     for (const published_result& p : published_results)
-        if (p.seconds > 0) {
+        if (p.seconds > 0 && has_paper(rows)) {
             paper += fmt::format("{} {} {} {} \"the paper: {}\\n{:.2f} ± {:.2f} %, {:.0f} ms an image\"\n",
                                  1e6 * p.seconds, p.accuracy, p.accuracy - p.deviation,
                                  p.accuracy + p.deviation, p.title, p.accuracy, p.deviation, 1e3 * p.seconds);
             lowest = std::min(lowest, p.accuracy - p.deviation);
         }
     data += block("paper", paper);
-    const auto best = pareto_front(rows, split_rule::random);
+    const auto best = pareto_front(rows, rule);
     double labelled = 200; // from the top, each well below the one before, so that none covers another
     for (auto row = best.rbegin(); row != best.rend(); ++row) {
-        const double accuracy = 100 * find_accuracy(**row, split_rule::random)->test.mean;
+        const double accuracy = 100 * find_accuracy(**row, rule)->test.mean;
         front = fmt::format("{} {}\n", (*row)->latency->median, accuracy) + front;
         if (labelled - accuracy < 0.04 * (100 - lowest))
             continue;
@@ -117,28 +122,34 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
     plot += fmt::format("$paper using 1:2:3:4 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'the paper', "
                         "$paper using 1:2:5 with labels hypertext point pt 6 ps 0.8 lc rgb '{0}' notitle",
                         of_paper);
-    return {"accuracy_and_time",
-            "Test accuracy over random splits against the time of a frame on one core; bars are standard "
-            "deviations. The paper's times are those of its own machine.",
-            data + std::string(style) + accuracy_axis(lowest) +
-                fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
-                            0.1 * fastest) +
-                "set xtics ('1 µs' 1, '10 µs' 10, '100 µs' 1e2, '1 ms' 1e3, '10 ms' 1e4, '100 ms' 1e5, "
-                "'1 s' 1e6, '10 s' 1e7, '100 s' 1e8)\nset key bottom right\nplot " +
-                plot + '\n'};
+    return {
+        "accuracy_and_time",
+        fmt::format(
+            "Test accuracy over {} against the time of a frame on one core; bars are standard deviations. "
+            "The paper's figures are of its own images and machine.",
+            splits_text(rule)),
+        data + std::string(style) + accuracy_axis(lowest) +
+            fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
+                        0.1 * fastest) +
+            "set xtics ('1 µs' 1, '10 µs' 10, '100 µs' 1e2, '1 ms' 1e3, '10 ms' 1e4, '100 ms' 1e5, "
+            "'1 s' 1e6, '10 s' 1e7, '100 s' 1e8)\nset key bottom right\nplot " +
+            plot + '\n'};
 }
 
 /// Accuracy against the number of tactels, of methods that were tried at several sizes.
 study_picture sizes_picture(const std::vector<study_row>& rows) {
+    const split_rule rule = shown_rule(rows);
     std::map<std::string, std::string> lines;
     std::map<std::string, std::size_t> counts;
+    std::set<std::size_t> tactels;
     double lowest = 100;
     for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, split_rule::random)) {
+        if (const auto* a = find_accuracy(row, rule)) {
             const std::string name = fmt::format("{}, {}", row.method, row.recipe);
             lines[name] += fmt::format("{} {} {} \"{}\"\n", row.rows * row.columns, 100 * a->test.mean,
                                        100 * a->test.deviation, words_of(row));
             ++counts[name];
+            tactels.insert(row.rows * row.columns);
         }
     std::string data, plot;
     std::size_t series = 0;
@@ -156,24 +167,27 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
     if (series == 0)
         return {};
     for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, split_rule::random))
+        if (const auto* a = find_accuracy(row, rule))
             lowest = std::min(lowest, 100 * (a->test.mean - a->test.deviation));
     std::string paper;
     for (const published_result& p : published_results)
-        if (p.method == "tactnet6") {
+        if (p.method == "tactnet6" && has_paper(rows)) {
             paper += fmt::format("{} {} {}\n", p.rows * p.columns, p.accuracy, p.deviation);
+            tactels.insert(p.rows * p.columns);
             lowest = std::min(lowest, p.accuracy - p.deviation);
         }
     data += block("paper", paper);
     plot += fmt::format("$paper using 1:2:3 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'TactNet-6 in the "
                         "paper', $paper using 1:2 with lines dt 2 lc rgb '{0}' notitle",
                         of_paper);
-    return {"accuracy_and_tactels", "Test accuracy over random splits against the number of tactels.",
+    return {"accuracy_and_tactels",
+            fmt::format("Test accuracy over {} against the number of tactels.", splits_text(rule)),
             data + std::string(style) + accuracy_axis(lowest) +
-                "set logscale x\nset xrange [70:1800]\nset xlabel 'tactels'\nset xtics (91, 180, 350, 700, "
-                "1400)\n"
-                "set key bottom right\nplot " +
-                plot + '\n'};
+                fmt::format("set logscale x\nset xrange [{}:{}]\nset xlabel 'tactels'\nset xtics ({})\n",
+                            0.8 * static_cast<double>(*tactels.begin()),
+                            1.25 * static_cast<double>(*tactels.rbegin()), fmt::join(tactels, ", ")) +
+
+                "set key bottom right\nplot " + plot + '\n'};
 }
 
 } // namespace
@@ -187,6 +201,8 @@ std::vector<study_picture> study_pictures(const std::vector<study_row>& rows) {
 
 std::string draw_study_picture(const study_picture& picture, const std::filesystem::path& folder) {
     const auto path = folder / (picture.name + ".png");
+    std::error_code ignored; // what another study has left would not fit its tables
+    std::filesystem::remove(path, ignored);
     const drawn_picture png = draw_picture(
         "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) { set terminal pngcairo size 1100,700 font ',11' } "
         "else { set terminal png size 1100,700 }\n" +

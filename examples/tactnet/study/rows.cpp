@@ -3,6 +3,8 @@
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"
 
+#include <tactnet/io/file_error.hpp>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +15,8 @@
 namespace {
 
 split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
-                               const result_list& results, study_row& row, std::vector<double>& seconds) {
+                               const result_list& results, std::size_t wanted, study_row& row,
+                               std::vector<double>& seconds) {
     std::vector<double> test, validation, training;
     const auto keep = [](std::vector<double>& list, double value) {
         if (std::isfinite(value))
@@ -25,6 +28,10 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
         const training_result* r = results.find(t.settings);
         if (r == nullptr)
             continue;
+        if (r->confusion.classes() != row.classes.size())
+            throw tactnet::file_error("evaluation.jsonl", title_of(row),
+                                      fmt::format("results of {} classes", row.classes.size()),
+                                      fmt::to_string(r->confusion.classes()));
         keep(test, r->confusion.accuracy());
         keep(validation, r->validation_accuracy);
         keep(training, r->training_accuracy);
@@ -32,9 +39,15 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
         if (row.accuracies.empty()) // of the first rule that has any
             row.confusion.add(r->confusion);
     }
-    using tactnet::mean_and_deviation;
-    return {rule, test.size(), mean_and_deviation::of(test), mean_and_deviation::of(validation),
-            mean_and_deviation::of(training)};
+    const auto mean_of = [](const std::vector<double>& values) {
+        return values.empty() ? std::nan("") : tactnet::mean_and_deviation::of(values).mean;
+    };
+    return {rule,
+            test.size(),
+            wanted,
+            tactnet::mean_and_deviation::of(test),
+            mean_of(validation),
+            mean_of(training)};
 }
 
 nlohmann::ordered_json json_of(const study_row& row) {
@@ -48,10 +61,11 @@ nlohmann::ordered_json json_of(const study_row& row) {
                 entry = value(*found);
         };
         put("splits", [](const auto& a) { return a.splits; });
+        put("splits_wanted", [](const auto& a) { return a.wanted; });
         put("accuracy", [](const auto& a) { return a.test.mean; });
         put("deviation", [](const auto& a) { return a.test.deviation; });
-        put("validation_accuracy", [](const auto& a) { return a.validation.mean; });
-        put("training_accuracy", [](const auto& a) { return a.training.mean; });
+        put("validation_accuracy", [](const auto& a) { return a.validation; });
+        put("training_accuracy", [](const auto& a) { return a.training; });
     }
     const auto number = [&](const char* name, bool known, auto value) {
         object[name] = known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -79,7 +93,10 @@ nlohmann::ordered_json json_of(const study_row& row) {
 }
 
 std::string percent(const split_accuracies* a) {
-    return a == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", 100 * a->test.mean, 100 * a->test.deviation);
+    if (a == nullptr)
+        return "";
+    const std::string text = fmt::format("{:.2f} ± {:.2f}", 100 * a->test.mean, 100 * a->test.deviation);
+    return a->splits == a->wanted ? text : fmt::format("{} ({} of {})", text, a->splits, a->wanted);
 }
 
 } // namespace
@@ -90,7 +107,8 @@ const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule 
 }
 
 std::string title_of(const study_row& row) {
-    return fmt::format("{} {}x{}", row.method, row.rows, row.columns);
+    return fmt::format("{} {}x{}{}", row.method, row.rows, row.columns,
+                       row.recipe == "default" ? "" : ", " + row.recipe);
 }
 
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
@@ -106,15 +124,19 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
         row.confusion = tactnet::confusion_matrix(row.classes.size());
         std::vector<double> seconds;
         for (const tactnet::split_rule rule : plan.rules)
-            if (split_accuracies found = accuracies_of(c, rule, tasks, results, row, seconds);
+            if (split_accuracies found = accuracies_of(c, rule, tasks, results, plan.splits, row, seconds);
                 found.splits > 0)
                 row.accuracies.push_back(std::move(found));
         row.seconds = tactnet::mean_and_deviation::of(seconds).mean;
         if (const frame_latency* found = timings.find(*c.what))
             row.latency = *found;
         row.costs = c.what->costs(row.classes.size());
-        row.published = find_published(row.method, row.rows, row.columns);
+        row.family = !c.what->is_network()  ? method_family::machines
+                     : c.what->pretrained() ? method_family::photographs
+                                            : method_family::touches;
         row.declaration = c.what->declaration();
+        if (row.declaration.empty() || row.declaration.starts_with("tactnet::")) // not a user's of that name
+            row.published = find_published(row.method, row.rows, row.columns);
         if (row.accuracies.empty())
             row.missing = "not trained yet";
         rows.push_back(std::move(row));
@@ -122,12 +144,25 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
     return rows;
 }
 
+tactnet::split_rule shown_rule(const std::vector<study_row>& rows) {
+    return std::ranges::any_of(rows,
+                               [](const study_row& row) {
+                                   return find_accuracy(row, tactnet::split_rule::random) != nullptr;
+                               })
+               ? tactnet::split_rule::random
+               : tactnet::split_rule::blocked;
+}
+
 std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule) {
     std::vector<const study_row*> known, front;
     for (const study_row& row : rows)
-        if (row.latency && find_accuracy(row, rule) != nullptr)
+        if (const auto* a = find_accuracy(row, rule); row.latency && a != nullptr && a->splits == a->wanted)
             known.push_back(&row);
-    std::ranges::stable_sort(known, {}, [](const study_row* row) { return row->latency->median; });
+    std::ranges::stable_sort(known, [&](const study_row* a, const study_row* b) {
+        return a->latency->median != b->latency->median
+                   ? a->latency->median < b->latency->median
+                   : find_accuracy(*a, rule)->test.mean > find_accuracy(*b, rule)->test.mean;
+    });
     double best = -1;
     for (const study_row* row : known)
         if (const double accuracy = find_accuracy(*row, rule)->test.mean; accuracy > best) {

@@ -10,16 +10,20 @@
 #include <string>
 #include <vector>
 
+enum class method_family { touches, photographs, machines };
+
 struct split_accuracies {
     tactnet::split_rule rule;
-    std::size_t splits; ///< that were trained and tested
-    tactnet::mean_and_deviation test, validation, training;
+    std::size_t splits, wanted; ///< that were trained and tested, of how many
+    tactnet::mean_and_deviation test;
+    double validation, training; ///< means; NaN where nothing is known
 };
 
 struct study_row {
     std::string method;
     std::size_t rows, columns;
     std::string recipe;
+    method_family family = method_family::touches;
     std::string missing{}; ///< why it was not run; else empty
     method_costs costs{};
     std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
@@ -35,15 +39,19 @@ struct study_row {
 /// The accuracy by a rule, or nothing.
 const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule rule);
 
-/// "tactnet6 28x50".
+/// "tactnet6 28x50", and the recipe where it is not the default.
 std::string title_of(const study_row& row);
 
-/// A row for each candidate that has a result or a timing.
+/// A row for each candidate. Throws tactnet::file_error for results of other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
                                const timing_list& timings);
 
-/// Those with which no other is both faster and more accurate on splits by the rule, the fastest first.
+/// What pictures show: random splits if there are any, else blocked ones.
+tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
+
+/// Those with which no other is both faster and more accurate on splits by the rule, the fastest first; of
+/// rows with all their splits.
 std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
 
 std::string study_table(const std::vector<study_row>& rows);

@@ -5,25 +5,38 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <unistd.h>
 
 namespace {
+
+std::string machine_name() {
+    std::array<char, 256> name{};
+    return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
 
 tactnet::file_metadata key_of(const method& what) {
     tactnet::file_metadata key{{"method", what.name},
                                {"rows", fmt::to_string(what.rows)},
                                {"columns", fmt::to_string(what.columns)},
                                {"processor", processor_name()},
+                               {"machine", machine_name()},
                                {"compiler", compiler_name()}};
     key.merge(describe_program());
+    key.merge(what.describe(what.default_recipe())); // its layers or features, where they can change
     return key;
 }
 
 } // namespace
 
 timing_list::timing_list(const std::filesystem::path& path) : file_(path) {
+    read_on();
+}
+
+void timing_list::read_on() {
     file_.read_on("a timing of tactnet study", [&](const std::string& text) {
         const auto line = nlohmann::json::parse(text);
         const auto positive = [&](const char* name) {

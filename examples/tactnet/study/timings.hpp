@@ -10,12 +10,15 @@
 
 #include <filesystem>
 #include <map>
+#include <string>
 
 class timing_list {
 public:
     /// Reads what there is. Throws tactnet::file_error.
     explicit timing_list(const std::filesystem::path& path);
 
+    /// Takes over what other programs have added since. Throws tactnet::file_error.
+    void read_on();
     /// By this program on this machine, or nothing.
     const frame_latency* find(const method& what) const;
     void add(const method& what, const frame_latency& found);

@@ -111,9 +111,26 @@ TEST_SUITE("program") {
                     other = shop.start(study(shop, "killed", {"--jobs", "1"}));
         CHECK(shop.wait(one).status == 0);
         CHECK(shop.wait(other).status == 0);
+        CHECK(lines_of(text_of(shop / "killed/timings.jsonl")).size() == 2); // one of them timed
         CHECK(lines_of(text_of(shop / "killed/evaluation.jsonl")).size() == 8);
         CHECK(accuracies_in(text_of(shop / "killed/study.csv")) ==
               accuracies_in(text_of(shop / "whole/study.csv")));
+    }
+
+    TEST_CASE("study: blocked splits alone, and fewer splits than were asked for, are shown as that") {
+        const workshop shop;
+        const outcome blocked = shop.run(study(shop, "s", {"--split", "blocked"}));
+        REQUIRE_MESSAGE(blocked.status == 0, blocked.error);
+        CHECK(text_of(shop / "s/study.html").find("Test accuracy over blocked splits") != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find("class=\"confusion\"") != std::string::npos);
+        std::vector<std::string> more = study(shop, "s", {"--split", "blocked", "--report-only"});
+        *(std::find(more.begin(), more.end(), "--splits") + 1) = "5";
+        const outcome fewer = shop.run(more);
+        REQUIRE_MESSAGE(fewer.status == 0, fewer.error);
+        CHECK(fewer.out.find(" (2 of 5)") != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find("2 of 5 splits") != std::string::npos);
+        shop.refuses(study(shop, "s", {"--report-only", "--shard", "1/2"}),
+                     "expected one of them, found both");
     }
 
     TEST_CASE("study: what cannot be had has its row, with the reason") {

@@ -41,6 +41,7 @@ public:
                            costs_of<OneClass>()) {}
 
     std::unique_ptr<tactnet::trainable> make() const override { return std::make_unique<trainable>(); }
+    std::string_view type() const override { return __PRETTY_FUNCTION__; }
     std::vector<tactnet::parameter> describe() const override { return Network::describe(); }
     std::unique_ptr<any_deployed> deploy(const any_model& model) const override {
         return std::make_unique<deployed_network<Network>>(tactnet::deploy(

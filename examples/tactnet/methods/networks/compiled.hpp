@@ -14,6 +14,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// The fastest form of a network, see tactnet::deploy.
@@ -38,6 +39,8 @@ public:
     const method_costs costs, costs_of_one;
 
     virtual std::unique_ptr<tactnet::trainable> make() const = 0;
+    /// All that decides what it computes, as the compiler spells its type.
+    virtual std::string_view type() const = 0;
     /// Its arrays, without one of them being made.
     virtual std::vector<tactnet::parameter> describe() const = 0;
     /// Throws std::invalid_argument for parameters that cannot be deployed.

@@ -1,5 +1,6 @@
 #include "methods/networks/method.hpp"
 
+#include "data/fingerprint.hpp"
 #include "methods/description.hpp"
 #include "methods/made_up_frames.hpp"
 #include "methods/networks/looped_training.hpp"
@@ -15,6 +16,12 @@
 #include <utility>
 
 namespace {
+
+std::string fingerprint_of(std::string_view text) {
+    fingerprint print;
+    print.add(text);
+    return print.text();
+}
 
 /// Of images one after the other.
 std::vector<float> logits_of(const any_model& model, std::span<const std::uint8_t> images) {
@@ -143,7 +150,10 @@ public:
                                          : method::default_recipe();
     }
     tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
-        return describe_recipe(recipe);
+        tactnet::file_metadata all = describe_recipe(recipe);
+        if (!type_.starts_with("tactnet::")) // the name of a user's network says little of its layers
+            all["type"] = fingerprint_of(code_->type());
+        return all;
     }
 
     method_costs costs(std::size_t classes) const override {

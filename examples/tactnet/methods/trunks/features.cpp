@@ -172,6 +172,8 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
     const bool done = find_missing(data, threads);
     kept_->release();
     kept_images_ = data.images.pixels;
+    const std::lock_guard lock(mutex_);
+    network_.reset(); // which may be large; whoever asks for other images loads it again
     return done;
 }
 
