@@ -25,6 +25,7 @@
 #include <exception>
 #include <filesystem>
 #include <optional>
+#include <printable.hpp>
 #include <span>
 #include <standard_output.hpp>
 #include <string>
@@ -169,9 +170,9 @@ int main(int count, char** words) {
         }
         return success;
     } catch (const usage_error& error) {
-        std::fprintf(stderr, "tactnet_decode: %s\n%s", error.what(), usage);
+        std::fprintf(stderr, "tactnet_decode: %s\n%s", printable(error.what()).c_str(), usage);
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "tactnet_decode: %s\n", error.what());
+        std::fprintf(stderr, "tactnet_decode: %s\n", printable(error.what()).c_str());
     }
     return bad_input;
 }

@@ -20,6 +20,7 @@
 #include <cstring>
 #include <exception>
 #include <optional>
+#include <printable.hpp>
 #include <span>
 #include <standard_output.hpp>
 #include <unistd.h>
@@ -94,7 +95,7 @@ int main(int count, char** arguments) {
                       model);
         return well ? 0 : 2;
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "tactnet_stream: %s\n", error.what());
+        std::fprintf(stderr, "tactnet_stream: %s\n", printable(error.what()).c_str());
         return 2;
     }
 }

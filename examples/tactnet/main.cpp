@@ -6,7 +6,6 @@
 // (interrupted).
 
 #include "commands/commands.hpp"
-#include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "console/suggestion.hpp"
 #include "usage_error.hpp"
@@ -19,6 +18,7 @@
 
 #include <exception>
 #include <new>
+#include <printable.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string>

@@ -114,6 +114,8 @@ TEST_SUITE("decode") {
     TEST_CASE("decode: what cannot be read, written or understood") {
         const recording_file file(recording), empty(""), other("not a recording\n");
         refuses(program + " /no/such/file", "/no/such/file: expected a file, found nothing of that name");
+        // A name that would clear the terminal.
+        refuses(program + " '/no/\x1b[2J'", "/no/\\x1b[2J: expected a file, found nothing of that name");
         refuses(program + " /", "/: expected a file, found a folder");
         refuses(program + empty.quoted(), "expected a Tekscan recording or map");
         refuses(program + other.quoted(), "expected a Tekscan recording or map");

@@ -69,6 +69,14 @@ finding number(scene& s) {
     };
     const auto& [command, options] = s.one_of(takers);
     const std::string option = s.one_of(options), value = s.one_of(values);
+    if (value == values.back() && (option == "--rate" || option == "--checkpoint-every")) {
+        conditions under; // a number, which has its consequences
+        under.pictures = false;
+        const ending end = s.run(with(command, option, value), under);
+        if (!end.orderly())
+            return s.aborted(end);
+        return end.status != 0 && end.error.empty() ? s.silent("no message") : s.handled();
+    }
     return must_refuse(s, with(command, option, value), option + " '" + value + "'");
 }
 

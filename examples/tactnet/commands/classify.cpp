@@ -1,7 +1,6 @@
 // tactnet classify: images in, a line each out.
 
 #include "commands/commands.hpp"
-#include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <printable.hpp>
 #include <string>
 #include <unistd.h>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "commands/epochs.hpp"
 
-#include "console/printable.hpp"
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
 #include "data/regular_file.hpp"
@@ -16,6 +15,7 @@
 #include <cmath>
 #include <interrupt.hpp>
 #include <optional>
+#include <printable.hpp>
 #include <string>
 #include <system_error>
 #include <vector>

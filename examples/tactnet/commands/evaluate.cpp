@@ -4,7 +4,6 @@
 #include "commands/evaluate.hpp"
 
 #include "commands/commands.hpp"
-#include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "evaluation/candidates.hpp"
 #include "evaluation/table.hpp"
@@ -26,6 +25,7 @@
 #include <interrupt.hpp>
 #include <iterator>
 #include <memory>
+#include <printable.hpp>
 #include <set>
 #include <string_view>
 #include <system_error>

@@ -2,7 +2,6 @@
 
 #include "commands/commands.hpp"
 #include "commands/scenes.hpp"
-#include "console/printable.hpp"
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
 #include "data/regular_file.hpp"
@@ -29,6 +28,7 @@
 #include <interrupt.hpp>
 #include <memory>
 #include <mutex>
+#include <printable.hpp>
 #include <string>
 #include <thread>
 #include <utility>

@@ -1,7 +1,6 @@
 // tactnet study: the paper's experiments again, and what they cost in time, on one page.
 
 #include "commands/commands.hpp"
-#include "console/printable.hpp"
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
 #include "evaluation/candidates.hpp"
@@ -27,6 +26,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <printable.hpp>
 #include <string>
 #include <string_view>
 #include <thread>

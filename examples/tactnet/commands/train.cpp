@@ -2,7 +2,6 @@
 
 #include "commands/commands.hpp"
 #include "commands/epochs.hpp"
-#include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "files/output_claim.hpp"
@@ -26,6 +25,7 @@
 #include <interrupt.hpp>
 #include <iterator>
 #include <memory>
+#include <printable.hpp>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <system_error>

@@ -1,6 +1,5 @@
 #include "files/output_claim.hpp"
 
-#include "console/printable.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/safetensors/checksum.hpp>
@@ -11,6 +10,7 @@
 #include <cstdint>
 #include <fcntl.h>
 #include <filesystem>
+#include <printable.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>

@@ -1,6 +1,5 @@
 #include "files/places.hpp"
 
-#include "console/printable.hpp"
 #include "files/try_name.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
@@ -9,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <printable.hpp>
 #include <set>
 #include <system_error>
 

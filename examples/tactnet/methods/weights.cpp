@@ -1,6 +1,5 @@
 #include "methods/weights.hpp"
 
-#include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "data/regular_file.hpp"
@@ -14,6 +13,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <printable.hpp>
 #include <span>
 #include <system_error>
 

@@ -1,6 +1,5 @@
 #include "reports/plot.hpp"
 
-#include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/gnuplot.hpp"
@@ -13,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <printable.hpp>
 #include <system_error>
 #include <utility>
 

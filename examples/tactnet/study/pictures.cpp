@@ -1,6 +1,5 @@
 #include "study/pictures.hpp"
 
-#include "console/printable.hpp"
 #include "console/standard_streams.hpp"
 #include "reports/gnuplot.hpp"
 
@@ -12,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <printable.hpp>
 #include <set>
 #include <string_view>
 #include <system_error>

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include <console/printable.hpp>
+#include <printable.hpp>
 #include <cstdlib>
 #include <reports/plot.hpp>
 #include <string>

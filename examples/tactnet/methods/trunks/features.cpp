@@ -1,6 +1,5 @@
 #include "methods/trunks/features.hpp"
 
-#include "console/printable.hpp"
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
 #include "data/fingerprint.hpp"
@@ -19,6 +18,7 @@
 #include <algorithm>
 #include <chrono>
 #include <interrupt.hpp>
+#include <printable.hpp>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <thread>

@@ -1,8 +1,6 @@
-#include "console/printable.hpp"
+#include "printable.hpp"
 
 #include <tactnet/io/text.hpp>
-
-#include <fmt/format.h>
 
 #include <cstddef>
 
@@ -31,8 +29,13 @@ std::string printable(std::string_view text) {
         if (length > 0 && only_shows(character))
             shown += character;
         else
-            for (const char c : character)
-                shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+            for (const char c : character) {
+                constexpr std::string_view digits = "0123456789abcdef";
+                const auto byte = static_cast<unsigned char>(c);
+                shown += "\\x";
+                shown += digits[byte / 16];
+                shown += digits[byte % 16];
+            }
         text.remove_prefix(character.size());
     }
     return shown;
