@@ -7,7 +7,7 @@
 #include "usage_error.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
-#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/source.hpp>
 
 #include <fmt/format.h>
 
@@ -97,7 +97,7 @@ void check_given_up(const std::filesystem::path& path) {
         return;
     std::string format;
     try {
-        const auto file = tactnet::safetensors::read(path);
+        const auto file = tactnet::safetensors_source::open(path, tactnet::checksum_rule::ignore);
         if (const auto found = file.metadata().find("format"); found != file.metadata().end())
             format = found->second;
     } catch (const tactnet::file_error&) { // someone else's file, as far as one can tell

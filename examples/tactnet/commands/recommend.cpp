@@ -2,11 +2,12 @@
 
 #include "commands/commands.hpp"
 #include "console/standard_streams.hpp"
+#include "files/line_file.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/file_error.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -14,12 +15,10 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -57,20 +56,11 @@ std::optional<studied_network> network_of(const nlohmann::json& line, const std:
 }
 
 std::vector<studied_network> networks_in(const std::filesystem::path& path, const std::string& split) {
-    const auto bytes = tactnet::read_file(path);
-    std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::vector<studied_network> found;
-    for (std::size_t number = 1; !rest.empty(); ++number) {
-        const std::string_view line = rest.substr(0, rest.find('\n'));
-        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
-        try {
-            if (auto network = network_of(nlohmann::json::parse(line), split))
-                found.push_back(std::move(*network));
-        } catch (const std::exception& error) {
-            throw tactnet::file_error(path.string(), fmt::format("line {}", number), "a row of tactnet study",
-                                      fmt::format("'{}'", error.what()));
-        }
-    }
+    line_file(path).read_on("a row of tactnet study", [&](const std::string& line) {
+        if (auto network = network_of(nlohmann::json::parse(line), split))
+            found.push_back(std::move(*network));
+    });
     return found;
 }
 

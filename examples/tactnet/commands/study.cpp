@@ -3,6 +3,7 @@
 #include "commands/commands.hpp"
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
+#include "console/waiting.hpp"
 #include "evaluation/candidates.hpp"
 #include "evaluation/claims.hpp"
 #include "files/places.hpp"
@@ -12,6 +13,7 @@
 #include "reports/report.hpp"
 #include "study/page.hpp"
 #include "study/pictures.hpp"
+#include "study/plan.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>
@@ -20,12 +22,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <interrupt.hpp>
 #include <iterator>
-#include <map>
 #include <memory>
-#include <optional>
 #include <printable.hpp>
 #include <string>
 #include <string_view>
@@ -34,14 +33,6 @@
 #include <vector>
 
 namespace {
-
-struct study_options {
-    std::string data, results = "study", shard;
-    std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged;
-    std::string split = "both";
-    std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
-    bool report_only = false;
-};
 
 /// One part of all trainings, for a machine among several.
 struct shard {
@@ -68,104 +59,6 @@ shard shard_of(const std::string& text) {
     return {*index - 1, *count};
 }
 
-/// "squeezenet=FILE" by the name in front.
-std::map<std::string, std::string, std::less<>> pretrained_files(const study_options& o) {
-    std::map<std::string, std::string, std::less<>> files;
-    for (const std::string& text : o.pretrained) {
-        const std::size_t middle = text.find('=');
-        const std::string name = text.substr(0, middle);
-        if (middle == std::string::npos ||
-            std::ranges::none_of(photograph_networks::all, [&](const auto& n) { return n.name == name; }))
-            throw usage_error(fmt::format("--pretrained: expected a network and its file, such as "
-                                          "squeezenet=FILE, found '{}'",
-                                          text));
-        files[name] = text.substr(middle + 1);
-    }
-    return files;
-}
-
-/// What is tried, and what cannot be.
-struct study_plan {
-    std::vector<candidate> candidates;
-    std::vector<study_row> missing;
-};
-
-bool chosen(const std::vector<std::string>& wanted, const std::string& name) {
-    return wanted.empty() || std::ranges::find(wanted, name) != wanted.end();
-}
-
-void check_names(const study_options& o) {
-    for (const std::string& name : o.methods)
-        if (std::ranges::none_of(all_methods(), [&](const auto& m) { return m->name == name; }))
-            throw usage_error(
-                fmt::format("--methods: expected some of {}, found '{}'", method_names(), name));
-    for (const std::string& size : o.sizes)
-        if (std::ranges::none_of(all_methods(), [&](const auto& m) {
-                return fmt::format("{}x{}", m->rows, m->columns) == size;
-            }))
-            throw usage_error(fmt::format("--sizes: expected sizes that were compiled in, found '{}'", size));
-}
-
-/// Every method of the program at every size, and of the paper those that it lacks.
-study_plan plan_of(const study_options& o) {
-    check_names(o);
-    const auto files = pretrained_files(o);
-    study_plan plan;
-    for (const auto& m : all_methods()) {
-        const std::string size = fmt::format("{}x{}", m->rows, m->columns);
-        if (!chosen(o.methods, m->name) || !chosen(o.sizes, size))
-            continue;
-        training_settings settings;
-        settings.rows = m->rows, settings.columns = m->columns;
-        settings.resize = true;
-        if (const auto needed = m->pretrained()) {
-            const auto file = files.find(needed->network.name);
-            if (file == files.end()) {
-                plan.missing.push_back(
-                    {.method = m->name,
-                     .rows = m->rows,
-                     .columns = m->columns,
-                     .recipe = "default",
-                     .missing = fmt::format("needs {} trained on photographs, --pretrained {}=FILE",
-                                            needed->network.title, needed->network.name),
-                     .published = find_published(m->name, m->rows, m->columns)});
-                continue;
-            }
-            settings.pretrained = file->second;
-        }
-        std::vector<std::string> tried; // recipes that come to the same
-        for (const std::string& recipe : o.recipes) {
-            if (recipe == "published" && !(m->is_network() && m->published))
-                continue;
-            settings.recipe = recipe;
-            const std::string name(recipe_for(*m, settings).name);
-            if (std::ranges::find(tried, name) != tried.end())
-                continue;
-            tried.push_back(name);
-            plan.candidates.push_back({m.get(), settings, nullptr});
-        }
-    }
-    const bool for_touches = std::ranges::any_of(all_methods(), [](const auto& m) {
-        return m->is_network() && find_published(m->name, m->rows, m->columns) != nullptr;
-    });
-    for (const published_result& p : published_results) // of no use to a program of other networks
-        if (for_touches && p.rows == 28 && chosen(o.methods, std::string(p.method)) &&
-            chosen(o.sizes, "28x50") && std::ranges::none_of(all_methods(), [&](const auto& m) {
-                return m->name == p.method && m->rows == p.rows && m->columns == p.columns;
-            }))
-            plan.missing.push_back(
-                {.method = std::string(p.method),
-                 .rows = p.rows,
-                 .columns = p.columns,
-                 .recipe = "default",
-                 .missing = fmt::format("the program was built without it, {}",
-                                        p.method.ends_with("-svm") && p.method != "surf-svm"
-                                            ? "TACTNET_PROGRAM_TRUNKS or _SIZES"
-                                            : "TACTNET_PROGRAM_NETWORKS or _SIZES"),
-                 .published = &p});
-    return plan;
-}
-
 split_plan splits_of(const study_options& o) {
     using tactnet::split_rule;
     return {o.split == "both" ? std::vector{split_rule::random, split_rule::blocked}
@@ -182,9 +75,9 @@ void merge(const study_options& o, result_list& results) {
                 fmt::format("--merge: expected a folder of results, found no {}", path.string()));
         std::size_t taken = 0;
         const result_list others(path);
-        for (const training_result& r : others.all())
-            if (results.find(r.settings) == nullptr) {
-                results.add(r);
+        for (const auto& [settings, result] : others.all())
+            if (results.find(settings) == nullptr) {
+                results.add(result);
                 ++taken;
             }
         tell("{} trainings taken from {}\n", taken, printable(path.string()));
@@ -194,13 +87,12 @@ void merge(const study_options& o, result_list& results) {
 /// False if interrupted.
 bool time_all(const candidate_list& candidates, timing_list& timings, const std::filesystem::path& folder) {
     training_claims claims(folder / ".timings.lock"); // methods that are timed at once disturb each other
-    const tactnet::file_metadata all{{"timings", "all"}};
-    for (bool told = false; !claims.take(all); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
-        if (interrupted())
-            return false;
-        if (!std::exchange(told, true))
-            tell("waiting for another program that times methods for this folder\n");
-    }
+    if (!wait_until(
+            [&] {
+                return claims.take({{"timings", "all"}});
+            },
+            "waiting for another program that times methods for this folder"))
+        return false;
     timings.read_on();
     const pinned here;
     std::vector<const method*> missing;

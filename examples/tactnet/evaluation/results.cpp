@@ -81,20 +81,21 @@ std::filesystem::path result_list::claims_path() const {
 
 void result_list::read_on() {
     file_.read_on("a result of tactnet evaluate", [&](const std::string& line) {
-        training_result result = result_of(line);
-        if (find(result.settings) == nullptr) // one's own comes back
-            results_.push_back(std::move(result));
+        keep(result_of(line)); // one's own come back
     });
 }
 
 const training_result* result_list::find(const tactnet::file_metadata& settings) const {
-    for (const training_result& r : results_)
-        if (r.settings == settings)
-            return &r;
-    return nullptr;
+    const auto found = results_.find(settings);
+    return found == results_.end() ? nullptr : &found->second;
 }
 
 void result_list::add(training_result result) {
     file_.add(line_of(result));
-    results_.push_back(std::move(result));
+    keep(std::move(result));
+}
+
+void result_list::keep(training_result result) {
+    tactnet::file_metadata settings = result.settings;
+    results_.try_emplace(std::move(settings), std::move(result));
 }

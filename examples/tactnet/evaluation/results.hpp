@@ -10,7 +10,7 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <vector>
+#include <map>
 
 struct training_result {
     tactnet::file_metadata settings; ///< see describe_training
@@ -30,7 +30,7 @@ public:
 
     /// The result of a training with just these settings, or nothing.
     const training_result* find(const tactnet::file_metadata& settings) const;
-    const std::vector<training_result>& all() const { return results_; }
+    const std::map<tactnet::file_metadata, training_result>& all() const { return results_; }
     /// Takes over what other programs have added since. Throws tactnet::file_error.
     void read_on();
     /// Keeps a result, on the disk before anything else. Other programs may add to the same file.
@@ -40,6 +40,8 @@ public:
     std::filesystem::path claims_path() const;
 
 private:
+    void keep(training_result result);
+
     line_file file_;
-    std::vector<training_result> results_;
+    std::map<tactnet::file_metadata, training_result> results_; ///< by their settings
 };

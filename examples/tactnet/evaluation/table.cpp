@@ -68,16 +68,8 @@ std::string json_lines_of(const std::vector<evaluation_row>& rows) {
 }
 
 std::string csv_of(const std::vector<evaluation_row>& rows) {
-    std::string text;
-    for (const evaluation_row& s : rows) {
-        std::string head, line;
-        const nlohmann::ordered_json cells = json_of(s);
-        for (const auto& [key, value] : cells.items()) {
-            head += (head.empty() ? "" : ",") + key;
-            line += (line.empty() ? "" : ",") +
-                    (value.is_string() ? csv_field(value.get<std::string>()) : value.dump());
-        }
-        text += (text.empty() ? head + '\n' : "") + line + '\n';
-    }
-    return text;
+    std::vector<nlohmann::ordered_json> objects;
+    for (const evaluation_row& s : rows)
+        objects.push_back(json_of(s));
+    return csv_of(objects);
 }

@@ -138,6 +138,13 @@ tactnet::file_metadata describe_program() {
     };
 }
 
+tactnet::file_metadata describe_method(const method& what, const tactnet::recipe& recipe) {
+    tactnet::file_metadata all = what.parts();
+    if (what.is_network())
+        all.merge(describe_recipe(recipe)); // what the parts say of the input goes before
+    return all;
+}
+
 tactnet::file_metadata describe_training(const method& what, const training_settings& s,
                                          tactnet::split_rule rule, std::uint64_t seed,
                                          std::string_view data) {
@@ -156,6 +163,6 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["start"] = file_fingerprint(s.start);
     if (!s.pretrained.empty())
         all["pretrained"] = pretrained_fingerprint(s.pretrained);
-    all.merge(what.describe(recipe_for(what, s)));
+    all.merge(describe_method(what, recipe_for(what, s)));
     return all;
 }

@@ -19,6 +19,9 @@ void require_metadata(const tactnet::safetensors& file, const tactnet::file_meta
 /// What decides how this program rounds: its version, and the instruction set that it was compiled for.
 tactnet::file_metadata describe_program();
 
+/// All that decides what comes of a training, apart from images, split and seed.
+tactnet::file_metadata describe_method(const method& what, const tactnet::recipe& recipe);
+
 /// Everything that decides the result of a training: two with the same description give the same bits.
 tactnet::file_metadata describe_training(const method& what, const training_settings& settings,
                                          tactnet::split_rule rule, std::uint64_t seed, std::string_view data);

@@ -135,8 +135,8 @@ public:
     virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
     /// Of a network: the recipe that did best, or the authors' where none was looked for.
     virtual tactnet::recipe default_recipe() const { return tactnet::recipe::default_for(rows, columns); }
-    /// All that decides what comes of a training, apart from images, split and seed.
-    virtual tactnet::file_metadata describe(const tactnet::recipe& recipe) const = 0;
+    /// What it is made of, where its name does not say it: features, settings of a machine, a user's layers.
+    virtual tactnet::file_metadata parts() const { return {}; }
     virtual method_costs costs(std::size_t classes) const = 0;
     /// Of all its parameters those that a training changes.
     virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }

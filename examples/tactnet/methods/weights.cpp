@@ -131,7 +131,7 @@ std::shared_ptr<const trained_method> load_start(const method& what, const train
             fmt::format("the {} classes of the images, by the same names", classes.size()),
             fmt::format("{} classes, or other names", loaded.classes.size()));
     const auto says = loaded.metadata.find("input");
-    const std::string wanted = what.describe(recipe_for(what, settings)).at("input");
+    const std::string wanted = describe_method(what, recipe_for(what, settings)).at("input");
     if (says != loaded.metadata.end() && says->second != wanted)
         throw usage_error(
             fmt::format("--start: expected a network of inputs by '{}', found one by '{}'; see --input",

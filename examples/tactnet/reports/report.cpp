@@ -45,6 +45,21 @@ std::string csv_field(std::string_view text) {
     return quoted + '"';
 }
 
+std::string csv_of(std::span<const nlohmann::ordered_json> rows) {
+    std::string text;
+    for (const nlohmann::ordered_json& row : rows) {
+        std::string head, line;
+        for (const auto& [key, value] : row.items()) {
+            head += (head.empty() ? "" : ",") + key;
+            line += (line.empty() ? "" : ",") + (value.is_null()     ? ""
+                                                 : value.is_string() ? csv_field(value.get<std::string>())
+                                                                     : value.dump());
+        }
+        text += (text.empty() ? head + '\n' : "") + line + '\n';
+    }
+    return text;
+}
+
 std::string grouped(std::size_t number) {
     std::string text = fmt::to_string(number);
     for (std::size_t place = text.size(); place > 3; place -= 3)

@@ -5,6 +5,8 @@
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <cstddef>
 #include <filesystem>
 #include <span>
@@ -21,6 +23,9 @@ void make_folder_of(const std::filesystem::path& path);
 
 /// In double quotes where CSV needs them (RFC 4180).
 std::string csv_field(std::string_view text);
+
+/// A line for each object, all of which have the same members in the same order; null is an empty field.
+std::string csv_of(std::span<const nlohmann::ordered_json> rows);
 
 /// "1 717 696".
 std::string grouped(std::size_t number);

@@ -102,6 +102,13 @@ std::string percent_cell(const split_accuracies* a) {
         a->splits == a->wanted ? "" : fmt::format("<br>{} of {} splits", a->splits, a->wanted));
 }
 
+std::string published_percent_cell(const published_result* p) {
+    return cell(p == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", p->accuracy, p->deviation));
+}
+std::string published_time_cell(const published_result* p) {
+    return cell(p == nullptr || p->seconds == 0 ? "" : fmt::format("{:.0f}", 1e3 * p->seconds));
+}
+
 std::string methods_table(const std::vector<study_row>& rows) {
     std::string text =
         "<h2>All methods</h2>\n<div class=\"wide\"><table>\n<tr><th>method</th><th>size</th>"
@@ -112,33 +119,21 @@ std::string methods_table(const std::vector<study_row>& rows) {
         text += fmt::format("<tr><td title=\"{}\">{}</td>", escaped(row.declaration), escaped(row.method)) +
                 cell(fmt::format("{}×{}", row.rows, row.columns));
         if (row.accuracies.empty() && !row.latency) {
-            text +=
-                fmt::format("<td></td><td class=\"text\" colspan=\"2\">{}</td><td>{}</td>"
-                            "<td colspan=\"4\"></td><td>{}</td><td colspan=\"3\"></td></tr>\n",
-                            escaped(row.missing),
-                            row.published == nullptr ? ""
-                                                     : fmt::format("{:.2f} ± {:.2f}", row.published->accuracy,
-                                                                   row.published->deviation),
-                            row.published == nullptr || row.published->seconds == 0
-                                ? ""
-                                : fmt::format("{:.0f}", 1e3 * row.published->seconds));
+            text += "<td></td><td class=\"text\" colspan=\"2\">" + escaped(row.missing) + "</td>" +
+                    published_percent_cell(row.published) + "<td colspan=\"4\"></td>" +
+                    published_time_cell(row.published) + "<td colspan=\"3\"></td></tr>\n";
             continue;
         }
         text += cell(row.recipe) + percent_cell(find_accuracy(row, split_rule::random)) +
-                percent_cell(find_accuracy(row, split_rule::blocked)) +
-                cell(row.published == nullptr
-                         ? ""
-                         : fmt::format("{:.2f} ± {:.2f}", row.published->accuracy, row.published->deviation));
+                percent_cell(find_accuracy(row, split_rule::blocked)) + published_percent_cell(row.published);
         if (row.latency)
             text += fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.1f}</td>",
                                 row.latency->median, row.latency->p99, row.latency->jitter,
                                 row.latency->in_batch);
         else
             text += "<td></td><td></td><td></td><td></td>";
-        text += cell(row.published == nullptr || row.published->seconds == 0
-                         ? ""
-                         : fmt::format("{:.0f}", 1e3 * row.published->seconds)) +
-                cell(grouped(row.costs.parameters)) + cell(grouped(row.costs.multiply_adds)) +
+        text += published_time_cell(row.published) + cell(grouped(row.costs.parameters)) +
+                cell(grouped(row.costs.multiply_adds)) +
                 cell(row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds)) + "</tr>\n";
     }
     return text +
@@ -173,12 +168,14 @@ std::string front_table(const std::vector<study_row>& rows) {
         before = row;
     }
     return text +
-           "</table></div>\n<p>Methods with which no other is both faster and more accurate, over random "
-           "splits.</p>\n";
+           fmt::format(
+               "</table></div>\n<p>Methods with which no other is both faster and more accurate, over {} "
+               "splits.</p>\n",
+               name_of(rule));
 }
 
 /// Shares of the true class in colour, counts in figures.
-std::string confusion_table(const study_row& row) {
+std::string confusion_table(const study_row& row, split_rule rule) {
     std::string text = fmt::format("<h2>What {} takes for what</h2>\n<div class=\"wide\">"
                                    "<table class=\"confusion\">\n<thead><tr><th></th>",
                                    escaped(title_of(row)));
@@ -199,12 +196,13 @@ std::string confusion_table(const study_row& row) {
         text += "</tr>\n";
     }
     return text +
-           "</table></div>\n<p>A row is what an image shows, a column what it was taken for; all random "
-           "splits together.</p>\n";
+           fmt::format(
+               "</table></div>\n<p>A row is what an image shows, a column what it was taken for; all {} "
+               "splits together.</p>\n",
+               name_of(rule));
 }
 
-const study_row* most_accurate(const std::vector<study_row>& rows) {
-    const split_rule rule = shown_rule(rows);
+const study_row* most_accurate(const std::vector<study_row>& rows, split_rule rule) {
     const study_row* best = nullptr;
     for (const study_row& row : rows)
         if (const auto* a = find_accuracy(row, rule))
@@ -233,7 +231,8 @@ std::string study_page(const std::vector<study_row>& rows, const std::vector<dra
                                 escaped(picture.caption));
         }
     page += front_table(rows) + methods_table(rows);
-    if (const study_row* best = most_accurate(rows))
-        page += confusion_table(*best);
+    const split_rule rule = shown_rule(rows);
+    if (const study_row* best = most_accurate(rows, rule))
+        page += confusion_table(*best, rule);
     return page + std::string(foot);
 }

@@ -1,6 +1,7 @@
 #include "study/pictures.hpp"
 
 #include "console/standard_streams.hpp"
+#include "methods/training_settings.hpp"
 #include "reports/gnuplot.hpp"
 
 #include <tactnet/io/file.hpp>
@@ -15,6 +16,7 @@
 #include <set>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace {
 
@@ -38,16 +40,12 @@ bool has_paper(const std::vector<study_row>& rows) {
     return std::ranges::any_of(rows, [](const study_row& row) { return row.published != nullptr; });
 }
 
-std::string splits_text(split_rule rule) {
-    return rule == split_rule::random ? "random splits" : "blocked splits";
-}
-
 /// What the pointer is told; no quotes, which would end gnuplot's text.
 std::string words_of(const study_row& row) {
     std::string text = fmt::format("{} {}x{}, {} recipe", row.method, row.rows, row.columns, row.recipe);
     for (const auto& a : row.accuracies)
         text += fmt::format("\\n{:.2f} ± {:.2f} %, {} {} splits", 100 * a.test.mean, 100 * a.test.deviation,
-                            a.splits, a.rule == split_rule::random ? "random" : "blocked");
+                            a.splits, name_of(a.rule));
     if (row.latency)
         text += fmt::format("\\n{:.1f} µs a frame", row.latency->median);
     if (!row.declaration.empty())
@@ -122,18 +120,17 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
     plot += fmt::format("$paper using 1:2:3:4 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'the paper', "
                         "$paper using 1:2:5 with labels hypertext point pt 6 ps 0.8 lc rgb '{0}' notitle",
                         of_paper);
-    return {
-        "accuracy_and_time",
-        fmt::format(
-            "Test accuracy over {} against the time of a frame on one core; bars are standard deviations. "
-            "The paper's figures are of its own images and machine.",
-            splits_text(rule)),
-        data + std::string(style) + accuracy_axis(lowest) +
-            fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
-                        0.03 * fastest) +
-            "set xtics ('1 µs' 1, '10 µs' 10, '100 µs' 1e2, '1 ms' 1e3, '10 ms' 1e4, '100 ms' 1e5, "
-            "'1 s' 1e6, '10 s' 1e7, '100 s' 1e8)\nset key bottom right\nplot " +
-            plot + '\n'};
+    return {"accuracy_and_time",
+            fmt::format("Test accuracy over {} splits against the time of a frame on one core; bars are "
+                        "standard deviations. "
+                        "The paper's figures are of its own images and machine.",
+                        name_of(rule)),
+            data + std::string(style) + accuracy_axis(lowest) +
+                fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
+                            0.03 * fastest) +
+                "set xtics ('1 µs' 1, '10 µs' 10, '100 µs' 1e2, '1 ms' 1e3, '10 ms' 1e4, '100 ms' 1e5, "
+                "'1 s' 1e6, '10 s' 1e7, '100 s' 1e8)\nset key bottom right\nplot " +
+                plot + '\n'};
 }
 
 /// Accuracy against the number of tactels, of methods that were tried at several sizes.
@@ -181,12 +178,11 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
                         "paper', $paper using 1:2 with lines dt 2 lc rgb '{0}' notitle",
                         of_paper);
     return {"accuracy_and_tactels",
-            fmt::format("Test accuracy over {} against the number of tactels.", splits_text(rule)),
+            fmt::format("Test accuracy over {} splits against the number of tactels.", name_of(rule)),
             data + std::string(style) + accuracy_axis(lowest) +
                 fmt::format("set logscale x\nset xrange [{}:{}]\nset xlabel 'tactels'\nset xtics ({})\n",
                             0.8 * static_cast<double>(*tactels.begin()),
                             1.25 * static_cast<double>(*tactels.rbegin()), fmt::join(tactels, ", ")) +
-
                 "set key bottom right\nplot " + plot + '\n'};
 }
 

@@ -4,6 +4,7 @@
 #include "reports/report.hpp"
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/safetensors/json_checksum.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -200,22 +201,13 @@ std::string study_table(const std::vector<study_row>& rows) {
 std::string study_json_lines(const std::vector<study_row>& rows) {
     std::string lines;
     for (const study_row& row : rows)
-        lines += json_of(row).dump() + '\n';
+        lines += tactnet::with_checksum(json_of(row).dump()) + '\n';
     return lines;
 }
 
 std::string study_csv(const std::vector<study_row>& rows) {
-    std::string text;
-    for (const study_row& row : rows) {
-        std::string head, line;
-        const nlohmann::ordered_json cells = json_of(row);
-        for (const auto& [key, value] : cells.items()) {
-            head += (head.empty() ? "" : ",") + key;
-            line += (line.empty() ? "" : ",") + (value.is_null()     ? ""
-                                                 : value.is_string() ? csv_field(value.get<std::string>())
-                                                                     : value.dump());
-        }
-        text += (text.empty() ? head + '\n' : "") + line + '\n';
-    }
-    return text;
+    std::vector<nlohmann::ordered_json> objects;
+    for (const study_row& row : rows)
+        objects.push_back(json_of(row));
+    return csv_of(objects);
 }

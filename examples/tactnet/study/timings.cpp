@@ -26,7 +26,7 @@ tactnet::file_metadata key_of(const method& what) {
                                {"machine", machine_name()},
                                {"compiler", compiler_name()}};
     key.merge(describe_program());
-    key.merge(what.describe(what.default_recipe())); // its layers or features, where they can change
+    key.merge(what.parts());
     return key;
 }
 

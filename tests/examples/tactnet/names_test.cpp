@@ -6,8 +6,8 @@
 
 #include <doctest/doctest.h>
 
-#include <printable.hpp>
 #include <cstdlib>
+#include <printable.hpp>
 #include <reports/plot.hpp>
 #include <string>
 #include <string_view>

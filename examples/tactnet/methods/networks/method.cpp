@@ -149,11 +149,10 @@ public:
         return pretrained() && published ? tactnet::recipe::published(rows, columns, *published)
                                          : method::default_recipe();
     }
-    tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
-        tactnet::file_metadata all = describe_recipe(recipe);
-        if (!type_.starts_with("tactnet::")) // the name of a user's network says little of its layers
-            all["type"] = fingerprint_of(code_->type());
-        return all;
+    tactnet::file_metadata parts() const override {
+        return type_.starts_with("tactnet::")
+                   ? tactnet::file_metadata{}
+                   : tactnet::file_metadata{{"type", fingerprint_of(code_->type())}};
     }
 
     method_costs costs(std::size_t classes) const override {

@@ -145,11 +145,7 @@ public:
         return open_trunk(trunk_, head().features, image(), path);
     }
     tactnet::recipe default_recipe() const override { return tactnet::recipe::on_features(); }
-    tactnet::file_metadata describe(const tactnet::recipe& recipe) const override {
-        tactnet::file_metadata all = describe_features(*trunk_, head().features);
-        all.merge(describe_recipe(recipe));
-        return all;
-    }
+    tactnet::file_metadata parts() const override { return describe_features(*trunk_, head().features); }
     method_costs costs(std::size_t classes) const override {
         const method_costs own = costs_for(head().costs, head().costs_of_one, head().outputs, classes);
         const std::size_t views = head().features.views();

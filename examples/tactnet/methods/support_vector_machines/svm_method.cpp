@@ -63,7 +63,7 @@ svm_method::svm_method(const svm_recipe& recipe, std::size_t rows_, std::size_t 
       recipe_(recipe),
       features_(std::move(features)) {}
 
-tactnet::file_metadata svm_method::describe(const tactnet::recipe&) const {
+tactnet::file_metadata svm_method::parts() const {
     const auto features = features_();
     tactnet::file_metadata text = recipe_.describe();
     text.merge(features->form());

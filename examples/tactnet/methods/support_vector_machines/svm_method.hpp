@@ -18,7 +18,7 @@ public:
     svm_method(const svm_recipe& recipe, std::size_t rows_, std::size_t columns_, feature_maker features);
 
     bool is_network() const override { return false; }
-    tactnet::file_metadata describe(const tactnet::recipe&) const override;
+    tactnet::file_metadata parts() const override;
     /// Of a support vector machine trained on the paper's number of images of each class, which all are
     /// support vectors at the worst.
     method_costs costs(std::size_t classes) const override;

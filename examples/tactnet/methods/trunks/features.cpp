@@ -2,6 +2,7 @@
 
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
+#include "console/waiting.hpp"
 #include "data/fingerprint.hpp"
 #include "methods/description.hpp"
 #include "methods/made_up_frames.hpp"
@@ -16,12 +17,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <interrupt.hpp>
 #include <printable.hpp>
 #include <stdexcept>
 #include <stopwatch.hpp>
-#include <thread>
 #include <utility>
 
 namespace {
@@ -158,12 +157,9 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
     }
     make_folder_of(path);
     kept_ = std::make_unique<row_store>(path, settings, data.images.size(), finder_.size(), place.is_folder);
-    for (bool told = false; !kept_->claim(); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
-        if (interrupted())
-            return false;
-        if (!std::exchange(told, true))
-            tell("waiting for the features that another program finds, {}\n", printable(path.string()));
-    }
+    if (!wait_until([&] { return kept_->claim(); },
+                    "waiting for the features that another program finds, " + printable(path.string())))
+        return false;
     if (kept_->look() == row_store::found::others)
         tell("{}: features of something else, or damaged; all are found anew\n", printable(path.string()));
     else if (kept_->damaged() > 0)

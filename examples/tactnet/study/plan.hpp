@@ -1,0 +1,34 @@
+#pragma once
+
+// What a study tries.
+
+#include "evaluation/trainings.hpp"
+#include "study/rows.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+struct study_options {
+    std::string data, results = "study", shard;
+    std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged;
+    std::string split = "both";
+    std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
+    bool report_only = false;
+};
+
+/// "squeezenet=FILE" by the name in front. Throws usage_error.
+std::map<std::string, std::string, std::less<>> pretrained_files(const study_options& o);
+
+/// What is tried, and what cannot be.
+struct study_plan {
+    std::vector<candidate> candidates;
+    std::vector<study_row> missing;
+};
+
+/// Every method of the program at every size, and of the paper those that it lacks. Throws usage_error.
+study_plan plan_of(const study_options& o);
