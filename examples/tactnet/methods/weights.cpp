@@ -3,6 +3,7 @@
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "data/regular_file.hpp"
+#include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/trunks/prefix.hpp"
 #include "number_options.hpp"
