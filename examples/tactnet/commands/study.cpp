@@ -157,6 +157,16 @@ int study(const study_options& o) {
     const split_plan splits = splits_of(o);
     const std::size_t count = plan.candidates.size();
     const candidate_list candidates(o.data, std::move(plan.candidates));
+    catch_interrupts();
+    const auto stopped = [] {
+        tell("stopped; the same command goes on with what is left\n");
+        return int{interrupted_by_user};
+    };
+    if (o.times_only) {
+        make_folder_of(folder / "timings.jsonl");
+        timing_list timings(folder / "timings.jsonl");
+        return time_all(candidates, timings, folder) ? int{success} : stopped();
+    }
     result_list results(folder / "evaluation.jsonl");
     merge(o, results);
     const std::vector<task> all = tasks_of(candidates, splits);
@@ -166,11 +176,6 @@ int study(const study_options& o) {
             to_do.push_back(all[i]);
     tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
          printable((folder / "evaluation.jsonl").string()));
-    catch_interrupts();
-    const auto stopped = [] {
-        tell("stopped; the same command goes on with what is left\n");
-        return int{interrupted_by_user};
-    };
     std::vector<std::string> diverged;
     if (!to_do.empty() &&
         !(prepare_features(to_do, folder / "features", o.jobs) && run_all(to_do, o.jobs, results, &diverged)))
@@ -243,5 +248,11 @@ command add_study(CLI::App& program) {
         ->type_name("FOLDER,...")
         ->delimiter(',');
     app->add_flag("--report-only", o->report_only, "Train and time nothing; write what is there");
+    app->add_flag("--times-only", o->times_only,
+                  "Train nothing and write no page; time the methods, for programs compiled for other "
+                  "instruction sets")
+        ->excludes("--report-only")
+        ->excludes("--shard")
+        ->excludes("--merge");
     return [o] { return study(*o); };
 }

@@ -2,7 +2,9 @@
 
 #include "methods/description.hpp"
 #include "methods/training_settings.hpp"
+#include "reports/html.hpp"
 #include "reports/report.hpp"
+#include "study/instruction_sets.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -15,17 +17,6 @@
 namespace {
 
 using tactnet::split_rule;
-
-std::string escaped(std::string_view text) {
-    std::string result;
-    for (const char c : text)
-        result += c == '&'   ? std::string("&amp;")
-                  : c == '<' ? std::string("&lt;")
-                  : c == '>' ? std::string("&gt;")
-                  : c == '"' ? std::string("&quot;")
-                             : std::string(1, c);
-    return result;
-}
 
 constexpr std::string_view head = R"html(<!DOCTYPE html>
 <html lang="en">
@@ -230,7 +221,7 @@ std::string study_page(const std::vector<study_row>& rows, const std::vector<dra
                                 picture.svg.substr(std::min(begin, picture.svg.size())),
                                 escaped(picture.caption));
         }
-    page += front_table(rows) + methods_table(rows);
+    page += front_table(rows) + methods_table(rows) + instruction_sets_table(rows);
     const split_rule rule = shown_rule(rows);
     if (const study_row* best = most_accurate(rows, rule))
         page += confusion_table(*best, rule);

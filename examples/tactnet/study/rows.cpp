@@ -131,6 +131,7 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
         row.seconds = tactnet::mean_and_deviation::of(seconds).mean;
         if (const frame_latency* found = timings.find(*c.what))
             row.latency = *found;
+        row.by_instruction_set = timings.by_instruction_set(*c.what);
         row.costs = c.what->costs(row.classes.size());
         row.family = !c.what->is_network()  ? method_family::machines
                      : c.what->pretrained() ? method_family::photographs

@@ -6,6 +6,7 @@
 #include "study/published.hpp"
 #include "study/timings.hpp"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ struct study_row {
     std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
     double seconds = 0;                         ///< of a training, the mean
     std::optional<frame_latency> latency{};
+    /// On this machine, by instruction set: this program's, and those of programs compiled for others.
+    std::map<std::string, frame_latency> by_instruction_set{};
     /// The same in the paper, where it has it.
     const published_result* published = nullptr;
     std::string declaration{}; ///< its type in C++, of a network that is one

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <unistd.h>
+#include <utility>
 
 namespace {
 
@@ -53,6 +54,22 @@ void timing_list::read_on() {
 const frame_latency* timing_list::find(const method& what) const {
     const auto found = all_.find(key_of(what));
     return found == all_.end() ? nullptr : &found->second;
+}
+
+std::map<std::string, frame_latency> timing_list::by_instruction_set(const method& what) const {
+    constexpr const char* name = "instruction_set";
+    std::map<std::string, frame_latency> found;
+    const tactnet::file_metadata wanted = key_of(what);
+    for (const auto& [settings, latency] : all_) {
+        tactnet::file_metadata here = settings;
+        const auto set = here.find(name);
+        if (set == here.end())
+            continue;
+        const std::string kept = std::exchange(set->second, wanted.at(name));
+        if (here == wanted)
+            found[kept] = latency;
+    }
+    return found;
 }
 
 void timing_list::add(const method& what, const frame_latency& found) {

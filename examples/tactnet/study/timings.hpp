@@ -21,6 +21,9 @@ public:
     void read_on();
     /// By this program on this machine, or nothing.
     const frame_latency* find(const method& what) const;
+    /// By this version and compiler on this machine: by the name of the instruction set that a program was
+    /// compiled for, this one's among them.
+    std::map<std::string, frame_latency> by_instruction_set(const method& what) const;
     void add(const method& what, const frame_latency& found);
 
 private:

@@ -3,6 +3,7 @@
 #include "workshop.hpp"
 
 #include <tactnet/io/file.hpp>
+#include <tactnet/io/safetensors/json_checksum.hpp>
 
 #include <doctest/doctest.h>
 
@@ -44,6 +45,17 @@ std::vector<std::string> accuracies_in(const std::string& csv) {
         line.resize(place - 1);
     }
     return lines;
+}
+
+/// A line as it was before it was given a checksum, its last member.
+std::string plain_line(const std::string& line) {
+    return line.substr(0, line.rfind(",\"checksum\"")) + '}';
+}
+
+/// With another text for a member that has one.
+std::string with_member(std::string json, const std::string& name, const std::string& text) {
+    const std::size_t begin = json.find('"' + name + "\":\"") + name.size() + 4;
+    return json.replace(begin, json.find('"', begin) - begin, text);
 }
 
 } // namespace
@@ -131,6 +143,36 @@ TEST_SUITE("program") {
         CHECK(text_of(shop / "s/study.html").find("2 of 5 splits") != std::string::npos);
         shop.refuses(study(shop, "s", {"--report-only", "--shard", "1/2"}),
                      "expected one of them, found both");
+    }
+
+    TEST_CASE("study: times of programs compiled for other instruction sets stand beside its own") {
+        const workshop shop;
+        const outcome timed = shop.run(study(shop, "s", {"--times-only"}));
+        REQUIRE_MESSAGE(timed.status == 0, timed.error);
+        CHECK(!fs::exists(shop / "s/evaluation.jsonl"));
+        CHECK(!fs::exists(shop / "s/study.html"));
+        std::string lines = text_of(shop / "s/timings.jsonl");
+        REQUIRE(lines_of(lines).size() == 2);
+        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        CHECK(text_of(shop / "s/timings.jsonl") == lines); // not timed again
+        CHECK(text_of(shop / "s/study.html").find("Other instruction sets") == std::string::npos);
+
+        // As another build would have written them, and one of another compiler, which is left out.
+        for (const std::string& line : lines_of(text_of(shop / "s/timings.jsonl"))) {
+            const std::string plain = plain_line(line);
+            lines += tactnet::with_checksum(with_member(plain, "instruction_set", "scalar_sse2")) + '\n' +
+                     tactnet::with_checksum(with_member(with_member(plain, "instruction_set", "simd_sse41"),
+                                                        "compiler", "another")) +
+                     '\n';
+        }
+        tactnet::write_file(shop / "s/timings.jsonl", lines);
+        REQUIRE(shop.run(study(shop, "s", {"--report-only"})).status == 0);
+        const std::string page = text_of(shop / "s/study.html");
+        CHECK(page.find("Other instruction sets") != std::string::npos);
+        CHECK(page.find("<th title=\"scalar_sse2\">no vectors (SSE2)</th>") != std::string::npos);
+        CHECK(page.find("SSE4.1</th>") == std::string::npos);
+        shop.refuses(study(shop, "s", {"--times-only", "--report-only"}),
+                     "--report-only excludes --times-only");
     }
 
     TEST_CASE("study: what cannot be had has its row, with the reason") {
