@@ -16,3 +16,4 @@
 #include <tactnet/layers/max_pool.hpp>
 #include <tactnet/layers/relu.hpp>
 #include <tactnet/layers/softmax.hpp>
+#include <tactnet/layers/square_root.hpp>

@@ -55,6 +55,13 @@ TEST_CASE("deployed: local responses, of channels that fill no vector too") {
     CHECK(errors.good());
 }
 
+TEST_CASE("deployed: square roots, of the counts and between layers, of elements that fill no vector too") {
+    using net = network<shape{5, 7}, square_root<std::ratio<3, 8>>, conv2d<5, 3>, square_root<>, dense<3>>;
+    const support::error_shares errors = support::errors_of<net>(47, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+}
+
 TEST_CASE("deployed: max pools in ceil mode") {
     using net = network<shape{8, 11, 2}, conv2d<8, 3>, relu, max_pool<2, 2, ceil_mode()>, //
                         conv2d<5, 3>, max_pool<3, 2, ceil_mode(pad(1))>, dense<3>>;

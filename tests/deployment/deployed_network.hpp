@@ -108,6 +108,32 @@ struct description<tactnet::adaptive_average_pool<Output>> {
         return described_average(in, tactnet::detail::adaptive_windows<Output.rows, Output.columns>(in));
     }
 };
+template <class Offset>
+struct description<tactnet::square_root<Offset>> {
+    static described_layer on(tactnet::shape in) {
+        return {.what = described_layer::kind::own,
+                .own =
+                    [](rounded_map map, std::span<const float>) {
+                        constexpr double offset = tactnet::square_root<Offset>::offset;
+                        for (rounded& x : map) {
+                            const double value = std::max(x.value, 0.0);
+                            const double steepest = 0.5 / std::sqrt(std::max(value - x.error, 0.0) + offset);
+                            const double likely = 0.5 / std::sqrt(value + offset);
+                            const double root = std::sqrt(value + offset) - std::sqrt(offset);
+                            x = {root, x.error * steepest, x.deviation * likely};
+                            // Six roundings: offset, its sum with the input, two roots, their sum, a
+                            // quotient.
+                            constexpr double roundings = 6;
+                            x.error += accumulated(unit_roundoff<float> * (1 + 0x1p-20), roundings) *
+                                       (root + x.error);
+                            x.deviation =
+                                std::hypot(x.deviation, std::sqrt(roundings) * unit_roundoff<float> * root);
+                        }
+                        return map;
+                    },
+                .own_output = {in.channels, in.rows, in.columns}};
+    }
+};
 template <std::size_t Size, class Alpha, class Beta, class K>
 struct description<tactnet::local_response_norm<Size, Alpha, Beta, K>> {
     static described_layer on(tactnet::shape in) {

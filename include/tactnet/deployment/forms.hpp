@@ -13,3 +13,4 @@
 #include <tactnet/deployment/forms/residual.hpp>
 #include <tactnet/deployment/forms/sequence.hpp>
 #include <tactnet/deployment/forms/softmax.hpp>
+#include <tactnet/deployment/forms/square_root.hpp>

@@ -11,4 +11,5 @@
 #include <tactnet/deployment/steps/relu.hpp>
 #include <tactnet/deployment/steps/residual.hpp>
 #include <tactnet/deployment/steps/softmax.hpp>
+#include <tactnet/deployment/steps/square_root.hpp>
 #include <tactnet/deployment/steps/step.hpp>

@@ -30,7 +30,8 @@ using mixed_network = tactnet::network<
                        tactnet::sequence<tactnet::conv2d<6, 1>, tactnet::relu,
                                          tactnet::conv2d<5, 3, 1, tactnet::same, tactnet::without_bias>>,
                        tactnet::identity>>,
-    tactnet::local_response_norm<>, tactnet::average_pool<2, 1>, tactnet::dense<3>, tactnet::softmax>;
+    tactnet::local_response_norm<>, tactnet::square_root<>, tactnet::average_pool<2, 1>, tactnet::dense<3>,
+    tactnet::softmax>;
 
 /// More memory than a stack should hold, and a step that is not among those of deployment/.
 using large_network =

@@ -280,6 +280,37 @@ public:
     }
 };
 
+class square_root final : public sample_by_sample {
+public:
+    square_root(extents3 size, double offset) : offset_(offset) { input = output = size; }
+
+    /// Offset, its sum with the input, two roots, their sum and a quotient: six roundings. What comes in
+    /// wrong goes through the derivative, taken where it is largest.
+    [[nodiscard]] sample output_of(const reference_call& call, const sample& in) const override {
+        sample out = in;
+        for (bounded& b : out) {
+            const double x = std::max(b.value, 0.0), least = std::max(x - b.error, 0.0);
+            b = {std::sqrt(x + offset_) - std::sqrt(offset_), b.error / (2 * std::sqrt(least + offset_))};
+            b.error += accumulated(call.roundoff, 6) * magnitude(b);
+        }
+        return out;
+    }
+    /// The output's six roundings, offset and root, a sum, a product, a quotient: eleven.
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g = out_gradient;
+        for (std::size_t i = 0; i < input.size(); ++i) {
+            const double slope = in[i].value > 0 ? 0.5 / std::sqrt(in[i].value + offset_) : 0;
+            g[i].value *= slope;
+            g[i].error = g[i].error * slope + accumulated(call.roundoff, 11) * std::abs(g[i].value);
+        }
+        return g;
+    }
+
+private:
+    double offset_;
+};
+
 class max_pool final : public sample_by_sample {
 public:
     explicit max_pool(const reference_window& window) : window_(window) {
@@ -674,6 +705,9 @@ reference_pointer reference_max_pool(const reference_window& window) {
 }
 reference_pointer reference_softmax(extents3 input) {
     return std::make_unique<softmax>(input);
+}
+reference_pointer reference_square_root(extents3 input, double offset) {
+    return std::make_unique<square_root>(input, offset);
 }
 reference_pointer reference_identity(extents3 input) {
     return std::make_unique<same_again>(input);

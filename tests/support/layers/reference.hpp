@@ -107,6 +107,8 @@ reference_pointer reference_adaptive_average(extents3 input, std::size_t rows, s
 reference_pointer reference_local_response_norm(extents3 input, std::size_t size, double alpha, double beta,
                                                 double k);
 reference_pointer reference_softmax(extents3 input);
+/// √(x + offset) − √offset, 0 for x below 0.
+reference_pointer reference_square_root(extents3 input, double offset);
 /// Dropout of nothing, and any dropout after training.
 reference_pointer reference_identity(extents3 input);
 reference_pointer reference_sequence(extents3 input, std::vector<reference_pointer> layers);

@@ -86,6 +86,12 @@ struct reference_of<tactnet::local_response_norm<Size, Alpha, Beta, K>> {
                                              value(Beta::num, Beta::den), value(K::num, K::den));
     }
 };
+template <class Offset>
+struct reference_of<tactnet::square_root<Offset>> {
+    static reference_pointer on(extents3 in) {
+        return reference_square_root(in, static_cast<double>(Offset::num) / static_cast<double>(Offset::den));
+    }
+};
 template <tactnet::name_text Name, class Spec>
 struct reference_of<tactnet::named<Name, Spec>> : reference_of<Spec> {};
 template <class... Branches>

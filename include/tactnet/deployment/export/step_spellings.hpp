@@ -126,6 +126,14 @@ struct step_spelling<relu_step<Format, Map, Stride>> {
         return {"ReLU", detail::step_type<Format>("relu_step", {text_of(Map), stride})};
     }
 };
+template <class Format, shape Map, std::size_t Stride, class Offset>
+struct step_spelling<square_root_step<Format, Map, Stride, Offset>> {
+    static spelled_step of(step_text&, const shape&, const std::string& stride) {
+        return {"Square root",
+                detail::step_type<Format>("square_root_step",
+                                          {text_of(Map), stride, detail::spelling_of_ratio<Offset>()})};
+    }
+};
 template <class Format, sliding_window Window, std::size_t Stride>
 struct step_spelling<pool_step<Format, Window, Stride>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {

@@ -28,6 +28,28 @@ void relu_backward(const T* output, const T* output_gradient, T* input_gradient,
         store(input_gradient + i, choose<T>(load(output + i) > zero, load(output_gradient + i), zero));
 }
 
+/// output = √(input + offset) − √offset, and 0 where the input is below 0; NaN stays NaN. As a quotient,
+/// which keeps small inputs exact where the difference would cancel.
+template <class T>
+void shifted_root_forward(T offset, const T* input, T* output, std::size_t count) {
+    const vector<T> zero(T{}), shift(offset), root = square_root<T>(shift);
+    for (std::size_t i = 0; i < count; i += lanes<T>) {
+        const vector<T> x = load(input + i), y = x / (square_root<T>(x + shift) + root);
+        store(output + i, choose<T>(x < zero, zero, y));
+    }
+}
+
+/// 1 ÷ (2 √(input + offset)), found from the output, where it is positive.
+template <class T>
+void shifted_root_backward(T offset, const T* output, const T* output_gradient, T* input_gradient,
+                           std::size_t count) {
+    const vector<T> zero(T{}), half(T(0.5)), root = square_root<T>(vector<T>(offset));
+    for (std::size_t i = 0; i < count; i += lanes<T>) {
+        const vector<T> y = load(output + i);
+        store(input_gradient + i, choose<T>(y > zero, half * load(output_gradient + i) / (y + root), zero));
+    }
+}
+
 /// sum = a + b
 template <class T>
 void add(const T* a, const T* b, T* sum, std::size_t count) {

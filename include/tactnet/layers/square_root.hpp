@@ -1,0 +1,53 @@
+#pragma once
+
+#include <tactnet/kernels/batch/elementwise.hpp>
+#include <tactnet/layers/layer.hpp>
+
+#include <ratio>
+#include <string_view>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// y = √(x + offset) − √offset, and 0 for x below 0: in front of a network of counts, which are the noisier
+/// the larger they are; of their root the noise is nearly the same everywhere (Anscombe, "The transformation
+/// of Poisson, binomial and negative-binomial data", 1948, whose offset is ⅜ of a count). What is not touched
+/// stays 0. `Offset` is a fraction (std::ratio) above zero in units of the input; as it is, ⅜ of a count of
+/// 8 bits that was divided by 255. In place.
+template <class Offset = std::ratio<3, 8 * 255>>
+struct square_root {
+    static constexpr std::string_view name = "square_root";
+    static constexpr bool numbered = true;
+    static_assert(std::ratio_greater_v<Offset, std::ratio<0>>, "square_root: the offset must be above zero");
+    static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
+
+    template <class T, shape Input>
+    struct layer : layer_without_parameters<T, Input, Input> {
+        static constexpr bool in_place = true, keeps_output = true, by_parts = true;
+
+        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+                          output_view<T, Input> out) {
+            p.threads.for_each(in.groups(), [&](std::size_t g) {
+                kernels::shifted_root_forward(static_cast<T>(offset), in.group(g), out.group(g),
+                                              in.group_size);
+            });
+        }
+        static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
+                            output_view<T, Input> out) {
+            infer(p, none, none, m, in, out);
+        }
+        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>,
+                             input_view<T, Input> out, input_view<T, Input> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
+            if (in_gradient.data() == nullptr)
+                return;
+            p.threads.for_each(out.groups(), [&](std::size_t g) {
+                kernels::shifted_root_backward(static_cast<T>(offset), out.group(g), out_gradient.group(g),
+                                               in_gradient.group(g), out.group_size);
+            });
+        }
+    };
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
