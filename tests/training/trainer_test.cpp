@@ -386,6 +386,21 @@ TEST_CASE("trainer: input as counts minus the mean of the training images, or sc
     CHECK(six.samples_per_epoch() == 6 * centred.samples_per_epoch());
 }
 
+TEST_CASE("trainer: of a network that takes counts no mean is subtracted") {
+    const support::toy_task task(13);
+    thread_pool threads;
+    using of_counts = network<support::toy_task::size, square_root<>, dense<3>>;
+    recipe r = quick();
+    r.input = input_rule::scale;
+    CHECK(trainer<of_counts>(r, task.images(), split_of(task), 1, threads).input_normalisation().scale ==
+          1.0f / 255);
+    r.input = input_rule::subtract_mean;
+    CHECK_THROWS_WITH_AS(trainer<of_counts>(r, task.images(), split_of(task), 1, threads),
+                         "trainer: expected input_rule::scale for a network that takes counts, found "
+                         "input_rule::subtract_mean",
+                         std::invalid_argument);
+}
+
 TEST_CASE("trainer: refuses a split without training images") {
     const support::toy_task task(4);
     thread_pool threads;

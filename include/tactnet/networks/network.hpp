@@ -35,6 +35,20 @@ struct split_softmax<sequence<Kept...>, sequence<Inner...>> {
     static constexpr bool found = inner::found;
 };
 
+/// Whether a list begins with a layer that says `takes_counts`.
+template <class... Specs>
+inline constexpr bool begins_with_counts = false;
+template <class First, class... Rest>
+inline constexpr bool begins_with_counts<First, Rest...> = [] {
+    if constexpr (requires { First::takes_counts; })
+        return First::takes_counts;
+    else
+        return false;
+}();
+template <class... Inner, class... Rest>
+inline constexpr bool begins_with_counts<sequence<Inner...>, Rest...> =
+    begins_with_counts<tactnet::without_name<Inner>...>;
+
 } // namespace detail
 
 /// A list of layer specifications bound to an input shape. As a type it is a description: what it costs are
@@ -62,6 +76,8 @@ public:
     /// Whether outputs are probabilities. The softmax has no parameters: they are the same without it.
     static constexpr bool ends_in_softmax = split::found;
     static constexpr std::size_t outputs = output_shape.size();
+    /// Whether inputs are counts, scaled or not, of which no mean is subtracted: the first layer says so.
+    static constexpr bool takes_counts = detail::begins_with_counts<without_name<Specs>...>;
     /// Learnable parameters: weights, biases, scales and shifts.
     static constexpr std::size_t parameters = layers::parameters;
     /// Running means and variances of batch norms.

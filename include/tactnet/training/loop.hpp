@@ -82,6 +82,9 @@ public:
         detail::check_batches(*network_, shown_);
         network_->epsilon() = how.epsilon;
         if (samples_.are_images()) {
+            if (how.input == input_rule::subtract_mean && network_->takes_counts())
+                throw std::invalid_argument("trainer: expected input_rule::scale for a network that takes "
+                                            "counts, found input_rule::subtract_mean");
             if (how.input == input_rule::subtract_mean)
                 in_.subtract_mean(samples_.pixels(), split_.training);
             else

@@ -38,7 +38,7 @@ class network_code final : public compiled_network {
 public:
     network_code()
         : compiled_network(input.rows, input.columns, Network::outputs, costs_of<Network>(),
-                           costs_of<OneClass>()) {}
+                           costs_of<OneClass>(), Network::takes_counts) {}
 
     std::unique_ptr<tactnet::trainable> make() const override { return std::make_unique<trainable>(); }
     std::string_view type() const override { return __PRETTY_FUNCTION__; }

@@ -37,6 +37,7 @@ public:
     const std::size_t rows, columns, outputs;
     /// With all outputs, and with one alone.
     const method_costs costs, costs_of_one;
+    const bool takes_counts; ///< see tactnet::basic_network
 
     virtual std::unique_ptr<tactnet::trainable> make() const = 0;
     /// All that decides what it computes, as the compiler spells its type.
@@ -50,6 +51,11 @@ public:
 
 protected:
     compiled_network(std::size_t rows_, std::size_t columns_, std::size_t outputs_, method_costs costs_,
-                     method_costs costs_of_one_)
-        : rows(rows_), columns(columns_), outputs(outputs_), costs(costs_), costs_of_one(costs_of_one_) {}
+                     method_costs costs_of_one_, bool takes_counts_)
+        : rows(rows_),
+          columns(columns_),
+          outputs(outputs_),
+          costs(costs_),
+          costs_of_one(costs_of_one_),
+          takes_counts(takes_counts_) {}
 };

@@ -146,8 +146,12 @@ public:
     }
     /// The authors' of those that begin with pretrained weights.
     tactnet::recipe default_recipe() const override {
-        return pretrained() && published ? tactnet::recipe::published(rows, columns, *published)
-                                         : method::default_recipe();
+        if (pretrained() && published)
+            return tactnet::recipe::published(rows, columns, *published);
+        tactnet::recipe r = method::default_recipe();
+        if (code_->takes_counts)
+            r.input = tactnet::input_rule::scale;
+        return r;
     }
     tactnet::file_metadata parts() const override {
         return type_.starts_with("tactnet::")

@@ -35,6 +35,7 @@ public:
 
     [[nodiscard]] virtual shape input_shape() const = 0;
     [[nodiscard]] virtual std::size_t outputs() const = 0;
+    [[nodiscard]] virtual bool takes_counts() const = 0;
     [[nodiscard]] virtual transformer image_transformer() const = 0;
     /// As basic_network has them.
     [[nodiscard]] virtual std::vector<parameter> describe() const = 0;

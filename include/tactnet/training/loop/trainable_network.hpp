@@ -29,6 +29,7 @@ public:
     }
     [[nodiscard]] shape input_shape() const override { return input; }
     [[nodiscard]] std::size_t outputs() const override { return Network::outputs; }
+    [[nodiscard]] bool takes_counts() const override { return Network::takes_counts; }
     [[nodiscard]] transformer image_transformer() const override {
         return [](const image_transform& t, const std::uint8_t* from, float* to) {
             transform_image<input>(t, std::span<const std::uint8_t, input.size()>(from, input.size()),
