@@ -11,6 +11,7 @@
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
+#include "study/markdown.hpp"
 #include "study/page.hpp"
 #include "study/pictures.hpp"
 #include "study/plan.hpp"
@@ -122,6 +123,7 @@ void report(const std::filesystem::path& folder, const std::vector<study_row>& r
     std::vector<drawn_study_picture> drawn;
     for (const study_picture& picture : study_pictures(rows))
         drawn.push_back({picture.caption, draw_study_picture(picture, folder)});
+    tactnet::write_file(folder / "study.md", study_markdown(rows, images));
     tactnet::write_file(folder / "study.html", study_page(rows, drawn, images));
     print(study_table(rows));
     tell("the page: {}\n", printable((folder / "study.html").string()));
@@ -131,8 +133,8 @@ void report(const std::filesystem::path& folder, const std::vector<study_row>& r
 void check(const study_options& o, const study_plan& plan) {
     const std::filesystem::path folder = o.results;
     std::vector<named_file> outputs;
-    for (const char* name : {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.html",
-                             "accuracy_and_time.png", "accuracy_and_tactels.png"})
+    for (const char* name : {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md",
+                             "study.html", "accuracy_and_time.png", "accuracy_and_tactels.png"})
         outputs.push_back({"--results", folder / name});
     std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))

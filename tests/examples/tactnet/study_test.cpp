@@ -85,6 +85,13 @@ TEST_SUITE("program") {
         if (fs::exists(shop / "s/accuracy_and_time.png")) // where there is gnuplot
             CHECK(page.find("<svg") != std::string::npos);
 
+        // Tables for a README, each between comments.
+        const std::string tables = text_of(shop / "s/study.md");
+        for (const std::string_view part :
+             {"<!-- study front -->\n| method |", "<!-- study front ends -->\n",
+              "| tactnet4 | 7 × 13 | default |", "`tactnet::tactnet4<tactnet::shape{7, 13}, 22>`"})
+            CHECK_MESSAGE(tables.find(part) != std::string::npos, part);
+
         const auto before = text_of(shop / "s/study.csv");
         const outcome second = shop.run(study(shop, "s"));
         REQUIRE_MESSAGE(second.status == 0, second.error);

@@ -1,0 +1,98 @@
+#include "study/markdown.hpp"
+
+#include "methods/description.hpp"
+#include "methods/training_settings.hpp"
+#include "reports/report.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <string_view>
+
+namespace {
+
+using tactnet::split_rule;
+
+/// In a table's cell.
+std::string plain(std::string_view text) {
+    std::string result;
+    for (const char c : text)
+        result += c == '|' || c == '\\' ? std::string{'\\', c} : std::string{c};
+    return result;
+}
+
+std::string accuracy_of(const split_accuracies* a) {
+    return a == nullptr
+               ? ""
+               : fmt::format("{:.2f} ± {:.2f} ({})", 100 * a->test.mean, 100 * a->test.deviation, a->splits);
+}
+std::string microseconds_of(const study_row& row) {
+    return row.latency ? fmt::format("{:.1f}", row.latency->median) : "";
+}
+std::string count_of(std::size_t number) {
+    return number > 0 ? grouped(number) : "";
+}
+
+std::string line_of(const std::vector<std::string>& cells) {
+    std::string line = "|";
+    for (const std::string& cell : cells)
+        line += " " + cell + (cell.empty() ? "|" : " |");
+    return line + "\n";
+}
+
+std::string between(std::string_view name, const std::string& text) {
+    return fmt::format("<!-- study {} -->\n{}<!-- study {} ends -->\n", name, text, name);
+}
+
+std::string front(const std::vector<study_row>& rows) {
+    const split_rule rule = shown_rule(rows);
+    std::string text = line_of({"method", "tactels", "µs a frame",
+                                fmt::format("accuracy, {} splits, %", name_of(rule)), "parameters", "C++"}) +
+                       line_of({"---", "---", "---", "---", "---", "---"});
+    for (const study_row* row : pareto_front(rows, rule))
+        text +=
+            line_of({plain(row->method) + (row->recipe == "default" ? "" : ", " + row->recipe + " recipe"),
+                     fmt::format("{} × {}", row->rows, row->columns), microseconds_of(*row),
+                     accuracy_of(find_accuracy(*row, rule)), count_of(row->costs.parameters),
+                     row->declaration.empty() ? "" : "`" + plain(row->declaration) + "`"});
+    return text;
+}
+
+std::string methods(const std::vector<study_row>& rows) {
+    std::string text =
+        line_of({"method", "tactels", "recipe", "random splits, %", "blocked splits, %", "paper, random, %",
+                 "µs a frame", "p99", "paper, ms", "parameters", "multiply-adds", "training, s"}) +
+        line_of(std::vector<std::string>(12, "---"));
+    std::string reasons;
+    for (const study_row& row : rows) {
+        const published_result* paper = row.published;
+        text += line_of(
+            {plain(row.method), fmt::format("{} × {}", row.rows, row.columns),
+             row.accuracies.empty() ? "" : row.recipe, accuracy_of(find_accuracy(row, split_rule::random)),
+             accuracy_of(find_accuracy(row, split_rule::blocked)),
+             paper == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", paper->accuracy, paper->deviation),
+             microseconds_of(row), row.latency ? fmt::format("{:.1f}", row.latency->p99) : "",
+             paper == nullptr || paper->seconds == 0 ? "" : fmt::format("{:.0f}", 1e3 * paper->seconds),
+             count_of(row.costs.parameters), count_of(row.costs.multiply_adds),
+             row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds)});
+        if (!row.missing.empty())
+            reasons += fmt::format("- {}: {}\n", plain(title_of(row)), plain(row.missing));
+    }
+    return text + (reasons.empty() ? "" : "\n" + reasons);
+}
+
+} // namespace
+
+std::string study_markdown(const std::vector<study_row>& rows, const std::string& images) {
+    const auto program = describe_program();
+    return fmt::format("# What accuracy costs in time\n\n{}. {}, {}, {}; tactnet {}; {:%Y-%m-%d}. Accuracy "
+                       "on test images: "
+                       "mean ± standard deviation (number of splits). Times: median of single frames on one "
+                       "core.\n\n",
+                       images, processor_name(), compiler_name(), program.at("instruction_set"),
+                       program.at("library"),
+                       fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now()))) +
+           "Methods with which no other is both faster and more accurate:\n\n" +
+           between("front", front(rows)) + "\nAll methods:\n\n" + between("methods", methods(rows));
+}
