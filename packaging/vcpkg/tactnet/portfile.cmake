@@ -3,7 +3,9 @@
 # packaging/vcpkg/write_registry_port.cmake makes of it the port of a release, for a registry.
 set(SOURCE_PATH "${CURRENT_PORT_DIR}/../../..")
 
-set(VCPKG_BUILD_TYPE release) # headers only
+# Headers only: one build, and no program whose paths to libraries would have to be mended.
+set(VCPKG_BUILD_TYPE release)
+set(VCPKG_FIXUP_ELF_RPATH OFF)
 
 vcpkg_check_features(
     OUT_FEATURE_OPTIONS feature_options
@@ -26,6 +28,7 @@ if(NOT "eigen" IN_LIST FEATURES)
                 "${CURRENT_PACKAGES_DIR}/share/pkgconfig/tactnet-simulation.pc"
     )
 endif()
+set(VCPKG_POLICY_SKIP_PKGCONFIG_CHECK enabled) # they lie in share/ though one has Libs: but that is -pthread alone
 vcpkg_fixup_pkgconfig()
 
 file(REMOVE_RECURSE "${CURRENT_PACKAGES_DIR}/lib" "${CURRENT_PACKAGES_DIR}/share/doc")
