@@ -75,7 +75,7 @@ if(NOT output MATCHES "target_link_libraries\\(main PRIVATE tactnet::tactnet\\)"
     message(FATAL_ERROR "vcpkg does not tell how to use the port:\n${output}")
 endif()
 
-string(REPLACE "|" "\\;" components "${components}")
+string(REPLACE "|" ";" components "${components}")
 execute_process(
     COMMAND
         "${CMAKE_COMMAND}" -S "${FOLDER}/consumer" -B "${FOLDER}/build" -G "${GENERATOR}" "-DCMAKE_TOOLCHAIN_FILE=${TOOLCHAIN}"
@@ -83,7 +83,7 @@ execute_process(
         "-DVCPKG_INSTALLED_DIR=${FOLDER}/installed" -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF "-DCOMPONENTS=${components}"
         COMMAND_ERROR_IS_FATAL ANY
 )
-execute_process(COMMAND "${CMAKE_COMMAND}" --build "${FOLDER}/build" COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND "${CMAKE_COMMAND}" --build "${FOLDER}/build" --parallel 1 COMMAND_ERROR_IS_FATAL ANY)
 foreach(program IN LISTS programs)
     execute_process(COMMAND "${FOLDER}/build/test_${program}" COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
