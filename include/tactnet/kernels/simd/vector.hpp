@@ -22,6 +22,11 @@
 #if XSIMD_VERSION_MAJOR < 8 || (XSIMD_VERSION_MAJOR == 8 && XSIMD_VERSION_MINOR < 1)
 #error "tactnet needs xsimd 8.1 or newer; without vector instructions, define TACTNET_NO_SIMD"
 #endif
+#if defined(__wasm_simd128__) &&                                                                             \
+    (XSIMD_VERSION_MAJOR < 11 || (XSIMD_VERSION_MAJOR == 11 && XSIMD_VERSION_MINOR < 2))
+#error                                                                                                       \
+    "tactnet needs xsimd 11.2 or newer for WebAssembly; without vector instructions, define TACTNET_NO_SIMD"
+#endif
 #endif
 
 // The few vector operations that the kernels use, on xsimd's widest batch for the instruction set compiled
