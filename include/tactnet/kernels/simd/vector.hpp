@@ -24,8 +24,7 @@
 #endif
 #if defined(__wasm_simd128__) &&                                                                             \
     (XSIMD_VERSION_MAJOR < 11 || (XSIMD_VERSION_MAJOR == 11 && XSIMD_VERSION_MINOR < 2))
-#error                                                                                                       \
-    "tactnet needs xsimd 11.2 or newer for WebAssembly; without vector instructions, define TACTNET_NO_SIMD"
+#error "tactnet needs xsimd 11.2 or newer for WebAssembly, or TACTNET_NO_SIMD defined"
 #endif
 #endif
 
