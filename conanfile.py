@@ -6,6 +6,7 @@ import re
 from conan import ConanFile
 from conan.tools.build import check_min_cppstd
 from conan.tools.files import copy, load
+from conan.tools.layout import basic_layout
 
 required_conan_version = ">=2.0"
 
@@ -14,6 +15,8 @@ class TactnetConan(ConanFile):
     name = "tactnet"
     description = "Recognises touched objects from the pressure images of tactile arrays"
     license = "MIT"
+    url = "https://github.com/tactnet/tactnet"
+    homepage = url
     topics = ("tactile-sensing", "neural-networks", "header-only")
     package_type = "header-library"
     settings = "os", "arch", "compiler", "build_type"
@@ -23,6 +26,7 @@ class TactnetConan(ConanFile):
     default_options = {"networks": True, "simd": True, "eigen": True}
     exports_sources = "include/*", "LICENSE"
     no_copy_source = True
+    test_package_folder = "packaging/conan/test_package"
 
     def set_version(self):
         header = load(self, os.path.join(self.recipe_folder, "include", "tactnet", "version.hpp"))
@@ -35,15 +39,18 @@ class TactnetConan(ConanFile):
             del self.options.eigen
 
     def requirements(self):
-        # The oldest versions that the library is tested with, and the newest of Eigen's.
+        # From the oldest that the library is tested with to before the first that nobody has seen.
         if self.options.networks:
             if self.options.eigen:
                 self.requires("eigen/[>=3.4.0 <6]", transitive_headers=True)
             if self.options.simd:
-                self.requires("xsimd/8.1.0", transitive_headers=True)
+                self.requires("xsimd/[>=8.1.0 <15]", transitive_headers=True)
 
     def validate(self):
         check_min_cppstd(self, 20)
+
+    def layout(self):
+        basic_layout(self)
 
     def package(self):
         copy(self, "LICENSE", self.source_folder, os.path.join(self.package_folder, "licenses"))
@@ -65,7 +72,9 @@ class TactnetConan(ConanFile):
         if self.options.simd:
             core.requires = ["xsimd::xsimd"]
         else:
+            # Sensors too: what one part of a program throws must be known in the other.
             core.defines = ["TACTNET_NO_SIMD"]
+            self.cpp_info.components["sensors"].defines = ["TACTNET_NO_SIMD"]
         if self.settings.os in ("Linux", "FreeBSD"):
             core.system_libs = ["pthread"]
         if self.options.eigen:

@@ -24,9 +24,8 @@ configure_package_config_file(
     INSTALL_DESTINATION "${tactnet_package_folder}"
     NO_SET_AND_CHECK_MACRO
 )
-# Before 1.0 a new minor version may change the interface.
-write_basic_package_version_file(
-    "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake" COMPATIBILITY SameMinorVersion ARCH_INDEPENDENT
+configure_file(
+    "${PROJECT_SOURCE_DIR}/cmake/tactnetConfigVersion.cmake.in" "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake" @ONLY
 )
 install(
     FILES
@@ -35,3 +34,32 @@ install(
         "${PROJECT_SOURCE_DIR}/cmake/tactnet_dependencies.cmake"
     DESTINATION "${tactnet_package_folder}"
 )
+
+# For builds without CMake: pkg-config --cflags --libs tactnet, or tactnet-simulation, tactnet-eigen, tactnet-sensors. The
+# folder may be moved as a whole, so paths start from where the file itself lies.
+set(pkg_config_folder "${CMAKE_INSTALL_DATADIR}/pkgconfig")
+file(RELATIVE_PATH pkg_config_prefix "/prefix/${pkg_config_folder}" "/prefix")
+string(REGEX REPLACE "/$" "" pkg_config_prefix "${pkg_config_prefix}")
+function(tactnet_install_pkg_config name description requires cflags libs)
+    configure_file("${PROJECT_SOURCE_DIR}/cmake/tactnet.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
+    install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${pkg_config_folder}")
+endfunction()
+if(TACTNET_SIMD)
+    set(pkg_config_vectors "xsimd >= 8.1")
+    set(pkg_config_flags "")
+else()
+    set(pkg_config_vectors "")
+    set(pkg_config_flags " -DTACTNET_NO_SIMD")
+endif()
+tactnet_install_pkg_config(tactnet-sensors "Decodes recordings and streams of tactile sensors" "" "${pkg_config_flags}" "")
+if(TARGET tactnet)
+    tactnet_install_pkg_config(
+        tactnet "${PROJECT_DESCRIPTION}" "${pkg_config_vectors}" "${pkg_config_flags}" "-pthread"
+    )
+    foreach(component IN ITEMS simulation eigen)
+        tactnet_install_pkg_config(
+            tactnet-${component} "tactnet and what its component ${component} needs" "tactnet = ${PROJECT_VERSION}, eigen3 >= 3.4"
+            "" ""
+        )
+    endforeach()
+endif()

@@ -1,5 +1,11 @@
 #pragma once
 
+#if __cplusplus < 202002L
+#error "tactnet needs C++20: GCC 12, Clang 14 or newer with -std=c++20"
+// A file that is not there ends the compilation, so that the sentence above is the last one.
+#include <tactnet_needs_cxx20>
+#endif
+
 // The instruction set names an inline namespace around the whole library, so that translation units built for
 // different ones can be linked into one program: the same template, compiled twice, has two names, and the
 // linker never takes one unit's for the other's.
@@ -11,7 +17,12 @@
 // library, and of Eigen behind eigen.hpp and simulation/effects/circuit/positive_definite.hpp, which belong
 // into units of one instruction set.
 //
-// Configuration: define TACTNET_NO_SIMD to build without vector instructions.
+// Configuration: define TACTNET_NO_SIMD to build without vector instructions. So is built by itself where
+// there are none of which xsimd makes vectors both of float and of double: SSE2 and above, 64-bit ARM,
+// WebAssembly's.
+#if !defined(TACTNET_NO_SIMD) && !defined(__SSE2__) && !defined(__aarch64__) && !defined(__wasm_simd128__)
+#define TACTNET_NO_SIMD
+#endif
 
 #if defined(TACTNET_NO_SIMD)
 #define TACTNET_ARCH_KIND scalar

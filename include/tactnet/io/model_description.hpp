@@ -64,8 +64,10 @@ std::optional<Number> number_in(const safetensors& file, std::string_view key, c
 
 inline std::string json_array(std::span<const std::string> texts) {
     std::string json = "[";
-    for (const std::string& text : texts)
-        json += (json.size() > 1 ? "," : "") + json_string(text);
+    for (const std::string& text : texts) {
+        json += json.size() > 1 ? "," : ""; // by itself: of `"," + string` GCC 12 warns (its bug 105329)
+        json += json_string(text);
+    }
     return json + "]";
 }
 

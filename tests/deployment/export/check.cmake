@@ -10,11 +10,6 @@ endforeach()
 # After everything else, or the headers of this machine would stand before those of another that is built for.
 list(TRANSFORM INCLUDES PREPEND "-idirafter")
 set(common -std=c++20 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -fno-exceptions -fno-rtti)
-# GCC 12 warns of its own AVX-512 intrinsics, which start from an undefined register on purpose (its bug 105593).
-execute_process(COMMAND "${COMPILER}" -dumpfullversion OUTPUT_VARIABLE version ERROR_QUIET)
-if(version MATCHES "^1[0-2]\\.")
-    list(APPEND common -Wno-maybe-uninitialized -Wno-uninitialized)
-endif()
 execute_process(
     COMMAND "${COMPILER}" ${common} ${OPTIONS} "-I${HEADERS}" ${INCLUDES} -MD -MF "${PROGRAM}.d" -c "${SOURCE}" -o "${PROGRAM}.o"
             COMMAND_ERROR_IS_FATAL ANY

@@ -193,8 +193,10 @@ private:
             separate();
             json += json_string(name) + ":{\"dtype\":\"" + std::string(element_type_name(value.type)) +
                     "\",\"shape\":[";
-            for (std::size_t i = 0; i < value.extents.size(); ++i)
-                json += (i == 0 ? "" : ",") + std::to_string(value.extents[i]);
+            for (std::size_t i = 0; i < value.extents.size(); ++i) {
+                json += i == 0 ? "" : ","; // by itself: of `"," + string` GCC 12 warns (its bug 105329)
+                json += std::to_string(value.extents[i]);
+            }
             const std::size_t end = begin + value.size;
             json += "],\"data_offsets\":[" + std::to_string(begin) + "," + std::to_string(end) + "]}";
             begin = end;

@@ -10,7 +10,22 @@
 #include <type_traits>
 
 #ifndef TACTNET_NO_SIMD
+// GCC 12 warns of its own AVX-512 intrinsics, which start from an undefined register on purpose (its bug
+// 105593), also where these headers are a system's: it looks at where they are inlined. One place on the way
+// that says so is enough.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <xsimd/xsimd.hpp>
+#if XSIMD_VERSION_MAJOR < 8 || (XSIMD_VERSION_MAJOR == 8 && XSIMD_VERSION_MINOR < 1)
+#error "tactnet needs xsimd 8.1 or newer; without vector instructions, define TACTNET_NO_SIMD"
+#endif
+#if defined(__wasm_simd128__) &&                                                                             \
+    (XSIMD_VERSION_MAJOR < 11 || (XSIMD_VERSION_MAJOR == 11 && XSIMD_VERSION_MINOR < 2))
+#error "tactnet needs xsimd 11.2 or newer for WebAssembly, or TACTNET_NO_SIMD defined"
+#endif
 #endif
 
 // The few vector operations that the kernels use, on xsimd's widest batch for the instruction set compiled
@@ -195,6 +210,10 @@ template <class T>
     return rows[0];
 }
 
+#endif
+
+#if !defined(TACTNET_NO_SIMD) && defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
 #endif
 
 /// The larger of both; a NaN in either is kept, so that a broken number is seen and not hidden by a pool.
