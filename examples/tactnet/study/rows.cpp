@@ -201,8 +201,12 @@ std::string study_table(const std::vector<study_row>& rows) {
 
 std::string study_json_lines(const std::vector<study_row>& rows) {
     std::string lines;
-    for (const study_row& row : rows)
-        lines += tactnet::with_checksum(json_of(row).dump()) + '\n';
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        nlohmann::ordered_json object = json_of(rows[i]);
+        object["line"] = i + 1; // a file that lost some would otherwise be as good as a whole one
+        object["lines"] = rows.size();
+        lines += tactnet::with_checksum(object.dump()) + '\n';
+    }
     return lines;
 }
 

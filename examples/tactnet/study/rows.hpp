@@ -58,5 +58,6 @@ tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
 std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
 
 std::string study_table(const std::vector<study_row>& rows);
+/// With a checksum each, and its place among all lines.
 std::string study_json_lines(const std::vector<study_row>& rows);
 std::string study_csv(const std::vector<study_row>& rows);

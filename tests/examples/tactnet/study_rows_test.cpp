@@ -128,6 +128,8 @@ TEST_SUITE("program") {
         CHECK(read[0].at("published_accuracy").is_null());
         for (const char* unknown : {"random_accuracy", "microseconds", "training_seconds", "parameters"})
             CHECK_MESSAGE(read[1].at(unknown).is_null(), unknown);
+        CHECK(read[1].at("line") == 2);
+        CHECK(read[1].at("lines") == 2);
         CHECK(read[1].at("missing") == "needs \"a file\"");
         CHECK(read[1].at("published_accuracy") == doctest::Approx(0.9502).epsilon(1e-15));
         CHECK(read[1].at("published_microseconds") == doctest::Approx(103'000).epsilon(1e-15));
