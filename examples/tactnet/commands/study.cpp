@@ -152,8 +152,9 @@ void report(const std::filesystem::path& folder, const std::vector<study_row>& r
 void check(const study_options& o, const study_plan& plan) {
     const std::filesystem::path folder = o.results;
     std::vector<named_file> outputs;
-    for (const char* name : {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md",
-                             "study.html", "accuracy_and_time.png", "accuracy_and_tactels.png"})
+    for (const char* name :
+         {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html",
+          "accuracy_and_time.png", "accuracy_and_tactels.png", "learning_curves.png"})
         outputs.push_back({"--results", folder / name});
     std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))

@@ -78,12 +78,18 @@ TEST_SUITE("program") {
         CHECK(page.ends_with("</html>\n"));
         for (const std::string_view part :
              {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
-              "middle, of all"})
+              "middle, of all", "<th>validation, %</th>", "Random against blocked splits",
+              "knows each class</h2>"})
             CHECK_MESSAGE(page.find(part) != std::string::npos, part);
         for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
             CHECK_MESSAGE(page.find(foreign) == std::string::npos, foreign);
-        if (fs::exists(shop / "s/accuracy_and_time.png")) // where there is gnuplot
+        if (fs::exists(shop / "s/accuracy_and_time.png")) { // where there is gnuplot
             CHECK(page.find("<svg") != std::string::npos);
+            CHECK(fs::exists(shop / "s/learning_curves.png"));
+        }
+        for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
+            CHECK((line.find("\"curve\":[[") != std::string::npos) ==
+                  (line.find("\"network\":\"tactnet4\"") != std::string::npos));
 
         // Tables for a README, each between comments.
         const std::string tables = text_of(shop / "s/study.md");
