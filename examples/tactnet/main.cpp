@@ -1,9 +1,9 @@
 // tactnet: trains networks and support vector machines on a folder of tactile images, evaluates them,
-// recognises images, writes networks as C++ headers, simulates images, and studies what accuracy costs in
-// time.
+// recognises images, writes networks as C++ headers, simulates and checks images, and studies what accuracy
+// costs in time.
 //
-// Exit status: 0, 1 (a training diverged), 2 (bad input or arguments, output that cannot be written), 130
-// (interrupted).
+// Exit status: 0, 1 (a training diverged, images that are not right), 2 (bad input or arguments, output that
+// cannot be written), 130 (interrupted).
 
 #include "commands/commands.hpp"
 #include "console/standard_streams.hpp"
@@ -73,7 +73,7 @@ int run(int count, char** arguments) {
     program.require_subcommand(1);
     command_list commands;
     for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate,
-                           add_study, add_recommend}) {
+                           add_study, add_recommend, add_check}) {
         command action = add(program);
         commands.emplace_back(program.get_subcommands({}).back(), std::move(action));
     }

@@ -38,7 +38,15 @@ std::string images_of(const ending&, const fs::path& folder) {
     return all;
 }
 
-const std::array<reading, 7> readings{{
+/// The table of a study, and the same for programs.
+std::string table_of(const ending& end, const fs::path& folder) {
+    return end.out + bytes_of(folder / "study" / "study.csv");
+}
+words report(const materials& m) {
+    return m.study({"--results", "study", "--report-only"});
+}
+
+const std::array<reading, 10> readings{{
     {"net", nullptr, [](const materials& m) { return m.classify("net"); }, printed, true},
     {"untested", nullptr, [](const materials& m) { return m.classify("untested"); }, printed, true},
     {"svm-rbf", nullptr, [](const materials& m) { return m.classify("svm-rbf"); }, printed, true},
@@ -56,6 +64,13 @@ const std::array<reading, 7> readings{{
      results_of, false},
     {"simulated/simulation.json", "simulated", [](const materials& m) { return m.simulate("simulated"); },
      images_of, false},
+    {"study/study.jsonl", "study",
+     [](const materials& m) {
+         return m.tactnet({"recommend", "--results", "study"});
+     },
+     printed, true},
+    {"study/evaluation.jsonl", "study", report, table_of, true},
+    {"study/timings.jsonl", "study", report, table_of, true},
 }};
 
 /// What comes out of the file as it was made.
@@ -70,7 +85,10 @@ const std::string& undamaged(scene& s, const reading& r) {
         return kept[&r] = results_of({}, s.made.folder());
     if (r.outcome == images_of)
         return kept[&r] = images_of({}, s.made.folder());
-    return kept[&r] = run(r.command(s.made), s.made.folder()).out;
+    conditions under;
+    under.pictures = false;
+    const ending end = run(r.command(s.made), s.made.folder(), under);
+    return kept[&r] = r.outcome(end, s.made.folder());
 }
 
 std::string damaged_by_bit(scene& s, std::string bytes) {

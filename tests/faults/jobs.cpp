@@ -124,6 +124,7 @@ std::vector<job> jobs(const materials& made, bool only_writers) {
                    nothing});
     all.push_back({"classify", made.classify("net"), {"net"}, "", true, false, nothing});
     all.push_back({"list", made.tactnet({"list"}), {}, "", true, false, nothing});
+    all.push_back({"check", made.tactnet({"check", "--data", data}), {}, "", true, false, nothing});
     all.push_back({"help", made.tactnet({"train", "--help"}), {}, "", true, false, nothing});
     if (!made.where().decode.empty()) {
         const std::string decode = made.where().decode.string();

@@ -46,6 +46,9 @@ materials::materials(programs which) : programs_(std::move(which)) {
         make(tactnet({"train", "--data", "data", "--method", method, "--rows", "7", "--columns", "13",
                       "--seed", "5", "--output", method}));
     make(evaluate({"--results", "results"}));
+    conditions without_pictures;
+    without_pictures.pictures = false;
+    make(study({"--results", "study"}), without_pictures);
     make(simulate("simulated"));
     make(tactnet({"export", "--weights", "net", "--output", "net.hpp"}));
     // Any epoch's checkpoint will do: all go on to the same weights.
@@ -87,6 +90,13 @@ words materials::train(words more, const std::string& data) const {
 words materials::evaluate(words more) const {
     words all = tactnet({"evaluate", "--data", (folder() / "data").string(), "--method", "tactnet4", "--rows",
                          "7", "--columns", "13", "--epochs", "4", "--splits", "2", "--jobs", "2"});
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+words materials::study(words more) const {
+    words all = tactnet({"study", "--data", (folder() / "data").string(), "--methods", "tactnet4", "--sizes",
+                         "7x13", "--split", "random", "--splits", "1", "--jobs", "2"});
     all.insert(all.end(), more.begin(), more.end());
     return all;
 }

@@ -34,6 +34,8 @@ public:
     /// `train` of seconds or less, of a network.
     words train(words more, const std::string& data = "") const;
     words evaluate(words more) const;
+    /// `study` of one network by two recipes.
+    words study(words more) const;
     words simulate(const std::string& out) const;
     /// `classify` of some of the images.
     words classify(const std::string& weights) const;

@@ -11,6 +11,7 @@ class App;
 
 using command = std::function<int()>;
 
+command add_check(CLI::App& program);
 command add_train(CLI::App& program);
 command add_evaluate(CLI::App& program);
 command add_classify(CLI::App& program);

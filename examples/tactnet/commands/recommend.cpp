@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,10 +58,23 @@ std::optional<studied_network> network_of(const nlohmann::json& line, const std:
 
 std::vector<studied_network> networks_in(const std::filesystem::path& path, const std::string& split) {
     std::vector<studied_network> found;
-    line_file(path).read_on("a row of tactnet study", [&](const std::string& line) {
-        if (auto network = network_of(nlohmann::json::parse(line), split))
+    std::size_t read = 0, all = 0;
+    line_file(path).read_on("a row of tactnet study", [&](const std::string& text) {
+        const auto line = nlohmann::json::parse(text);
+        if (line.contains("lines")) { // rows of earlier versions do not say how many they are
+            const std::size_t place = line.at("line");
+            all = line.at("lines");
+            if (place != read + 1)
+                throw std::runtime_error(fmt::format("the row that was line {} of {}", place, all));
+        }
+        ++read;
+        if (auto network = network_of(line, split))
             found.push_back(std::move(*network));
     });
+    if (read < all)
+        throw tactnet::file_error(path.string(), fmt::format("line {}", read + 1),
+                                  fmt::format("{} rows of tactnet study", all),
+                                  fmt::format("the end behind {}", read));
     return found;
 }
 

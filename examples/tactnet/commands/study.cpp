@@ -85,6 +85,27 @@ void merge(const study_options& o, result_list& results) {
     }
 }
 
+std::vector<const method*> methods_of(const candidate_list& candidates) {
+    std::vector<const method*> methods;
+    for (const candidate& c : candidates)
+        if (std::ranges::find(methods, c.what) == methods.end())
+            methods.push_back(c.what);
+    return methods;
+}
+
+/// What a report that trains and times nothing has, and has not.
+void tell_found(const candidate_list& candidates, const std::vector<task>& all, const result_list& results,
+                const timing_list& timings) {
+    const auto methods = methods_of(candidates);
+    const auto trained = std::ranges::count_if(
+                   all, [&](const task&t) { return results.find(t.settings) != nullptr; }),
+               timed = std::ranges::count_if(
+                   methods, [&](const method*what) { return timings.find(*what) != nullptr; });
+    const bool whole = trained == std::ssize(all) && timed == std::ssize(methods);
+    tell("{}{} of {} trainings are there, {} of {} methods are timed\n", whole ? "" : "warning: ", trained,
+         all.size(), timed, methods.size());
+}
+
 /// False if interrupted.
 bool time_all(const candidate_list& candidates, timing_list& timings, const std::filesystem::path& folder) {
     training_claims claims(folder / ".timings.lock"); // methods that are timed at once disturb each other
@@ -96,10 +117,8 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
         return false;
     timings.read_on();
     const pinned here;
-    std::vector<const method*> missing;
-    for (const candidate& c : candidates)
-        if (timings.find(*c.what) == nullptr && std::ranges::find(missing, c.what) == missing.end())
-            missing.push_back(c.what);
+    std::vector<const method*> missing = methods_of(candidates);
+    std::erase_if(missing, [&](const method* what) { return timings.find(*what) != nullptr; });
     progress line;
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (interrupted()) {
@@ -133,8 +152,9 @@ void report(const std::filesystem::path& folder, const std::vector<study_row>& r
 void check(const study_options& o, const study_plan& plan) {
     const std::filesystem::path folder = o.results;
     std::vector<named_file> outputs;
-    for (const char* name : {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md",
-                             "study.html", "accuracy_and_time.png", "accuracy_and_tactels.png"})
+    for (const char* name :
+         {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html",
+          "accuracy_and_time.png", "accuracy_and_tactels.png", "learning_curves.png"})
         outputs.push_back({"--results", folder / name});
     std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))
@@ -176,8 +196,9 @@ int study(const study_options& o) {
     for (std::size_t i = 0; i < all.size(); ++i)
         if (!o.report_only && part.has(i, splits, count) && results.find(all[i].settings) == nullptr)
             to_do.push_back(all[i]);
-    tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
-         printable((folder / "evaluation.jsonl").string()));
+    if (!o.report_only)
+        tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
+             printable((folder / "evaluation.jsonl").string()));
     std::vector<std::string> diverged;
     if (!to_do.empty() &&
         !(prepare_features(to_do, folder / "features", o.jobs) && run_all(to_do, o.jobs, results, &diverged)))
@@ -192,7 +213,9 @@ int study(const study_options& o) {
     }
     make_folder_of(folder / "timings.jsonl");
     timing_list timings(folder / "timings.jsonl");
-    if (!o.report_only && !time_all(candidates, timings, folder))
+    if (o.report_only)
+        tell_found(candidates, all, results, timings);
+    else if (!time_all(candidates, timings, folder))
         return stopped();
     std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings);
     std::ranges::move(plan.missing, std::back_inserter(rows));

@@ -1,5 +1,6 @@
 #include "evaluation/results.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -17,6 +18,11 @@ json number_or_null(double value) {
     return std::isfinite(value) ? json(value) : json(nullptr);
 }
 
+/// Four digits are enough for a picture.
+json rounded_or_null(double value) {
+    return std::isfinite(value) ? json(std::stod(fmt::format("{:.4g}", value))) : json(nullptr);
+}
+
 std::string line_of(const training_result& r) {
     std::vector<std::size_t> counts;
     for (std::size_t truth = 0; truth < r.confusion.classes(); ++truth)
@@ -32,6 +38,9 @@ std::string line_of(const training_result& r) {
     line["images_per_second"] = r.images_per_second;
     line["classes"] = r.confusion.classes();
     line["confusion"] = counts;
+    for (const tactnet::epoch_report& e : r.curve)
+        line["curve"].push_back({e.epoch, rounded_or_null(e.loss), rounded_or_null(e.validation_loss),
+                                 rounded_or_null(e.validation_accuracy)});
     return line.dump();
 }
 
@@ -42,13 +51,28 @@ std::size_t count_in(const json& value) {
     return value.get<std::size_t>();
 }
 
+double number_in(const json& value) {
+    return value.is_null() ? std::nan("") : value.get<double>();
+}
+
+std::vector<tactnet::epoch_report> curve_in(const json& points) {
+    std::vector<tactnet::epoch_report> curve;
+    for (const json& point : points) {
+        if (point.size() != 4)
+            throw std::runtime_error("expected 4 numbers of an epoch, found " + point.dump());
+        tactnet::epoch_report& e = curve.emplace_back();
+        e.epoch = count_in(point.at(0));
+        e.loss = number_in(point.at(1));
+        e.validation_loss = number_in(point.at(2));
+        e.validation_accuracy = number_in(point.at(3));
+    }
+    return curve;
+}
+
 training_result result_of(const std::string& text) {
     const json line = json::parse(text);
     training_result r;
     r.settings = line.at("settings").get<tactnet::file_metadata>();
-    const auto number_in = [](const json& value) {
-        return value.is_null() ? std::nan("") : value.get<double>();
-    };
     r.validation_accuracy = number_in(line.at("validation_accuracy"));
     r.training_accuracy =
         line.contains("training_accuracy") ? number_in(line["training_accuracy"]) : std::nan("");
@@ -66,10 +90,26 @@ training_result result_of(const std::string& text) {
     for (std::size_t i = 0; i < counts.size(); ++i)
         for (std::size_t n = 0; n < counts[i]; ++n)
             r.confusion.add(i / classes, i % classes);
+    if (line.contains("curve"))
+        r.curve = curve_in(line["curve"]);
     return r;
 }
 
 } // namespace
+
+std::vector<tactnet::epoch_report> curve_of(std::span<const tactnet::epoch_report> history) {
+    constexpr std::size_t most = 60;
+    std::size_t step = 1;
+    for (std::size_t scale = 1; history.size() > most * step; scale *= 10)
+        for (const std::size_t factor : {1U, 2U, 5U})
+            if (history.size() > most * step)
+                step = factor * scale;
+    std::vector<tactnet::epoch_report> curve;
+    for (const tactnet::epoch_report& e : history)
+        if (e.epoch % step == 0)
+            curve.push_back(e);
+    return curve;
+}
 
 result_list::result_list(std::filesystem::path path) : file_(std::move(path)) {
     read_on();

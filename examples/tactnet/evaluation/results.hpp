@@ -6,11 +6,14 @@
 #include "files/line_file.hpp"
 
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
 
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <span>
+#include <vector>
 
 struct training_result {
     tactnet::file_metadata settings; ///< see describe_training
@@ -20,7 +23,13 @@ struct training_result {
     double seconds = 0;
     std::size_t epochs = 0;
     double images_per_second = 0;
+    /// See curve_of; without rates. Empty for what has no epochs, and in files made before.
+    std::vector<tactnet::epoch_report> curve{};
 };
+
+/// At most 60 epochs of a training, as many steps of a round number apart: every 2nd of 110, every 20th of
+/// 1000.
+std::vector<tactnet::epoch_report> curve_of(std::span<const tactnet::epoch_report> history);
 
 class result_list {
 public:

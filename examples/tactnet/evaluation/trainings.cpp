@@ -53,6 +53,8 @@ std::optional<training_result> run(const task& t) {
         best->evaluate(data.view(), training->split().training, alone).confusion.accuracy();
     const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
     result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
+    if (by_epochs != nullptr)
+        result.curve = curve_of(by_epochs->history());
     const std::size_t images =
         by_epochs != nullptr ? by_epochs->images_per_epoch() : training->split().training.size();
     result.images_per_second = static_cast<double>(images * result.epochs) / result.seconds;

@@ -49,11 +49,16 @@ std::string csv_of(std::span<const nlohmann::ordered_json> rows) {
     std::string text;
     for (const nlohmann::ordered_json& row : rows) {
         std::string head, line;
+        bool first = true;
         for (const auto& [key, value] : row.items()) {
-            head += (head.empty() ? "" : ",") + key;
-            line += (line.empty() ? "" : ",") + (value.is_null()     ? ""
-                                                 : value.is_string() ? csv_field(value.get<std::string>())
-                                                                     : value.dump());
+            // A NaN is null in JSON lines, which know none.
+            const bool known =
+                !value.is_null() && (!value.is_number_float() || std::isfinite(value.get<double>()));
+            head += (first ? "" : ",") + key;
+            line += (first ? "" : ",") + (!known              ? ""
+                                          : value.is_string() ? csv_field(value.get<std::string>())
+                                                              : value.dump());
+            first = false;
         }
         text += (text.empty() ? head + '\n' : "") + line + '\n';
     }

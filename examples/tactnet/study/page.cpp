@@ -4,7 +4,9 @@
 #include "methods/training_settings.hpp"
 #include "reports/html.hpp"
 #include "reports/report.hpp"
+#include "study/class_rates.hpp"
 #include "study/instruction_sets.hpp"
+#include "study/split_rules.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -48,6 +50,10 @@ th { color: var(--soft); font-weight: 600; vertical-align: bottom; }
 th:first-child, td:first-child, td.text { text-align: left; }
 td.text { white-space: normal; min-width: 16rem; color: var(--soft); }
 code { font: .85rem ui-monospace, monospace; }
+.bar { min-width: 9rem; text-align: left; }
+td.bar { position: relative; }
+td.bar i { position: absolute; top: 50%; height: .5rem; margin-top: -.25rem; min-width: 2px; border-radius: .15rem;
+           background: rgba(var(--mark), .8); }
 .confusion td { padding: 0; width: 1.6rem; height: 1.6rem; text-align: center; font-size: .7rem; border: 1px solid var(--line); }
 .confusion th { padding: 0 .4rem; font-size: .75rem; font-weight: 400; border: 0; text-align: right; }
 .confusion thead th { writing-mode: vertical-rl; transform: rotate(180deg); text-align: left; padding: .4rem 0; }
@@ -93,6 +99,14 @@ std::string percent_cell(const split_accuracies* a) {
         a->splits == a->wanted ? "" : fmt::format("<br>{} of {} splits", a->splits, a->wanted));
 }
 
+/// On validation and training images.
+std::string other_percent_cells(const split_accuracies* a) {
+    const auto text = [](double share) {
+        return cell(std::isfinite(share) ? fmt::format("{:.2f}", 100 * share) : "");
+    };
+    return a == nullptr ? "<td></td><td></td>" : text(a->validation) + text(a->training);
+}
+
 std::string published_percent_cell(const published_result* p) {
     return cell(p == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", p->accuracy, p->deviation));
 }
@@ -101,9 +115,11 @@ std::string published_time_cell(const published_result* p) {
 }
 
 std::string methods_table(const std::vector<study_row>& rows) {
+    const split_rule rule = shown_rule(rows);
     std::string text =
         "<h2>All methods</h2>\n<div class=\"wide\"><table>\n<tr><th>method</th><th>size</th>"
-        "<th>recipe</th><th>random, %</th><th>blocked, %</th><th>paper, %</th>"
+        "<th>recipe</th><th>random, %</th><th>blocked, %</th><th>paper, %</th><th>validation, %</th>"
+        "<th>training, %</th>"
         "<th>µs a frame</th><th>p99, µs</th><th>jitter</th><th>in batch, µs</th>"
         "<th>paper, ms</th><th>parameters</th><th>multiply-adds</th><th>training, s</th></tr>\n";
     for (const study_row& row : rows) {
@@ -111,12 +127,13 @@ std::string methods_table(const std::vector<study_row>& rows) {
                 cell(fmt::format("{}×{}", row.rows, row.columns));
         if (row.accuracies.empty() && !row.latency) {
             text += "<td></td><td class=\"text\" colspan=\"2\">" + escaped(row.missing) + "</td>" +
-                    published_percent_cell(row.published) + "<td colspan=\"4\"></td>" +
+                    published_percent_cell(row.published) + "<td colspan=\"6\"></td>" +
                     published_time_cell(row.published) + "<td colspan=\"3\"></td></tr>\n";
             continue;
         }
         text += cell(row.recipe) + percent_cell(find_accuracy(row, split_rule::random)) +
-                percent_cell(find_accuracy(row, split_rule::blocked)) + published_percent_cell(row.published);
+                percent_cell(find_accuracy(row, split_rule::blocked)) +
+                published_percent_cell(row.published) + other_percent_cells(find_accuracy(row, rule));
         if (row.latency)
             text += fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.1f}</td>",
                                 row.latency->median, row.latency->p99, row.latency->jitter,
@@ -127,10 +144,11 @@ std::string methods_table(const std::vector<study_row>& rows) {
                 cell(grouped(row.costs.multiply_adds)) +
                 cell(row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds)) + "</tr>\n";
     }
-    return text +
-           "</table></div>\n<p>Mean ± standard deviation of the accuracy on test images. Jitter: p99 ÷ "
-           "median of a loop in registers that takes as long as the frame; that much of p99 is the "
-           "machine's.</p>\n";
+    return text + fmt::format(
+                      "</table></div>\n<p>Mean ± standard deviation of the accuracy on test images; the mean "
+                      "on validation and training images is of {} splits. Jitter: p99 ÷ median of a loop in "
+                      "registers that takes as long as the frame; that much of p99 is the machine's.</p>\n",
+                      name_of(rule));
 }
 
 /// From the fastest method to the most accurate: what each step costs.
@@ -221,9 +239,9 @@ std::string study_page(const std::vector<study_row>& rows, const std::vector<dra
                                 picture.svg.substr(std::min(begin, picture.svg.size())),
                                 escaped(picture.caption));
         }
-    page += front_table(rows) + methods_table(rows) + instruction_sets_table(rows);
+    page += front_table(rows) + methods_table(rows) + instruction_sets_table(rows) + split_rules_table(rows);
     const split_rule rule = shown_rule(rows);
     if (const study_row* best = most_accurate(rows, rule))
-        page += confusion_table(*best, rule);
+        page += class_rates_table(*best, rule) + confusion_table(*best, rule);
     return page + std::string(foot);
 }

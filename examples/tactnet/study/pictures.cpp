@@ -3,6 +3,8 @@
 #include "console/standard_streams.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/gnuplot.hpp"
+#include "study/gnuplot_text.hpp"
+#include "study/learning_curves.hpp"
 
 #include <tactnet/io/file.hpp>
 
@@ -53,19 +55,11 @@ std::string words_of(const study_row& row) {
     return text;
 }
 
-std::string block(std::string_view name, const std::string& lines) {
-    return fmt::format("${} << END\n{}END\n", name, lines);
-}
-
 /// From the lowest of all accuracies, rounded down, to 100 %: nothing is more.
 std::string accuracy_axis(double lowest) {
     return fmt::format("set ylabel 'test accuracy, %'\nset yrange [{}:100]\n",
                        std::max(0.0, 5 * std::floor((lowest - 1) / 5)));
 }
-
-constexpr std::string_view style =
-    "set border 3 lc rgb '#8a8a86'\nset tics nomirror\n"
-    "set grid lc rgb '#d0d0cc' lw 0.5\nset key opaque\nset pointintervalbox 0\nset termoption noenhanced\n";
 
 /// Accuracy against microseconds: each method, the front, and the paper.
 study_picture costs_picture(const std::vector<study_row>& rows) {
@@ -86,7 +80,7 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
         if (lines.empty())
             continue;
         const std::string name = fmt::format("family{}", &f - families.data());
-        data += block(name, lines);
+        data += gnuplot_data(name, lines);
         plot += fmt::format("${0} using 1:2:3:4 with yerrorbars pt 7 ps 0.8 lc rgb '{1}' title '{2}', "
                             "${0} using 1:2:5 with labels hypertext point pt 7 ps 0.8 lc rgb '{1}' notitle, ",
                             name, f.colour, f.title);
@@ -99,7 +93,7 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
                                  p.accuracy + p.deviation, p.title, p.accuracy, p.deviation, 1e3 * p.seconds);
             lowest = std::min(lowest, p.accuracy - p.deviation);
         }
-    data += block("paper", paper);
+    data += gnuplot_data("paper", paper);
     const auto best = pareto_front(rows, rule);
     double labelled = 200; // from the top, each well below the one before, so that none covers another
     for (auto row = best.rbegin(); row != best.rend(); ++row) {
@@ -111,7 +105,7 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
         labelled = accuracy;
     }
     if (!front.empty()) {
-        data += block("front", front) + block("names", labels);
+        data += gnuplot_data("front", front) + gnuplot_data("names", labels);
         plot =
             fmt::format("$front using 1:2 with steps lw 1.5 dt 2 lc rgb '{}' title 'the best for the time', ",
                         of_touches) +
@@ -125,7 +119,7 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
                         "standard deviations. "
                         "The paper's figures are of its own images and machine.",
                         name_of(rule)),
-            data + std::string(style) + accuracy_axis(lowest) +
+            data + std::string(gnuplot_style) + accuracy_axis(lowest) +
                 fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
                             0.03 * fastest) +
                 "set xtics ('1 µs' 1, '10 µs' 10, '100 µs' 1e2, '1 ms' 1e3, '10 ms' 1e4, '100 ms' 1e5, "
@@ -153,7 +147,7 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
     for (const auto& [name, text] : lines) {
         if (counts[name] < 2)
             continue;
-        data += block(fmt::format("series{}", series), text);
+        data += gnuplot_data(fmt::format("series{}", series), text);
         plot +=
             fmt::format("$series{0} using 1:2:3 smooth unique with lines lw 1.5 lc {1} notitle, "
                         "$series{0} using 1:2:3 with yerrorbars pt {2} ps 0.8 lc {1} title '{3}', "
@@ -173,13 +167,13 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
             tactels.insert(p.rows * p.columns);
             lowest = std::min(lowest, p.accuracy - p.deviation);
         }
-    data += block("paper", paper);
+    data += gnuplot_data("paper", paper);
     plot += fmt::format("$paper using 1:2:3 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'TactNet-6 in the "
                         "paper', $paper using 1:2 with lines dt 2 lc rgb '{0}' notitle",
                         of_paper);
     return {"accuracy_and_tactels",
             fmt::format("Test accuracy over {} splits against the number of tactels.", name_of(rule)),
-            data + std::string(style) + accuracy_axis(lowest) +
+            data + std::string(gnuplot_style) + accuracy_axis(lowest) +
                 fmt::format("set logscale x\nset xrange [{}:{}]\nset xlabel 'tactels'\nset xtics ({})\n",
                             0.8 * static_cast<double>(*tactels.begin()),
                             1.25 * static_cast<double>(*tactels.rbegin()), fmt::join(tactels, ", ")) +
@@ -192,6 +186,8 @@ std::vector<study_picture> study_pictures(const std::vector<study_row>& rows) {
     std::vector<study_picture> pictures{costs_picture(rows)};
     if (study_picture sizes = sizes_picture(rows); !sizes.name.empty())
         pictures.push_back(std::move(sizes));
+    if (study_picture curves = learning_curves_picture(rows); !curves.name.empty())
+        pictures.push_back(std::move(curves));
     return pictures;
 }
 

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace {
@@ -19,6 +20,7 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
                                const result_list& results, std::size_t wanted, study_row& row,
                                std::vector<double>& seconds) {
     std::vector<double> test, validation, training;
+    std::vector<std::vector<tactnet::epoch_report>> curves;
     const auto keep = [](std::vector<double>& list, double value) {
         if (std::isfinite(value))
             list.push_back(value);
@@ -39,7 +41,10 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
         seconds.push_back(r->seconds);
         if (row.accuracies.empty()) // of the first rule that has any
             row.confusion.add(r->confusion);
+        curves.push_back(r->curve);
     }
+    if (row.accuracies.empty())
+        row.curve = mean_curve(curves);
     const auto mean_of = [](const std::vector<double>& values) {
         return values.empty() ? std::nan("") : tactnet::mean_and_deviation::of(values).mean;
     };
@@ -110,6 +115,30 @@ const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule 
 std::string title_of(const study_row& row) {
     return fmt::format("{} {}x{}{}", row.method, row.rows, row.columns,
                        row.recipe == "default" ? "" : ", " + row.recipe);
+}
+
+std::vector<tactnet::epoch_report>
+mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings) {
+    std::map<std::size_t, std::vector<const tactnet::epoch_report*>> by_epoch;
+    for (const auto& curve : trainings)
+        for (const tactnet::epoch_report& e : curve)
+            by_epoch[e.epoch].push_back(&e);
+    std::vector<tactnet::epoch_report> means;
+    for (const auto& [epoch, reports] : by_epoch) {
+        const auto at_work = std::ranges::count_if(trainings, [epoch = epoch](const auto& curve) {
+            return !curve.empty() && curve.back().epoch >= epoch;
+        });
+        if (std::ssize(reports) != at_work)
+            continue;
+        tactnet::epoch_report mean{.epoch = epoch, .validation_loss = 0, .validation_accuracy = 0};
+        for (const tactnet::epoch_report* e : reports) {
+            mean.loss += e->loss / static_cast<double>(reports.size());
+            mean.validation_loss += e->validation_loss / static_cast<double>(reports.size());
+            mean.validation_accuracy += e->validation_accuracy / static_cast<double>(reports.size());
+        }
+        means.push_back(mean);
+    }
+    return means;
 }
 
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
@@ -201,8 +230,12 @@ std::string study_table(const std::vector<study_row>& rows) {
 
 std::string study_json_lines(const std::vector<study_row>& rows) {
     std::string lines;
-    for (const study_row& row : rows)
-        lines += tactnet::with_checksum(json_of(row).dump()) + '\n';
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        nlohmann::ordered_json object = json_of(rows[i]);
+        object["line"] = i + 1; // a file that lost some would otherwise be as good as a whole one
+        object["lines"] = rows.size();
+        lines += tactnet::with_checksum(object.dump()) + '\n';
+    }
     return lines;
 }
 

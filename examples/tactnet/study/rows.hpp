@@ -37,6 +37,7 @@ struct study_row {
     std::string declaration{}; ///< its type in C++, of a network that is one
     std::vector<std::string> classes{};
     tactnet::confusion_matrix confusion{}; ///< of all random splits, or of the others where there are none
+    std::vector<tactnet::epoch_report> curve{}; ///< the mean of the same splits; empty for what has no epochs
 };
 
 /// The accuracy by a rule, or nothing.
@@ -44,6 +45,10 @@ const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule 
 
 /// "tactnet6 28x50", and the recipe where it is not the default.
 std::string title_of(const study_row& row);
+
+/// The mean over trainings: at each epoch of those that were still at work, if all of them have it.
+std::vector<tactnet::epoch_report>
+mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings);
 
 /// A row for each candidate. Throws tactnet::file_error for results of other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
@@ -58,5 +63,6 @@ tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
 std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
 
 std::string study_table(const std::vector<study_row>& rows);
+/// With a checksum each, and its place among all lines.
 std::string study_json_lines(const std::vector<study_row>& rows);
 std::string study_csv(const std::vector<study_row>& rows);

@@ -78,12 +78,18 @@ TEST_SUITE("program") {
         CHECK(page.ends_with("</html>\n"));
         for (const std::string_view part :
              {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
-              "middle, of all"})
+              "middle, of all", "<th>validation, %</th>", "Random against blocked splits",
+              "knows each class</h2>"})
             CHECK_MESSAGE(page.find(part) != std::string::npos, part);
         for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
             CHECK_MESSAGE(page.find(foreign) == std::string::npos, foreign);
-        if (fs::exists(shop / "s/accuracy_and_time.png")) // where there is gnuplot
+        if (fs::exists(shop / "s/accuracy_and_time.png")) { // where there is gnuplot
             CHECK(page.find("<svg") != std::string::npos);
+            CHECK(fs::exists(shop / "s/learning_curves.png"));
+        }
+        for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
+            CHECK((line.find("\"curve\":[[") != std::string::npos) ==
+                  (line.find("\"network\":\"tactnet4\"") != std::string::npos));
 
         // Tables for a README, each between comments.
         const std::string tables = text_of(shop / "s/study.md");
@@ -113,6 +119,8 @@ TEST_SUITE("program") {
         CHECK(accuracies_in(text_of(shop / "merged/study.csv")) ==
               accuracies_in(text_of(shop / "whole/study.csv")));
         CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
+        CHECK(merged.error.find("\nwarning: 8 of 8 trainings are there, 0 of 2 methods are timed\n") !=
+              std::string::npos);
         // Again: nothing is doubled.
         REQUIRE(shop.run(study(shop, "merged", {"--merge", "part1,part2", "--report-only"})).status == 0);
         CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
@@ -147,6 +155,7 @@ TEST_SUITE("program") {
         const outcome fewer = shop.run(more);
         REQUIRE_MESSAGE(fewer.status == 0, fewer.error);
         CHECK(fewer.out.find(" (2 of 5)") != std::string::npos);
+        CHECK(fewer.error.starts_with("warning: 4 of 10 trainings are there, 2 of 2 methods are timed\n"));
         CHECK(text_of(shop / "s/study.html").find("2 of 5 splits") != std::string::npos);
         shop.refuses(study(shop, "s", {"--report-only", "--shard", "1/2"}),
                      "expected one of them, found both");
@@ -229,6 +238,17 @@ TEST_SUITE("program") {
                      "none; the fastest, tactnet4 7x13, takes ");
         shop.refuses(recommend({"--rows", "6"}), "found none; the fastest");
         shop.refuses({"recommend", "--results", "nowhere"}, "nowhere/study.jsonl: expected");
+
+        // Rows that are lost, at the end and before it.
+        const std::string whole = text_of(shop / "s/study.jsonl");
+        const std::size_t first = whole.find('\n') + 1;
+        tactnet::write_file(shop / "s/study.jsonl", whole.substr(0, first));
+        shop.refuses(recommend({}), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
+        tactnet::write_file(shop / "s/study.jsonl", whole.substr(0, whole.size() - 1));
+        shop.refuses(recommend({}), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
+        tactnet::write_file(shop / "s/study.jsonl", whole.substr(first));
+        shop.refuses(recommend({}), "s/study.jsonl: line 1: expected a row of tactnet study, found 'the row "
+                                    "that was line 2 of 2'");
         tactnet::write_file(shop / "s/study.jsonl", std::string("{\"method\": 3}\n"));
         shop.refuses(recommend({}), "s/study.jsonl: line 1: expected a row of tactnet study, found '");
     }
