@@ -36,7 +36,7 @@ TEST_CASE("recipe::on_features: no new samples are made, and the rate falls to n
     CHECK(std::holds_alternative<one_cycle>(r.schedule));
 }
 
-TEST_CASE("recipe::published: as in the paper") {
+TEST_CASE("recipe::published: as in the authors' programs at 28 x 50") {
     const recipe r = recipe::published(28, 50, tactnet6_training);
     CHECK(std::get<sgd>(r.optimiser).momentum == 0.8);
     CHECK(std::get<sgd>(r.optimiser).l2 == 1e-4);

@@ -25,7 +25,7 @@ struct augmentation_ranges {
     double pressure = 0;        ///< all counts, log-uniform in 1 / (1 + pressure) … 1 + pressure
     double shear = 0;           ///< columns that a row moves against the next, uniform in ±
 
-    /// The paper's: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50, ± 2 and ± 3° at 20 × 35
+    /// Those of the authors' programs: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50, ± 2 and ± 3° at 20 × 35
     /// and 14 × 25, ± 1 and ± 2° at 10 × 18 and 7 × 13.
     [[nodiscard]] static constexpr augmentation_ranges published(std::size_t rows, std::size_t columns) {
         augmentation_ranges r{.reflect_rows = 0.5, .reflect_columns = 0.5, .translation = 3, .rotation = 10};

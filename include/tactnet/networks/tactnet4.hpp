@@ -12,7 +12,8 @@ inline namespace TACTNET_ARCH {
 struct tactnet4_form {
     std::size_t kernel1 = 5, kernel2 = 3, kernel3 = 3;
 
-    /// As published: 3, 2, 2 at 14 × 25 and 5, 3, 3 at the other resolutions.
+    /// As published at 28 × 50 (5, 3, 3) and at 14 × 25 (3, 2, 2; the authors' trained network). It was not
+    /// published at other sizes: they take the first.
     [[nodiscard]] static constexpr tactnet4_form at(shape image) {
         if (form_of(image) == resolution::r14x25)
             return {.kernel1 = 3, .kernel2 = 2, .kernel3 = 2};
@@ -20,8 +21,8 @@ struct tactnet4_form {
     }
 };
 
-/// TactNet-4 (Gandarias et al., 2019, table I): three convolutions and a dense layer. Every map is halved
-/// three times.
+/// TactNet-4 (Gandarias et al., 2019, table I, at 28 × 50): three convolutions and a dense layer. Every map
+/// is halved three times.
 template <shape Input, std::size_t Classes, tactnet4_form Form = tactnet4_form::at(Input)>
 using tactnet4 = network<Input,                                                   //
                          conv2d<8, Form.kernel1>, batch_norm, relu, max_pool<2>,  //

@@ -10,14 +10,14 @@ inline namespace TACTNET_ARCH {
 
 /// What varies in TactNet-6: the kernel of the second and the fifth convolution and the strides of the pools.
 struct tactnet6_form {
-    std::size_t kernel2 = 3; ///< the paper's text says 5; its code and its parameter count say 3
+    std::size_t kernel2 = 3; ///< the paper's text says 5; the authors' programs and its parameter count say 3
     std::size_t kernel5 = 3;
     std::size_t first_pool_stride = 2;
     std::size_t other_pools_stride = 2;
 
-    /// As published: at 20 × 35 and 14 × 25 the first pool has stride 1, at 10 × 18 and 7 × 13 all have, and
-    /// the fifth kernel is 2 × 2. Fewer halvings keep small images readable, and make them cost more than
-    /// large ones.
+    /// As in the authors' programs: at 20 × 35 and 14 × 25 the first pool has stride 1, at 10 × 18 and 7 × 13
+    /// all have, and the fifth kernel is 2 × 2. Fewer halvings keep small images readable, and make them cost
+    /// more than large ones.
     [[nodiscard]] static constexpr tactnet6_form at(shape image) {
         switch (form_of(image)) {
         case resolution::r7x13:

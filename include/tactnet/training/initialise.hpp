@@ -16,7 +16,7 @@ namespace draw {
 inline constexpr random_purpose initial_weights{3}; ///< one array of weights
 } // namespace draw
 
-/// Weights from N(0, deviation²), as in the paper.
+/// Weights from N(0, deviation²), as AlexNet's (Krizhevsky, Sutskever, Hinton, 2012).
 struct fixed_normal {
     double deviation = 0.01;
 };

@@ -15,8 +15,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Stochastic gradient descent with momentum. `l2` is added to the gradient of weights (not of biases,
-/// scales, shifts), as in the paper.
+/// Stochastic gradient descent with momentum. `l2` is added to the gradient of weights, not of biases, scales
+/// and shifts (the authors' programs apply it to scales and shifts too).
 struct sgd {
     double momentum = 0.9;
     double l2 = 0;

@@ -16,7 +16,7 @@ inline namespace TACTNET_ARCH {
 
 /// How counts become the input of the network.
 enum class input_rule {
-    subtract_mean, ///< minus the mean image of the training set, as in the paper
+    subtract_mean, ///< minus the mean image of the training set, as the authors' TactNet-4 and 6
     scale          ///< divided by 255
 };
 
@@ -80,8 +80,10 @@ struct recipe {
         return r;
     }
 
-    /// The paper's recipe (section IV-B), with what each network has of its own: for example
-    /// tactnet4_training.
+    /// How the authors trained, with what each network has of its own: for example tactnet4_training. The
+    /// settings are those of the authors' programs, since the paper's text has none. What differs (fewer
+    /// epochs, L2 on weights alone, the mean in front of TactResNet, TactNet-6 at low resolutions, which
+    /// weights are kept): docs/paper.md.
     [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns,
                                           const published_training& own) {
         recipe r;
