@@ -30,7 +30,7 @@ std::string text_of(double value) {
     return text;
 }
 
-std::string quoted(std::string_view text) {
+std::string json_text(std::string_view text) {
     std::string all = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\')
@@ -55,7 +55,7 @@ void write(std::initializer_list<std::pair<std::string_view, std::string>> field
     static std::ofstream file(path);
     std::string line = "{";
     for (const auto& [name, text] : fields)
-        line += (line.size() > 1 ? ", " : "") + quoted(name) + ": " + quoted(text);
+        line += (line.size() > 1 ? ", " : "") + json_text(name) + ": " + json_text(text);
     file << line << "}\n" << std::flush;
     REQUIRE_MESSAGE(file.good(), "cannot write to ", path);
 }
