@@ -257,3 +257,15 @@ TEST_CASE("k_means: what it refuses, and what it says") {
     CHECK(k_means<values>(points, {.centres = 2}, one).nearest[2] !=
           k_means<values>(points, {.centres = 2}, one).nearest[0]);
 }
+
+TEST_CASE("k_means: points far from zero have the nearest centre all the same") {
+    thread_pool one(1);
+    auto points = random_points(300, values, 9);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = 3e4f + (i / values % 3 == 0 ? 4.0f : i / values % 3 == 1 ? -4.0f : 0.0f) + points[i] / 4;
+    const clusters found = k_means<values>(points, {.centres = 3}, one);
+    for (std::size_t i = 3; i < 300; ++i)
+        REQUIRE(found.nearest[i] == found.nearest[i % 3]);
+    CHECK(found.nearest[0] != found.nearest[1]);
+    CHECK(found.nearest[1] != found.nearest[2]);
+}

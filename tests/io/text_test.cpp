@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -29,6 +32,25 @@ TEST_CASE("text: well-formed UTF-8, as the Unicode standard's table has it") {
     CHECK_FALSE(is_utf8("\xF0\x9F\x98"));
     CHECK_FALSE(is_utf8("a\xC3z"));
     CHECK_FALSE(is_utf8("\xFF"));
+}
+
+TEST_CASE("text: every character there is, and none with a byte less or of the wrong kind") {
+    std::size_t wrong = 0;
+    std::string text;
+    for (std::uint32_t code = 0; code <= 0x10FFFF; ++code) {
+        text.clear();
+        tactnet::detail::append_utf8(text, code);
+        const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
+        wrong += tactnet::utf8_sequence_length(text) != (surrogate ? 0 : text.size());
+        if (code < 0x80)
+            continue;
+        wrong += tactnet::utf8_sequence_length(std::string_view(text).substr(0, text.size() - 1)) != 0;
+        for (const char no_continuation : {'\x7F', '\xC0'}) {
+            text.back() = no_continuation;
+            wrong += tactnet::utf8_sequence_length(text) != 0;
+        }
+    }
+    CHECK(wrong == 0);
 }
 
 TEST_CASE("text: as a JSON string") {

@@ -25,7 +25,8 @@ foreach(test IN LISTS tests)
     else()
         set(of_example OFF)
     endif()
-    if(NOT EXISTS "${HEADERS}/tactnet/${header}.hpp" AND NOT of_example)
+    # Hard cases are of many headers: their files are topics.
+    if(NOT EXISTS "${HEADERS}/tactnet/${header}.hpp" AND NOT of_example AND NOT test MATCHES "^hard_cases/")
         string(APPEND problems "  ${test}: tests no header of that name; expected <header>_test.cpp or "
                                "<header>_<topic>_test.cpp\n"
         )

@@ -107,6 +107,15 @@ TEST_CASE("linear_machine: the offset is the weight of the constant feature time
     }
 }
 
+TEST_CASE("linear_machine: the constant feature is 1 where nothing is said of it") {
+    const support::samples s = support::blobs(60, 3, 2, 0.5);
+    const auto offsets = [&](const linear_training_options& options) {
+        return train(s, options).machine.parameters().offsets;
+    };
+    CHECK(offsets({}) == offsets({.bias = 1}));
+    CHECK(offsets({}) != offsets({.bias = 2}));
+}
+
 TEST_CASE("linear_machine: a class weight moves the border towards the others") {
     const support::samples s = support::blobs(400, 2, 2, 1.5);
     const auto of_first = [&](double weight) {

@@ -48,6 +48,23 @@ TEST_CASE("multiclass: classes whose machines would not fit into memory are refu
         std::invalid_argument);
 }
 
+// Labels come more often than once, so that behind the classes found there is memory with labels in it: with
+// the sanitizer this test sees a read of it, and without one the weight would be written behind the costs,
+// over what the heap keeps of itself.
+TEST_CASE("multiclass: a weight is for the costs of its class alone") {
+    const std::vector<std::size_t> labels{3, 5, 8, 8, 8};
+    const class_members classes(labels);
+    REQUIRE(classes.labels == std::vector<std::size_t>{3, 5, 8});
+    const std::vector<class_weight> weights{{8, 1e300}, {5, 0.5}, {7, 1e-3}};
+    for (int again = 0; again < 3; ++again) {
+        const std::vector<double> costs = class_costs(classes, 1e-300, weights);
+        CHECK(costs == std::vector<double>{1e-300, 0.5e-300, 1e-300 * 1e300});
+    }
+    CHECK_THROWS_AS((void)class_costs(classes, 1, std::vector<class_weight>{{3, -1}}), std::invalid_argument);
+    CHECK_THROWS_AS((void)class_costs(classes, 1e300, std::vector<class_weight>{{3, 1e300}}),
+                    std::invalid_argument);
+}
+
 TEST_CASE("multiclass: most votes win, the first of equals; zero is a vote for the second of a pair") {
     CHECK(decide(std::array{1.0, 1.0, -1.0}, 3, multiclass::one_versus_one) == 0);
     CHECK(decide(std::array{-1.0, 1.0, -1.0}, 3, multiclass::one_versus_one) == 0); // one vote each

@@ -60,3 +60,10 @@ TEST_CASE("probability: coupling finds probabilities that the pairs agree on") {
     for (std::size_t i = 0; i < 4; ++i)
         CHECK(std::abs(found[i] - truth[i]) < 0.01); // the iteration ends at 0.005 / classes
 }
+
+TEST_CASE("probability: pairs that are certain couple to a certain class, not to NaN") {
+    const std::vector<double> certain{0, 1, 1, 0, 0, 1, 0, 0, 0};
+    const std::vector<double> found = couple_pairwise(certain, 3);
+    CHECK(found[0] > 0.99);
+    CHECK(std::accumulate(found.begin(), found.end(), 0.0) == doctest::Approx(1));
+}

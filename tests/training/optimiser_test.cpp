@@ -124,3 +124,29 @@ TEST_CASE("take_step: a gradient of zero moves nothing that is not decayed") {
         CHECK(values[0] < 2);
     }
 }
+
+// Without gradients the moments fade, and denormal numbers cost time.
+TEST_CASE(
+    "take_step: what an optimiser remembers fades to zero, or to a divisor that is no denormal number") {
+    for (const optimiser& rule : {optimiser(sgd{.momentum = 0.9}), optimiser(adamw{.decay = 0})}) {
+        optimiser_state<float> state;
+        state.resize(kernels::lanes<float>);
+        aligned_vector<float> values(kernels::lanes<float>, 2.0f), gradients(kernels::lanes<float>, 1.0f),
+            none(kernels::lanes<float>);
+        take_step<float>(rule, state, 0.1, values, gradients, none);
+        for (int step = 0; step < 12'000; ++step)
+            take_step<float>(rule, state, 0.1, values, none, none);
+        CHECK(state.first[0] == 0);
+        CHECK(state.second[0] == (rule.index() == 0 ? 0 : 0x1p-116f));
+    }
+    // What was never moved stays zero, and a NaN stays one.
+    optimiser_state<float> state;
+    state.resize(kernels::lanes<float>);
+    aligned_vector<float> values(kernels::lanes<float>), none(kernels::lanes<float>);
+    take_step<float>(adamw{}, state, 0.1, values, none, none);
+    CHECK(state.second[0] == 0);
+    none[0] = std::nanf("");
+    take_step<float>(adamw{}, state, 0.1, values, none, values);
+    CHECK(std::isnan(state.first[0]));
+    CHECK(std::isnan(state.second[0]));
+}

@@ -79,6 +79,7 @@ public:
     [[nodiscard]] clusters improve(aligned_vector<float> centres) && {
         result_.centres = std::move(centres);
         result_.nearest.resize(count_);
+        move_near_zero();
         result_.objective = assign();
         while (!result_.converged && result_.iterations < settings_.most_iterations) {
             const double last = result_.objective;
@@ -143,11 +144,43 @@ private:
             --chosen;
         return chosen;
     }
+    /// Where the points lie far from zero against their extent, the search gets them with their middle there:
+    /// its squares would swallow their distances.
+    void move_near_zero() {
+        constexpr double far = 32; // deviations; nearer, 1/1000 of the squares remains
+        std::array<double, Values> middle{};
+        double extent = 0, offset = 0;
+        const double count = static_cast<double>(count_);
+        for (std::size_t i = 0; i < count_; ++i)
+            for (std::size_t v = 0; v < Values; ++v)
+                middle[v] += static_cast<double>(point(i)[v]) / count;
+        for (std::size_t i = 0; i < count_; ++i)
+            for (std::size_t v = 0; v < Values; ++v) {
+                const double d = static_cast<double>(point(i)[v]) - middle[v];
+                extent += d * d / count;
+            }
+        for (const double m : middle)
+            offset += m * m;
+        if (!(offset > far * far * extent))
+            return;
+        origin_.assign(middle.begin(), middle.end());
+        moved_ = moved(points_);
+    }
+    [[nodiscard]] aligned_vector<float> moved(std::span<const float> rows) const {
+        aligned_vector<float> result(rows.begin(), rows.end());
+        for (std::size_t e = 0; e < result.size(); ++e)
+            result[e] = static_cast<float>(static_cast<double>(result[e]) - origin_[e % Values]);
+        return result;
+    }
     /// Finds the nearest centre of every point. The objective.
     double assign() {
-        const kernels::nearest_row<Values> search(result_.centres);
+        const bool far = !moved_.empty();
+        const kernels::nearest_row<Values> search = far ? kernels::nearest_row<Values>(moved(result_.centres))
+                                                        : kernels::nearest_row<Values>(result_.centres);
+        const float* const from = far ? moved_.data() : points_.data();
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
-            search(point(b * block), std::min(block, count_ - b * block), result_.nearest.data() + b * block);
+            search(from + b * block * Values, std::min(block, count_ - b * block),
+                   result_.nearest.data() + b * block);
         });
         return measure([&](std::size_t i) { return distance(i, result_.nearest[i]); });
     }
@@ -190,6 +223,8 @@ private:
     const k_means_settings& settings_;
     thread_pool& threads_;
     std::vector<double> distances_, block_sums_;
+    std::vector<double> origin_;  ///< what is taken from points and centres for the search
+    aligned_vector<float> moved_; ///< the points without it; empty where they are searched for as they are
     clusters result_;
 };
 

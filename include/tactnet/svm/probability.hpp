@@ -82,11 +82,15 @@ struct sigmoid {
 
 /// Probabilities of all classes from those of each pair, `pairwise[i][j]` = P(i | i or j), row by row (Wu,
 /// Lin and Weng, "Probability estimates for multi-class classification by pairwise coupling", JMLR 5, 2004,
-/// second method).
+/// second method). None is taken for more certain than to 1e-7: a class that is sure against all others would
+/// be divided by nothing.
 [[nodiscard]] inline std::vector<double> couple_pairwise(std::span<const double> pairwise,
                                                          std::size_t classes) {
     const std::size_t k = classes;
-    const auto r = [&](std::size_t i, std::size_t j) { return pairwise[i * k + j]; };
+    constexpr double least = 1e-7;
+    const auto r = [&](std::size_t i, std::size_t j) {
+        return std::clamp(pairwise[i * k + j], least, 1 - least);
+    };
     std::vector<double> q(k * k), p(k, 1 / static_cast<double>(k)), qp(k);
     for (std::size_t t = 0; t < k; ++t)
         for (std::size_t j = 0; j < k; ++j)

@@ -100,6 +100,7 @@ public:
             detail::initialise(p, network_->values_of(p), how.initialisation, seed, index);
         averaged_ = network_->copy();
         best_ = network_->copy();
+        kept_ = network_->copy();
     }
 
     [[nodiscard]] bool finished() const { return progress_.stopped || history().size() >= how_.epochs; }
@@ -148,29 +149,17 @@ public:
     }
 
     /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
-    /// that leaves numbers which are not finite, or when the validation loss is not.
+    /// that leaves numbers which are not finite, when the validation loss is not, or when a gradient was so
+    /// large that its square is not. `latest` and `best` are then as before the epoch; the training cannot go
+    /// on.
     const epoch_report& run_epoch() {
-        const std::size_t epoch = history().size();
-        const std::vector<std::size_t> order = shown_.order(epoch);
-        epoch_report report{.epoch = epoch + 1};
-        for (std::size_t step = 0; step < shown_.steps(); ++step) {
-            const double when =
-                static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(shown_.steps());
-            report.rate = rate_at(how_.schedule, how_.rate, when, static_cast<double>(how_.epochs));
-            const std::span<const std::size_t> places = shown_.batch(step, order);
-            const double loss = take(places, epoch, report.rate);
-            detail::check_loss(loss, report, "step " + std::to_string(step + 1));
-            report.loss += loss * static_cast<double>(places.size()) / static_cast<double>(order.size());
+        kept_->take(candidate());
+        try {
+            progress_.history.push_back(trained_epoch());
+        } catch (const training_diverged&) {
+            candidate().take(*kept_);
+            throw;
         }
-        detail::check_parameters(network_->learnable_values(), report);
-        detail::check_parameters(network_->running_statistics(), report);
-        if ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs) {
-            if (how_.remeasure_statistics)
-                remeasure_statistics(how_.averaging > 0 ? *averaged_ : *network_);
-            if (!split_.validation.empty())
-                validate(report);
-        }
-        progress_.history.push_back(report);
         return history().back();
     }
 
@@ -213,9 +202,38 @@ private:
         samples.check_finite(network_->input_shape());
         if (how.validate_every == 0)
             throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
+        if (!(how.label_smoothing >= 0 && how.label_smoothing < 1))
+            throw std::invalid_argument("trainer: expected a label smoothing of 0 or more and below 1, with "
+                                        "which nothing could be learnt, found " +
+                                        std::to_string(how.label_smoothing));
         if (split.training.empty())
             throw std::invalid_argument("trainer: the training part of the split holds no sample");
         return how;
+    }
+
+    epoch_report trained_epoch() {
+        const std::size_t epoch = history().size();
+        const std::vector<std::size_t> order = shown_.order(epoch);
+        epoch_report report{.epoch = epoch + 1};
+        for (std::size_t step = 0; step < shown_.steps(); ++step) {
+            const double when =
+                static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(shown_.steps());
+            report.rate = rate_at(how_.schedule, how_.rate, when, static_cast<double>(how_.epochs));
+            const std::span<const std::size_t> places = shown_.batch(step, order);
+            const double loss = take(places, epoch, report.rate);
+            detail::check_loss(loss, report, "step " + std::to_string(step + 1));
+            report.loss += loss * static_cast<double>(places.size()) / static_cast<double>(order.size());
+        }
+        detail::check_parameters(network_->learnable_values(), report);
+        detail::check_parameters(network_->running_statistics(), report);
+        detail::check_squares(optimiser_.second, report);
+        if ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs) {
+            if (how_.remeasure_statistics)
+                remeasure_statistics(how_.averaging > 0 ? *averaged_ : *network_);
+            if (!split_.validation.empty())
+                validate(report);
+        }
+        return report;
     }
 
     /// One step; returns the mean loss before it.
@@ -284,6 +302,7 @@ private:
     }
 
     std::unique_ptr<trainable> network_, averaged_, best_;
+    std::unique_ptr<trainable> kept_; ///< the candidate before the epoch
     recipe how_;
     labelled_samples samples_;
     data_split split_;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <variant>
 #include <vector>
@@ -22,7 +23,9 @@ struct sgd {
     double l2 = 0;
 };
 
-/// Adam with decoupled weight decay (Loshchilov and Hutter, 2019), on weights only.
+/// Adam with decoupled weight decay (Loshchilov and Hutter, 2019), on weights only. A gradient beyond 1.8e19
+/// ÷ √(1 − beta2), 1.8e20 as a rule, has a square beyond single precision: `second` is then infinite, and its
+/// number moves no more. A training says so at the end of the epoch.
 struct adamw {
     double beta1 = 0.9, beta2 = 0.99;
     double decay = 0.05;
@@ -61,6 +64,22 @@ template <class T>
     return shares.empty() ? kernels::vector<T>(T{1}) : kernels::load(&shares[i]);
 }
 
+/// Zero for what is below the smallest normal number. What an optimiser remembers of a number without
+/// gradients fades until it is denormal, where it stays (0.9 of a few smallest numbers is as many), and every
+/// step with it takes many times as long on most processors.
+template <class T>
+[[nodiscard]] kernels::vector<T> without_denormals(const kernels::vector<T>& x) {
+    const kernels::vector<T> zero(T{}), least(std::numeric_limits<T>::min());
+    return kernels::choose<T>((x < least) && (zero - x < least), zero, x);
+}
+/// The same of a number whose root is divided by: it stays 2^-116, large enough to fade without becoming
+/// denormal, and so small that an epsilon of 1e-8 does not notice its root; only zero stays zero.
+template <class T>
+[[nodiscard]] kernels::vector<T> without_denormal_divisors(const kernels::vector<T>& x) {
+    const kernels::vector<T> zero(T{}), least(static_cast<T>(0x1p-116));
+    return kernels::choose<T>((x < least) && (x > zero), least, x);
+}
+
 } // namespace detail
 
 /// One step over flat arrays, each as long as whole vectors (see padded_size). `decayed` is one for weights
@@ -76,8 +95,8 @@ void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::spa
         const kernels::vector<T> value = kernels::load<T>(&values[i]);
         const kernels::vector<T> gradient =
             kernels::multiply_add<T>(l2 * kernels::load(&decayed[i]), value, kernels::load(&gradients[i]));
-        const kernels::vector<T> velocity =
-            kernels::multiply_add<T>(momentum, kernels::load<T>(&state.first[i]), gradient);
+        const kernels::vector<T> velocity = detail::without_denormals<T>(
+            kernels::multiply_add<T>(momentum, kernels::load<T>(&state.first[i]), gradient));
         kernels::store(&state.first[i], velocity);
         kernels::store(&values[i], value - r * detail::rate_share(shares, i) * velocity);
     }
@@ -97,10 +116,10 @@ void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::s
     for (std::size_t i = 0; i < values.size(); i += kernels::lanes<T>) {
         const kernels::vector<T> value = kernels::load<T>(&values[i]),
                                  gradient = kernels::load(&gradients[i]);
-        const kernels::vector<T> first =
-            kernels::multiply_add<T>(beta1, kernels::load<T>(&state.first[i]), rest1 * gradient);
-        const kernels::vector<T> second =
-            kernels::multiply_add<T>(beta2, kernels::load<T>(&state.second[i]), rest2 * gradient * gradient);
+        const kernels::vector<T> first = detail::without_denormals<T>(
+            kernels::multiply_add<T>(beta1, kernels::load<T>(&state.first[i]), rest1 * gradient));
+        const kernels::vector<T> second = detail::without_denormal_divisors<T>(
+            kernels::multiply_add<T>(beta2, kernels::load<T>(&state.second[i]), rest2 * gradient * gradient));
         kernels::store(&state.first[i], first);
         kernels::store(&state.second[i], second);
         const kernels::vector<T> share = detail::rate_share(shares, i);

@@ -46,7 +46,9 @@ public:
     }
 
     /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
-    /// that leaves numbers which are not finite, or when the validation loss is not.
+    /// that leaves numbers which are not finite, when the validation loss is not, or when a gradient was so
+    /// large that its square is not. `latest` and `best` are then as before the epoch; the training cannot go
+    /// on.
     const epoch_report& run_epoch() { return loop_.run_epoch(); }
 
     /// visit(name, span of float or double) for all that a resumed training needs; after writing to them,

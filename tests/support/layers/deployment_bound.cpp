@@ -19,6 +19,9 @@ double roundings(double count) {
     return accumulated(roundoff, count);
 }
 
+/// What one rounding loses below the smallest normal number, at most: half of the smallest number of all.
+constexpr double lost = 0x1p-150;
+
 double magnitude(const rounded& b) {
     return std::abs(b.value) + b.error;
 }
@@ -168,7 +171,7 @@ public:
                 std::vector<double> weights(w.begin(), w.end());
                 std::vector<rounded> biases(layer.filters);
                 std::optional<norm> folded;
-                if (behind < layers.size() && layers[behind].what == kind::norm)
+                if (!layer.alone && behind < layers.size() && layers[behind].what == kind::norm)
                     folded = take_norm(layer.filters), i = behind;
                 for (std::size_t f = 0; f < layer.filters; ++f) {
                     biases[f].value = layer.bias ? static_cast<double>(b[f]) : 0;
@@ -179,7 +182,10 @@ public:
                     }
                 }
                 // The sum of a residual block is taken in the last convolution of its main branch.
-                x = by_groups(layer, weights, biases, x, i + 1 == layers.size() ? added : nullptr);
+                const bool sums = i + 1 == layers.size() && !layer.alone;
+                x = by_groups(layer, weights, biases, x, sums ? added : nullptr);
+                if (sums)
+                    added = nullptr;
                 break;
             }
             case kind::dense: {
@@ -198,9 +204,11 @@ public:
                 for (std::size_t e = 0; e < x.size(); ++e) {
                     const double factor = n.factor(e / area);
                     const rounded offset = n.shifted(e / area, 0);
-                    const double size = std::abs(factor) * magnitude(x[e]) + magnitude(offset);
+                    const double middle =
+                        layer.alone ? std::abs(factor * static_cast<double>(n.mean[e / area])) : 0;
+                    const double size = std::abs(factor) * magnitude(x[e]) + magnitude(offset) + middle;
                     x[e] = {x[e].value * factor + offset.value,
-                            std::abs(factor) * x[e].error + offset.error + roundings(3) * size,
+                            std::abs(factor) * x[e].error + offset.error + roundings(3) * size + 3 * lost,
                             std::hypot(factor * x[e].deviation, offset.deviation,
                                        std::sqrt(3) * roundoff * size)};
                 }
@@ -243,6 +251,12 @@ public:
                 break;
             }
         }
+        if (added != nullptr)
+            for (std::size_t e = 0; e < x.size(); ++e) {
+                const rounded& skip = (*added)[e];
+                x[e] = rounded_once({x[e].value + skip.value, x[e].error + skip.error,
+                                     std::hypot(x[e].deviation, skip.deviation)});
+            }
         return x;
     }
 
@@ -397,12 +411,12 @@ private:
             const double spread = largest - smallest + 2 * wrong;
             for (std::size_t e = p; e < x.size(); e += area) {
                 out[e].value = std::exp(x[e].value - largest) / sum;
-                const double lost = static_cast<double>(std::numeric_limits<float>::min());
+                const double below = static_cast<double>(std::numeric_limits<float>::min());
                 out[e].error =
-                    out[e].value * (std::expm1(4 * wrong + 2 * roundings(1) * spread) + roundings(6)) + lost;
+                    out[e].value * (std::expm1(4 * wrong + 2 * roundings(1) * spread) + roundings(6)) + below;
                 out[e].deviation =
                     out[e].value * (std::expm1(4 * off + 2 * roundoff * spread) + std::sqrt(6) * roundoff) +
-                    lost;
+                    below;
             }
         }
         return out;
@@ -433,7 +447,7 @@ rounded_map bounded_convolution(const reference_window& window, std::size_t filt
                 most_sizes[f * area + to] += std::abs(w) * magnitude(x);
                 sizes[f * area + to] += std::abs(w * x.value);
             });
-    double count = static_cast<double>(channels * taps) + 3;
+    double count = static_cast<double>(channels * taps) + 3, far = 1;
     if (tiled > 0) {
         std::vector<double> most(in.size()), values(in.size());
         for (std::size_t i = 0; i < in.size(); ++i)
@@ -441,13 +455,19 @@ rounded_map bounded_convolution(const reference_window& window, std::size_t filt
         most_sizes = tile_magnitudes(window, filters, weights, most, tiled).sizes;
         sizes = tile_magnitudes(window, filters, weights, values, tiled).sizes;
         count = static_cast<double>(channels) + (tiled == 4 ? 23 : 11);
+        // The rows of |B|ᵀ add up to 5 at most, those of |G| to 2, those of |A|ᵀ to 8, in two directions.
+        double all = 0;
+        for (const double w : weights)
+            all = std::max(all, std::abs(w));
+        far = 25 * 64 * (1 + 4 * static_cast<double>(channels * taps) * all);
     }
+    const double underflow = static_cast<double>(channels * taps + 3) * far * lost;
     for (std::size_t o = 0; o < out.size(); ++o) {
         const rounded& bias = biases[o / area];
         const rounded skip = added ? (*added)[o] : rounded{};
         out[o].value += bias.value + skip.value;
-        out[o].error +=
-            bias.error + skip.error + roundings(count) * (most_sizes[o] + magnitude(bias) + magnitude(skip));
+        out[o].error += bias.error + skip.error +
+                        roundings(count) * (most_sizes[o] + magnitude(bias) + magnitude(skip)) + underflow;
         out[o].deviation =
             std::sqrt(out[o].deviation + square(bias.deviation) + square(skip.deviation) +
                       count * square(roundoff * (sizes[o] + std::abs(bias.value) + std::abs(skip.value))));
@@ -486,7 +506,8 @@ rounded_map bounded_input(std::span<const float> counts, std::span<const float> 
         in[i].value = (static_cast<double>(counts[i]) - m) * static_cast<double>(scale);
         // Taking away nothing and multiplying by one do not round.
         const double size = m == 0 && scale == 1 ? 0 : std::abs(in[i].value);
-        in[i].error = roundings(2) * size, in[i].deviation = std::sqrt(2) * roundoff * size;
+        in[i].error = roundings(2) * size + (size > 0 ? lost : 0),
+        in[i].deviation = std::sqrt(2) * roundoff * size;
     }
     return in;
 }

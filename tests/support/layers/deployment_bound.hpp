@@ -24,7 +24,9 @@
 // Responses  see the code.
 // Softmax    see the code.
 // Double precision makes errors too: u is taken 2^-20 larger, thousands of times what they can add.
-// Underflow is left out: numbers of the tests are far from it.
+// Underflow  a rounding below the smallest normal number loses 2^-150 at most, whatever the number (sums lose
+//            nothing there): as many times as there are products, each by what it meets on its way out. With
+//            flush-to-zero, which is the program's own choice, it would be 2^-126.
 //
 // What bounds the worst case grows with every layer, as if all errors conspired: behind a dozen layers it
 // would let pass nearly anything. So each number also carries the deviation that errors have when roundings
@@ -71,6 +73,7 @@ struct described_layer {
     std::size_t filters = 0;   ///< outputs of dense layers
     std::size_t groups = 1;    ///< of a convolution
     bool bias = true;          ///< of a convolution
+    bool alone = false;    ///< not folded with what stands beside it, as in batches: a convolution, a norm
     std::size_t tiled = 0; ///< rows of the outputs of Winograd's tiles, 2 or 4; 0 for a convolution by taps
     std::vector<described_layer> inner{}, skip{};
     /// Of a concatenation: lists.

@@ -35,3 +35,15 @@ TEST_CASE("divergence: a loss or a parameter that is not finite, with epoch and 
     CHECK(told(check) == "training diverged in epoch 4, last step: expected finite parameters, found -inf; "
                          "lower the learning rate (now 0.500000)");
 }
+
+TEST_CASE("divergence: a second moment that is infinite, or no number") {
+    std::array values{1.0f, 3e38f};
+    const auto check = [&](const epoch_report& r) { detail::check_squares(values, r); };
+    CHECK(told(check).empty());
+    values[1] = std::numeric_limits<float>::infinity();
+    CHECK(told(check) ==
+          "training diverged in epoch 4, its steps: expected gradients whose squares are finite, found "
+          "inf; lower the learning rate (now 0.500000)");
+    values[1] = std::numeric_limits<float>::quiet_NaN();
+    CHECK(told(check).starts_with("training diverged in epoch 4, its steps: "));
+}

@@ -37,6 +37,14 @@ inline void check_parameters(std::span<const float> values, const epoch_report& 
             diverged(report, "last step", "finite parameters", static_cast<double>(value));
 }
 
+/// A gradient whose square leaves single precision makes an optimiser's second moment infinite, for good: the
+/// number would never move again, and look as good as any other.
+inline void check_squares(std::span<const float> second_moments, const epoch_report& report) {
+    for (const float moment : second_moments)
+        if (!std::isfinite(moment))
+            diverged(report, "its steps", "gradients whose squares are finite", static_cast<double>(moment));
+}
+
 } // namespace detail
 
 } // namespace TACTNET_ARCH

@@ -1,0 +1,167 @@
+// Clusters and descriptors of images that have nothing in them, of points that are all the same, or far away.
+
+#include "record.hpp"
+
+#include <tactnet/features.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <features/images.hpp>
+#include <memory>
+#include <string>
+#include <support/tolerance.hpp>
+#include <vector>
+
+using namespace tactnet;
+using hard_cases::hold;
+using hard_cases::outcome;
+using hard_cases::unit;
+
+namespace {
+
+constexpr double u = support::unit_roundoff<float>;
+constexpr std::size_t values = 5;
+
+/// Two clusters, `apart` from each other around `middle`, each a tenth as wide.
+std::vector<float> two_clusters(std::size_t count, float middle, float apart) {
+    random_stream random(3, draw::order);
+    std::vector<float> points(count * values);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = middle + (i / values % 2 == 0 ? apart : 0) +
+                    apart / 10 * static_cast<float>(random.uniform(-1, 1));
+    return points;
+}
+std::uint32_t nearest(const float* point, const float* centres, std::size_t count, bool plainly) {
+    std::uint32_t best = 0;
+    double least = INFINITY;
+    for (std::uint32_t c = 0; c < count; ++c) {
+        double distance = 0;
+        float x = 0, w = 0, product = 0;
+        for (std::size_t v = 0; v < values; ++v) {
+            const float a = point[v], b = centres[c * values + v];
+            distance += std::pow(static_cast<double>(a) - static_cast<double>(b), 2);
+            x += a * a, w += b * b, product += a * b;
+        }
+        if (plainly)
+            distance = static_cast<double>(x + w - 2 * product);
+        if (distance < least)
+            least = distance, best = c;
+    }
+    return best;
+}
+
+/// The clusters are ten times as far apart as they are wide: no rounding of their numbers makes another one
+/// nearer.
+void check_clusters(const std::string& name, float middle, float apart) {
+    const std::vector<float> points = two_clusters(200, middle, apart);
+    thread_pool threads(1);
+    const clusters found = k_means<values>(points, {.centres = 2}, threads);
+    REQUIRE(found.centres.size() == 2 * values);
+    double wrong = 0, wrong_plainly = 0;
+    for (std::size_t i = 0; i < 200; ++i) {
+        const float* const point = points.data() + i * values;
+        wrong += found.nearest[i] != nearest(point, found.centres.data(), 2, false) ||
+                 found.nearest[i] != found.nearest[i % 2];
+        wrong_plainly +=
+            nearest(point, found.centres.data(), 2, true) != nearest(point, found.centres.data(), 2, false);
+    }
+    hold("features", name + ": points with the wrong centre", unit::absolute, {0, wrong_plainly, wrong, 0});
+}
+
+} // namespace
+
+TEST_CASE("k_means: clusters far from zero, and of any size") {
+    check_clusters("two clusters at 0, 1 apart", 0, 1);
+    check_clusters("two clusters at 1e4, 1 apart", 1e4f, 1);
+    check_clusters("two clusters at 1e6, 10 apart", 1e6f, 10);
+    check_clusters("two clusters of 1e-18", 0, 1e-18f);
+    check_clusters("two clusters of 1e16", 0, 1e16f);
+}
+
+TEST_CASE("k_means: points that are all the same, and more centres than points") {
+    thread_pool threads(1);
+    const std::vector<float> same(100 * values, 0.1f);
+    const clusters one = k_means<values>(same, {.centres = 10}, threads);
+    hold("features", "100 equal points, 10 clusters: centres", unit::absolute,
+         {1, 10, static_cast<double>(one.centres.size() / values), 0});
+    hold("features", "100 equal points, 10 clusters: objective", unit::absolute, {0, 0, one.objective, 0});
+    const std::vector<float> few = two_clusters(3, 0, 1);
+    const clusters three = k_means<values>(few, {.centres = 50}, threads);
+    hold("features", "50 clusters of 3 points: centres", unit::absolute,
+         {3, 50, static_cast<double>(three.centres.size() / values), 0});
+    // A mean of one number is that number.
+    hold("features", "50 clusters of 3 points: objective", unit::absolute, {0, NAN, three.objective, 0});
+    // Two centres on one point: one is empty, and the mean of nothing is NaN.
+    std::vector<float> twice(few.begin(), few.begin() + values);
+    twice.insert(twice.end(), few.begin(), few.begin() + values);
+    const clusters filled = k_means_from<values>(few, twice, {.centres = 2}, threads);
+    const float nothing = 0;
+    hold("features", "a cluster without points: its centre", unit::absolute,
+         {0, static_cast<double>(nothing / nothing), std::isfinite(filled.centres[values]) ? 0.0 : NAN, 0});
+}
+
+// Sums of real numbers that are no larger than their rounding count as zero: no descriptor inside.
+TEST_CASE("dense_surf: constant images of counts and of real numbers") {
+    constexpr shape size{28, 50, 1};
+    tensor<float, size> image;
+    std::fill(image.begin(), image.end(), 0.1f);
+    const auto surf = std::make_unique<dense_surf<size, surf_grid{}, float>>();
+    REQUIRE(surf->describe(image));
+    bool finite = true;
+    for (const float value : surf->descriptors())
+        finite &= std::isfinite(value);
+    double inside = 0;
+    for (const surf_place p : surf->places())
+        inside += p.level == 0 && p.row >= 10 && p.row + 11 <= 27 && p.column >= 10 && p.column + 11 <= 49;
+    CHECK(finite);
+    const float length = 0;
+    hold("features", "a constant image: descriptors away from its border (plain: 0 ÷ 0)", unit::absolute,
+         {0, static_cast<double>(length / length), inside, 0});
+    std::fill(image.begin(), image.end(), 0.0f);
+    REQUIRE(surf->describe(image));
+    hold("features", "an empty image: descriptors (plain: 0 ÷ 0)", unit::absolute,
+         {0, static_cast<double>(length / length), static_cast<double>(surf->places().size()), 0});
+}
+
+namespace {
+
+constexpr shape vast{3200, 3200, 1};
+
+template <class Texture>
+void check_vast(const std::string& name, Texture&& texture) {
+    const auto image = std::make_unique<tensor<float, vast>>();
+    for (std::size_t i = 0; i < vast.size(); ++i)
+        (*image)(i / 3200, i % 3200) = texture(i);
+    const auto integral = std::make_unique<integral_image<float, vast>>();
+    integral->compute(*image);
+    // The last row and the one above, of an integral image in single precision.
+    std::vector<float> row(3201), above(3201);
+    std::vector<outcome> all;
+    for (std::size_t r = 0; r < 3200; ++r) {
+        float sum = 0;
+        above = row;
+        for (std::size_t c = 0; c < 3200; ++c)
+            sum += (*image)(r, c), row[c + 1] = above[c + 1] + sum;
+    }
+    for (std::size_t c = 3000; c < 3200; ++c) {
+        const double exact = static_cast<double>((*image)(3199, c));
+        all.push_back({exact, static_cast<double>(row[c + 1] - row[c] - above[c + 1] + above[c]),
+                       integral->box(3199, static_cast<std::ptrdiff_t>(c), 1, 1), 4 * integral->rounding()});
+    }
+    hold("features", name, unit::absolute, all);
+}
+
+} // namespace
+
+// A corner is off by at most as many roundings of 2^-52 as there are rows and columns, of the sum of all
+// pixels.
+TEST_CASE("integral_image: ten million pixels of a large offset and a weak texture") {
+    check_vast("integral image, 10⁷ pixels of 1000 ± 0.1: one pixel",
+               [](std::size_t i) { return 1000.0f + 0.002f * static_cast<float>(i * 37 % 101); });
+    check_vast("integral image, 10⁷ pixels of 1 ± 1e-6: one pixel",
+               [](std::size_t i) { return 1.0f + 2e-8f * static_cast<float>(i * 37 % 101); });
+}
