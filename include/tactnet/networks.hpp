@@ -12,5 +12,4 @@
 #include <tactnet/networks/resolution.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>
-#include <tactnet/networks/tactnet_compact.hpp>
 #include <tactnet/networks/tactresnet.hpp>
