@@ -15,7 +15,7 @@ class TactnetConan(ConanFile):
     name = "tactnet"
     description = "Recognises touched objects from the pressure images of tactile arrays"
     license = "MIT"
-    url = "https://github.com/tactnet/tactnet"
+    url = "https://tactnet.example"
     homepage = url
     topics = ("tactile-sensing", "neural-networks", "header-only")
     package_type = "header-library"

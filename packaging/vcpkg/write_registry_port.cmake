@@ -1,10 +1,11 @@
 # Writes the port of a release for a registry: the overlay port of this checkout, with the archive that the forge offers of
 # the release's tag instead of the checkout. Needed once for each release, when its archive is there:
 #
-#     cmake -DARCHIVE=v0.1.0.tar.gz -DOUTPUT=<registry>/ports/tactnet -P packaging/vcpkg/write_registry_port.cmake
+#     cmake -DARCHIVE=v0.1.0.tar.gz -DREPOSITORY=<owner>/<name> -DOUTPUT=<registry>/ports/tactnet \
+#           -P packaging/vcpkg/write_registry_port.cmake
 cmake_minimum_required(VERSION 3.22)
 
-foreach(argument IN ITEMS ARCHIVE OUTPUT)
+foreach(argument IN ITEMS ARCHIVE REPOSITORY OUTPUT)
     if(NOT ${argument})
         message(FATAL_ERROR "write_registry_port: expected -D${argument}=..., found none.")
     endif()
@@ -16,11 +17,9 @@ set(port "${CMAKE_CURRENT_LIST_DIR}/tactnet")
 
 file(READ "${port}/vcpkg.json" description)
 string(JSON version GET "${description}" version)
-string(JSON homepage GET "${description}" homepage)
-if(NOT homepage MATCHES "^https://github[.]com/([^/]+/[^/]+)$")
-    message(FATAL_ERROR "write_registry_port: expected a homepage https://github.com/OWNER/NAME, found '${homepage}'.")
+if(NOT REPOSITORY MATCHES "^[^/]+/[^/]+$")
+    message(FATAL_ERROR "write_registry_port: expected -DREPOSITORY=<owner>/<name>, found '${REPOSITORY}'.")
 endif()
-set(repository "${CMAKE_MATCH_1}")
 file(SHA512 "${ARCHIVE}" checksum)
 
 file(READ "${port}/portfile.cmake" portfile)
@@ -36,7 +35,7 @@ file(
     WRITE "${OUTPUT}/portfile.cmake"
     "vcpkg_from_github(
     OUT_SOURCE_PATH SOURCE_PATH
-    REPO ${repository}
+    REPO ${REPOSITORY}
     REF \"v\${VERSION}\"
     SHA512 ${checksum}
     HEAD_REF main
@@ -46,4 +45,4 @@ ${rest}"
 foreach(file IN ITEMS vcpkg.json usage)
     configure_file("${port}/${file}" "${OUTPUT}/${file}" COPYONLY)
 endforeach()
-message(STATUS "${OUTPUT}: tactnet ${version} of ${repository}")
+message(STATUS "${OUTPUT}: tactnet ${version} of ${REPOSITORY}")

@@ -36,7 +36,7 @@ elseif(MODE STREQUAL "registry")
         file(COPY "${SOURCE}/${part}" DESTINATION "${release}")
     endforeach()
     # The name by which vcpkg_from_github looks for what it would download.
-    set(archive "${FOLDER}/downloads/tactnet-tactnet-v${VERSION}.tar.gz")
+    set(archive "${FOLDER}/downloads/owner-tactnet-v${VERSION}.tar.gz")
     file(MAKE_DIRECTORY "${FOLDER}/downloads")
     execute_process(
         COMMAND "${CMAKE_COMMAND}" -E tar czf "${archive}" "tactnet-${VERSION}" WORKING_DIRECTORY "${FOLDER}"
@@ -45,7 +45,7 @@ elseif(MODE STREQUAL "registry")
     file(REMOVE_RECURSE "${release}")
     set(ports "${FOLDER}/ports")
     execute_process(
-        COMMAND "${CMAKE_COMMAND}" "-DARCHIVE=${archive}" "-DOUTPUT=${ports}/tactnet" -P
+        COMMAND "${CMAKE_COMMAND}" "-DARCHIVE=${archive}" -DREPOSITORY=owner/tactnet "-DOUTPUT=${ports}/tactnet" -P
                 "${SOURCE}/packaging/vcpkg/write_registry_port.cmake" COMMAND_ERROR_IS_FATAL ANY
     )
     list(APPEND options "--downloads-root=${FOLDER}/downloads")
