@@ -11,10 +11,11 @@ inline namespace TACTNET_ARCH {
 
 template <std::size_t Size, class Alpha, class Beta, class K>
 struct deployed_form<local_response_norm<Size, Alpha, Beta, K>> {
+    /// Constants in lowest terms, so that equal ones are one step, and one spelling.
+    using rule = kernels::response_rule<Size, typename Alpha::type, typename Beta::type, typename K::type>;
     template <class Place>
     using at = form_without_parameters<
-        local_response_norm_step<typename Place::format, Place::layer::output, Place::input_stride,
-                                 kernels::response_rule<Size, Alpha, Beta, K>>>;
+        local_response_norm_step<typename Place::format, Place::layer::output, Place::input_stride, rule>>;
 };
 
 } // namespace TACTNET_ARCH

@@ -9,9 +9,10 @@ inline namespace TACTNET_ARCH {
 
 template <class Offset>
 struct deployed_form<square_root<Offset>> {
+    /// The offset in lowest terms, so that equal ones are one step, and one spelling.
     template <class Place>
-    using at = form_without_parameters<
-        square_root_step<typename Place::format, Place::layer::output, Place::input_stride, Offset>>;
+    using at = form_without_parameters<square_root_step<typename Place::format, Place::layer::output,
+                                                        Place::input_stride, typename Offset::type>>;
 };
 
 } // namespace TACTNET_ARCH

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/batch/elementwise.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>
