@@ -43,7 +43,8 @@ public:
 
     /// The input is (count − mean) × scale. Throws std::invalid_argument if the mean, the scale or a
     /// parameter is NaN, infinite or beyond 1e30 once batch norms are folded in.
-    deployed(const Network& network, std::span<const float, input_shape.size()> mean, float scale)
+    deployed(const Network& network, std::span<const float, input_shape.size()> mean,
+             float scale) requires std::is_same_v<Format, single_precision>
         : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
         std::copy(mean.begin(), mean.end(), folded_.begin());
         folded_[input_shape.size()] = scale;
@@ -58,6 +59,18 @@ public:
                                             " that give finite numbers up to 1e30, found " +
                                             std::to_string(folded_[i]) + " once batch norms are folded in");
         set_limit();
+        view_type::pack(folded_.data(), packed_.data());
+    }
+    /// From the numbers before packing, as folded() gives them. Throws std::invalid_argument if one is NaN or
+    /// infinite.
+    explicit deployed(std::span<const float, view_type::folded_elements> folded)
+        : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
+        for (std::size_t i = 0; i < folded.size(); ++i) {
+            if (!(std::abs(folded[i]) <= std::numeric_limits<float>::max()))
+                throw std::invalid_argument("deploy: expected finite numbers, found " +
+                                            std::to_string(folded[i]) + " at place " + std::to_string(i));
+            folded_[i] = folded[i];
+        }
         view_type::pack(folded_.data(), packed_.data());
     }
 

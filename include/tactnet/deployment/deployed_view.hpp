@@ -44,7 +44,7 @@ class deployed_view {
     using packed_number = typename format::packed;
     using entrance = frame_entrance<format, Input>;
     using exit = frame_exit<format, Steps::output, Steps::output_stride>;
-    static constexpr std::size_t output_elements = whole_lines(Steps::output.area() * Steps::output_stride);
+    static constexpr std::size_t output_elements = exit::map;
 
 public:
     using steps = Steps;

@@ -60,6 +60,7 @@ struct frame_exit;
 
 template <shape Output, std::size_t Stride>
 struct frame_exit<single_precision, Output, Stride> {
+    static constexpr std::size_t map = whole_lines(Output.area() * Stride); ///< elements of the last map
     /// Whether all outputs are finite.
     static bool write(const float* out, std::span<float, Output.size()> to) noexcept {
         std::uint32_t beyond = 0;

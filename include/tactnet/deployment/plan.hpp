@@ -5,6 +5,8 @@
 #include <tactnet/detail/indexed_leaves.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <type_traits>
 #include <utility>
@@ -52,6 +54,15 @@ struct form_list<> {
     static constexpr bool can_go_among = false;
 };
 
+/// The form that writes the outputs of the network.
+template <class Form>
+struct leaving_form {
+    static_assert(
+        requires { typename Form::leaving; }, "deploy: in this number format a network must end in a "
+                                              "convolution, a dense layer or an average pool");
+    using type = typename Form::leaving;
+};
+
 /// Forms whose last one writes among the channels of a wider map. First those that are done.
 template <std::size_t Stride, std::size_t Offset, class Done, class Rest>
 struct ending_among;
@@ -76,8 +87,14 @@ private:
     template <std::size_t I>
     using spec = typename decltype(detail::type_at<I>(
         std::declval<detail::indexed_leaves<std::type_identity<Specs>...>>()))::type;
+    /// The first layer that does something reads what the list is given, others what a layer has written.
+    static constexpr std::size_t first = [] {
+        constexpr std::array<bool, layers> nothing{passes_on<Specs>...};
+        return static_cast<std::size_t>(std::find(nothing.begin(), nothing.end(), false) - nothing.begin());
+    }();
     template <std::size_t I, std::size_t InputStride>
-    using place = layer_place<Format, Layers, I, InputStride>;
+    using place =
+        layer_place<std::conditional_t<I == first, Format, typename Format::inner>, Layers, I, InputStride>;
 
     /// A form and the first layer that it has not taken up.
     template <class Form, std::size_t Next>
@@ -101,7 +118,7 @@ private:
     }
 
     /// What the last form does besides.
-    enum class ending { plain, adds, adds_and_rectifies };
+    enum class ending { plain, adds, adds_and_rectifies, leaves };
     template <ending End, std::size_t I, std::size_t InputStride, class... Forms>
     static constexpr auto build() {
         if constexpr (I >= layers) {
@@ -117,6 +134,8 @@ private:
                 using last = typename whole::form;
                 if constexpr (whole::next < layers || End == ending::plain)
                     return build<End, whole::next, last::step::output_stride, Forms..., last>();
+                else if constexpr (End == ending::leaves)
+                    return detail::form_list<Forms..., typename detail::leaving_form<last>::type>{};
                 else
                     return detail::form_list<
                         Forms..., typename last::template adding<End == ending::adds_and_rectifies>>{};
@@ -125,6 +144,8 @@ private:
     }
     using forms = decltype(build<ending::plain, 0, Stride>());
     // Not an alias, in which Clang 14 sees no private members.
+    template <bool Leaves>
+    struct ended : decltype(build < Leaves ? ending::leaves : ending::plain, 0, Stride > ()) {};
     template <bool Rectified>
     struct summed : decltype(build < Rectified ? ending::adds_and_rectifies : ending::adds, 0, Stride > ()) {
     };
@@ -133,6 +154,9 @@ public:
     /// Forms that the list consists of; none, if it does nothing once trained.
     static constexpr std::size_t size = forms::size;
     using form = typename forms::form;
+    /// The same; with `Leaves` its last form writes the outputs of the network.
+    template <bool Leaves>
+    using ending_in = typename ended<Leaves>::form;
     /// Whether its last form can leave a sum in the output: for main branches of residual blocks.
     static constexpr bool can_add = forms::can_add;
     template <bool Rectified>
@@ -149,8 +173,9 @@ public:
 /// them. The forms of its layers must have been included (deployment/forms.hpp).
 template <class Network, class Format = single_precision>
     requires(!passes_on<typename Network::specification>) // or there is nothing to deploy
-using deployment_plan = typename planned<Format, typename Network::specification, typename Network::layers,
-                                         Network::input_shape.channels>::form;
+using deployment_plan =
+    typename planned<typename Format::entering, typename Network::specification, typename Network::layers,
+                     Network::input_shape.channels>::template ending_in<Format::leaves_apart>;
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

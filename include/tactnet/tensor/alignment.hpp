@@ -12,9 +12,10 @@ inline namespace TACTNET_ARCH {
 /// One cache line, and the widest vector register there is.
 inline constexpr std::size_t alignment = 64;
 
-/// Floats in whole cache lines that hold `count`: what lies behind them is aligned.
+/// Elements in whole cache lines that hold `count`: what lies behind them is aligned.
+template <class Element = float>
 [[nodiscard]] constexpr std::size_t whole_lines(std::size_t count) {
-    constexpr std::size_t line = alignment / sizeof(float);
+    constexpr std::size_t line = alignment / sizeof(Element);
     return (count + line - 1) / line * line;
 }
 

@@ -8,9 +8,11 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 template <class Place>
-using average_pool_form =
-    form_without_parameters<average_pool_step<typename Place::format, Place::layer::windows,
-                                              Place::layer::output.channels, Place::input_stride>>;
+struct average_pool_form
+    : form_without_parameters<average_pool_step<typename Place::format, Place::layer::windows,
+                                                Place::layer::output.channels, Place::input_stride>> {
+    using leaving = average_pool_form<typename Place::leaving>;
+};
 
 template <extent Window, extent Stride, padding Padding, average_over Over>
 struct deployed_form<average_pool<Window, Stride, Padding, Over>> {

@@ -86,6 +86,8 @@ struct convolution_form {
         requires(!Behind.pooled() && !Behind.rectified)
     using adding = convolution_form<Place, Norm, convolution_epilogue{.rectified = Rectified, .adds = true}>;
 
+    using leaving = convolution_form<typename Place::leaving, Norm, Behind>;
+
     /// Among the channels of a wider map, as a branch of a concatenation: where the filters fill vectors of
     /// four, which all instruction sets have.
     template <std::size_t MapStride, std::size_t MapOffset>

@@ -16,8 +16,10 @@ struct dense_form {
     using step = dense_step<typename Place::format,
                             kernels::frame_dense{layer::input, Place::input_stride, layer::output.channels}>;
 
+    using leaving = dense_form<typename Place::leaving>;
+
     static void fold(const parameter_source& list, float* to) {
-        std::copy_n(Place::parameters(list).values, step::folded, to);
+        std::copy_n(Place::parameters(list).values, layer::parameters, to);
     }
 };
 

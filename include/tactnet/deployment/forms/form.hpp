@@ -30,7 +30,8 @@
 // A form on which the sum of a residual block can be left says `adding<bool Rectified>`: the form that adds
 // to what lies in the output already, with a ReLU behind the sum or not. One that can write among the
 // channels of a wider map says `fits_among<MapStride, MapOffset>`, and `among<MapStride, MapOffset>` is the
-// form that does.
+// form that does. One that can write the outputs of a network in a format whose maps hold something else says
+// `leaving`: the form at Place::leaving.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -57,6 +58,8 @@ struct layer_place {
     using format = Format;
     using layer = typename Layers::template at<Index>;
     static constexpr std::size_t input_stride = InputStride;
+    /// The same layer where it writes the outputs of the network.
+    using leaving = layer_place<typename Format::leaving, Layers, Index, InputStride>;
 
     /// The layer's own parameters, of those of the list.
     [[nodiscard]] static parameter_source parameters(const parameter_source& list) {

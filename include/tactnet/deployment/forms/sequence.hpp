@@ -7,11 +7,12 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// A list inside a list.
-template <class Place, class Specification>
+template <class Place, class Specification, bool Leaves = false>
 struct list_form {
-    using list = typename planned<typename Place::format, Specification, typename Place::layer,
-                                  Place::input_stride>::form;
+    using plan = planned<typename Place::format, Specification, typename Place::layer, Place::input_stride>;
+    using list = typename plan::template ending_in<Leaves>;
     using step = typename list::step;
+    using leaving = list_form<Place, Specification, true>;
 
     static void fold(const parameter_source& outer, float* to) { list::fold(Place::parameters(outer), to); }
 };

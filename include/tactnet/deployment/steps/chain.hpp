@@ -41,8 +41,9 @@ struct step_chain {
     /// The largest map between two steps.
     static constexpr std::size_t buffer = [] {
         std::size_t most = 0;
-        kernels::unroll<size - 1>(
-            [&](auto i) { most = std::max(most, whole_lines(at<i>::output.area() * at<i>::output_stride)); });
+        kernels::unroll<size - 1>([&](auto i) {
+            most = std::max(most, whole_lines<activation>(at<i>::output.area() * at<i>::output_stride));
+        });
         return most;
     }();
     static constexpr std::size_t buffers = std::min<std::size_t>(size - 1, 2);

@@ -23,7 +23,7 @@ struct branch_step {
 /// next, side by side in one map of `Stride` elements a pixel.
 template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
 struct concatenation_step {
-    using format = Format;
+    using format = typename Format::inner;
     using activation = typename format::activation;
     using packed_number = typename format::packed;
 
@@ -45,7 +45,7 @@ private:
             return std::size_t{0};
         else
             return detail::fills_map<typename Branch::step>
-                       ? whole_lines(map<Branch>.area() * Branch::step::output_stride)
+                       ? whole_lines<activation>(map<Branch>.area() * Branch::step::output_stride)
                        : 0;
     }();
 
@@ -87,13 +87,14 @@ public:
             [&](std::size_t frame) { clear_rest(out + frame * detail::map_distance<concatenation_step>); });
     }
 
-private:
     /// Lanes behind the last channel.
     static void clear_rest(activation* out) {
         if constexpr (output.channels < Stride)
             for (std::size_t pixel = 0; pixel < output.area(); ++pixel)
                 std::fill(out + pixel * Stride + output.channels, out + (pixel + 1) * Stride, activation{});
     }
+
+private:
     template <class Branch>
     static void run_branch(const packed_number* packed_values, const activation* in, activation* out,
                            activation* memory) noexcept {

@@ -32,8 +32,9 @@ struct residual_step {
         if constexpr (std::is_same_v<Skip, no_step>)
             return std::size_t{0};
         else
-            return Skip::output_stride == output_stride ? 0
-                                                        : whole_lines(output.area() * Skip::output_stride);
+            return Skip::output_stride == output_stride
+                       ? 0
+                       : whole_lines<activation>(output.area() * Skip::output_stride);
     }();
     static constexpr std::size_t scratch = std::max(Main::scratch, aside + Skip::scratch);
 
@@ -48,6 +49,12 @@ struct residual_step {
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,
                     activation* memory) noexcept {
+        leave_skip(packed_values, in, out, memory);
+        Main::run(packed_values, in, out, memory);
+    }
+    /// Its first half: the skip, in the output.
+    static void leave_skip(const packed_number* packed_values, const activation* in, activation* out,
+                           activation* memory) noexcept {
         if constexpr (std::is_same_v<Skip, no_step>) {
             copy_pixels<InputStride>(in, out);
         } else if constexpr (aside == 0) {
@@ -56,7 +63,6 @@ struct residual_step {
             Skip::run(packed_values + Main::packed, in, memory, memory + aside);
             copy_pixels<Skip::output_stride>(memory, out);
         }
-        Main::run(packed_values, in, out, memory);
     }
     template <class Team>
         requires(aside == 0)

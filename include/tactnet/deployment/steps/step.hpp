@@ -36,8 +36,12 @@ inline namespace TACTNET_ARCH {
 /// number format, defined where it is specialised for one: another format is another set of specialisations,
 /// with the same plan.
 struct single_precision {
-    using activation = float; ///< an element of a map
-    using packed = float;     ///< an element of the packed weights
+    using activation = float;                   ///< an element of a map
+    using packed = float;                       ///< an element of the packed weights
+    using entering = single_precision;          ///< of the step that reads the frame
+    using inner = single_precision;             ///< of steps that read what another step has written
+    using leaving = single_precision;           ///< of the step that writes the outputs
+    static constexpr bool leaves_apart = false; ///< whether that step is written otherwise than others
 };
 
 /// What a plan is made of.

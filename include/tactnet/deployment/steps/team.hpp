@@ -36,7 +36,8 @@ namespace detail {
 
 /// Elements from the map that a step writes to that of the next frame.
 template <class Step>
-inline constexpr std::size_t map_distance = whole_lines(Step::output.area() * Step::output_stride);
+inline constexpr std::size_t
+    map_distance = whole_lines<typename Step::format::activation>(Step::output.area() * Step::output_stride);
 
 /// Whether a step has large ones in it, which frames and threads had better pass together.
 template <class Step>
@@ -51,7 +52,7 @@ template <class Step, class Team>
 void run_together(const typename Step::format::packed* packed, const typename Step::format::activation* in,
                   std::size_t in_distance, typename Step::format::activation* out,
                   typename Step::format::activation* memory, const Team& team) {
-    static_assert(Step::scratch == whole_lines(Step::scratch),
+    static_assert(Step::scratch == whole_lines<typename Step::format::activation>(Step::scratch),
                   "a step's scratch memory must be whole cache lines, so that the next frame's is aligned");
     if constexpr (requires { Step::run_together(packed, in, in_distance, out, memory, team); }) {
         Step::run_together(packed, in, in_distance, out, memory, team);

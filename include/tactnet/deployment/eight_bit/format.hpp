@@ -1,0 +1,54 @@
+#pragma once
+
+#include <tactnet/deployment/steps/step.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+// The number format of 8 bits: maps of bytes, weights of signed bytes with a scale for each filter, sums of
+// 32 bits. A byte q of a map stands for (q − zero) × scale, with one scale and one zero a map.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// 8 bits between an input and an output: bytes from one step to the next, words of 16 bits where the frame
+/// comes in (deployment/eight_bit/frame.hpp), floats where the outputs leave. Memory of either is counted in
+/// bytes.
+template <class Input, class Output>
+struct eight_bit_between {
+    using activation = std::uint8_t;
+    using packed = std::int8_t;
+    using entering = eight_bit_between<std::int16_t, std::uint8_t>;
+    using inner = eight_bit_between<std::uint8_t, std::uint8_t>;
+    using leaving = eight_bit_between<Input, float>;
+    static constexpr bool leaves_apart = true;
+};
+using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;
+
+/// What the bytes of a map stand for: (byte − zero) × scale. The zero is a whole number 0 … 255.
+struct map_range {
+    float scale = 1, zero = 0;
+
+    /// The range of values from `lowest` to `highest`, both finite; it holds 0, so that padding is exact.
+    [[nodiscard]] static constexpr map_range of(double lowest, double highest) {
+        lowest = std::min(lowest, 0.0), highest = std::max(highest, 0.0);
+        if (!(highest - lowest > 1e-30))
+            return {};
+        const double scale = (highest - lowest) / 255;
+        return {static_cast<float>(scale), static_cast<float>(static_cast<int>(-lowest / scale + 0.5))};
+    }
+    /// As they lie among folded numbers.
+    [[nodiscard]] static constexpr map_range read(const float* from) { return {from[0], from[1]}; }
+    constexpr void write(float* to) const { to[0] = scale, to[1] = zero; }
+    static constexpr std::size_t numbers = 2;
+};
+
+/// What the ranges of a step's maps are: what it reads, what lies in its output before it adds to it, and
+/// what it writes.
+struct step_ranges {
+    map_range input, added, output;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

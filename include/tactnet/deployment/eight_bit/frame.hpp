@@ -1,0 +1,72 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/deployment/frame.hpp>
+#include <tactnet/kernels/integer/rounding.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// From counts to words of 16 bits, pixel by pixel: counts × steps − mean × steps, both rounded, so that
+/// counts of 8 bits keep every bit and the mean 1/256 of a count. Folded numbers: the mean frame, the steps
+/// of one count (a power of two), the largest |count − mean| that words hold.
+template <shape Input>
+struct frame_entrance<eight_bit, Input> {
+    static constexpr std::size_t folded = Input.size() + 2;
+    static constexpr std::size_t map = whole_lines<std::uint8_t>(Input.size() * sizeof(std::int16_t));
+    static constexpr std::size_t packed = map + whole_lines<std::int8_t>(2 * sizeof(float));
+
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const auto steps = static_cast<double>(from[Input.size()]);
+        for (std::size_t e = 0; e < Input.size(); ++e) {
+            const auto bytes = std::bit_cast<std::array<std::int8_t, 2>>(
+                static_cast<std::int16_t>(detail::nearest_even(static_cast<double>(from[e]) * steps)));
+            to[2 * e] = bytes[0], to[2 * e + 1] = bytes[1];
+        }
+        detail::store_number(to + map, from[Input.size()]);
+        detail::store_number(to + map + sizeof(float), from[Input.size() + 1]);
+    }
+    /// Whether all of the frame is finite and within what words hold.
+    template <class Count>
+    static bool read(const std::int8_t* packed_values, const Count* counts, std::uint8_t* in) noexcept {
+        const auto* const mean = reinterpret_cast<const std::int16_t*>(packed_values);
+        const auto limits = kernels::load_any<std::array<float, 2>>(packed_values + map);
+        const float steps = limits[0], most = limits[1] * steps;
+        auto* const words = reinterpret_cast<std::int16_t*>(in);
+        std::uint32_t beyond = 0;
+        for (std::size_t channel = 0; channel < Input.channels; ++channel)
+            for (std::size_t pixel = 0; pixel < Input.area(); ++pixel) {
+                const std::size_t at = channel * Input.area() + pixel;
+                const float scaled = static_cast<float>(counts[at]) * steps;
+                // A comparison that NaN fails.
+                const bool fits = scaled <= most + static_cast<float>(mean[at]) &&
+                                  scaled >= static_cast<float>(mean[at]) - most;
+                if constexpr (std::is_floating_point_v<Count>)
+                    beyond += !fits;
+                const kernels::integers<1> whole =
+                    kernels::nearest<1>(kernels::numbers<1>{fits ? scaled : 0.0f});
+                words[pixel * Input.channels + channel] = static_cast<std::int16_t>(whole[0] - mean[at]);
+            }
+        return beyond == 0;
+    }
+};
+
+/// From the floats of the last step to outputs [channel][row][column].
+template <shape Output, std::size_t Stride>
+struct frame_exit<eight_bit, Output, Stride> {
+    static constexpr std::size_t map = whole_lines<std::uint8_t>(Output.area() * Stride * sizeof(float));
+    static bool write(const std::uint8_t* out, std::span<float, Output.size()> to) noexcept {
+        return frame_exit<single_precision, Output, Stride>::write(reinterpret_cast<const float*>(out), to);
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/deployment/steps/convolution.hpp>
+#include <tactnet/deployment/steps/dense.hpp>
+#include <tactnet/kernels/integer/convolution.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Convolution in 8 bits with what follows it. Folded numbers: weights [filter][channel][row][column],
+/// biases, then the ranges of its maps. Groups are one convolution with zeros between them.
+template <class Input, class Output, kernels::frame_convolution Kernel>
+struct convolution_step<eight_bit_between<Input, Output>, Kernel> {
+    using format = eight_bit;
+    static constexpr kernels::frame_convolution kernel = Kernel;
+    static constexpr bool fills_map = Kernel.map_stride == 0;
+    static constexpr shape output{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters};
+    static constexpr std::size_t output_stride = Kernel.output_stride();
+    static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
+    static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
+    static constexpr std::size_t ranges = 1 + (Kernel.adds ? 1 : 0) + (writes_bytes ? 1 : 0);
+    static constexpr std::size_t folded = weights + Kernel.filters + ranges * map_range::numbers;
+
+private:
+    static constexpr kernels::frame_convolution all = Kernel.joined();
+    static_assert(all.fits_map(), "convolution_step: the output does not fit its place in the wider map: "
+                                  "fits_map() says what it takes");
+    using plan = kernels::integer_convolution<all, Input>;
+    static constexpr std::size_t padded = all.padded_filters();
+    static constexpr std::size_t of_filters = whole_lines<std::int8_t>(padded * sizeof(std::int32_t));
+    static constexpr std::size_t packed_weights = whole_lines<std::int8_t>(plan::weights);
+    // Behind the weights: starts, factors, how often the other map counts, then three bytes.
+    static constexpr std::size_t starts = packed_weights, factors = starts + of_filters,
+                                 added = factors + of_filters, bytes = added + (Kernel.adds ? of_filters : 0);
+    static constexpr std::size_t lowest = 0, zero = 1, padding = 2;
+
+public:
+    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(3);
+    static constexpr std::size_t scratch =
+        whole_lines<std::uint8_t>(plan::staged_elements * sizeof(typename plan::staged));
+
+    static constexpr step_ranges ranges_of(const float* from) {
+        const float* at = from + weights + Kernel.filters;
+        step_ranges result;
+        result.input = map_range::read(at);
+        if constexpr (Kernel.adds)
+            result.added = map_range::read(at += map_range::numbers);
+        if constexpr (writes_bytes)
+            result.output = map_range::read(at + map_range::numbers);
+        return result;
+    }
+    static constexpr void set_ranges(float* to, const step_ranges& values) {
+        to += weights + Kernel.filters;
+        values.input.write(to);
+        if constexpr (Kernel.adds)
+            values.added.write(to += map_range::numbers);
+        if constexpr (writes_bytes)
+            values.output.write(to + map_range::numbers);
+    }
+
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        constexpr std::size_t of_one = Kernel.taps();
+        const step_ranges maps = ranges_of(from);
+        std::array<detail::filter_scale, Kernel.filters> scales{};
+        for (std::size_t f = 0; f < Kernel.filters; ++f) {
+            scales[f] =
+                detail::scale_filter(from + f * of_one, of_one, static_cast<double>(from[weights + f]), maps,
+                                     Kernel.adds, reads_words ? 32768.0 : 255.0, plan::offset);
+            const double factor =
+                writes_bytes ? scales[f].unit / static_cast<double>(maps.output.scale) : scales[f].unit;
+            detail::store_number(to + starts + f * 4, static_cast<std::int32_t>(scales[f].start));
+            detail::store_number(to + factors + f * 4, static_cast<float>(factor));
+            if constexpr (Kernel.adds)
+                detail::store_number(to + added + f * 4, static_cast<std::int32_t>(scales[f].added));
+        }
+        kernels::pack_integer_weights<plan, all>(
+            to, [&](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
+                return detail::quantised(weight_of(from, filter, channel, row, column), scales[filter]);
+            });
+        const auto as_byte = [](float value) {
+            return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
+        };
+        to[bytes + lowest] = Kernel.rectified ? as_byte(maps.output.zero) : std::int8_t{0};
+        to[bytes + zero] = as_byte(maps.output.zero);
+        to[bytes + padding] = as_byte(maps.input.zero);
+    }
+    static double reach(const float* from, double input) {
+        return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
+    }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t* memory) noexcept {
+        const auto byte = [&](std::size_t which) {
+            return static_cast<std::uint8_t>(packed_values[bytes + which]);
+        };
+        auto* const staged = reinterpret_cast<typename plan::staged*>(memory);
+        kernels::stage<plan, all>(reinterpret_cast<const Input*>(in), staged,
+                                  static_cast<Input>(byte(padding)));
+        kernels::convolve_integer<plan, all>(staged, packed_values,
+                                             {packed_values + starts,
+                                              packed_values + factors,
+                                              packed_values + added,
+                                              {byte(lowest), 255, byte(zero)}},
+                                             reinterpret_cast<Output*>(out) + Kernel.map_offset);
+    }
+
+private:
+    static constexpr bool reads_words = !std::is_same_v<Input, std::uint8_t>;
+
+    /// Counted over all groups; zero for a channel of another group than the filter's.
+    static constexpr float weight_of(const float* from, std::size_t filter, std::size_t channel,
+                                     std::size_t row, std::size_t column) {
+        constexpr extent k = Kernel.window.kernel;
+        constexpr std::size_t channels = Kernel.window.input.channels / Kernel.groups;
+        if constexpr (Kernel.groups > 1) {
+            const std::size_t first = filter / (Kernel.filters / Kernel.groups) * channels;
+            if (channel < first || channel >= first + channels)
+                return 0.0f;
+            channel -= first;
+        }
+        return from[((filter * channels + channel) * k.rows + row) * k.columns + column];
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

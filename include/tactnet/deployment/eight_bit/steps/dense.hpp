@@ -1,0 +1,23 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/steps/convolution.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A dense layer in 8 bits: a convolution with a kernel as large as the map.
+template <class Input, class Output, kernels::frame_dense Kernel>
+struct dense_step<eight_bit_between<Input, Output>, Kernel>
+    : convolution_step<eight_bit_between<Input, Output>,
+                       kernels::frame_convolution{
+                           .window = {Kernel.input, {Kernel.input.rows, Kernel.input.columns}, 1},
+                           .filters = Kernel.outputs,
+                           .input_stride = Kernel.input_stride}> {
+    static constexpr kernels::frame_dense kernel = Kernel;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/deployment/steps/norm.hpp>
+#include <tactnet/deployment/steps/relu.hpp>
+#include <tactnet/kernels/integer/rounding.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A ReLU by itself in 8 bits: no byte below the one that stands for zero.
+template <shape Map, std::size_t Stride>
+struct relu_step<eight_bit, Map, Stride> {
+    using format = eight_bit;
+    static constexpr shape output = Map;
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr std::size_t ranges = 1;
+    static constexpr std::size_t folded = map_range::numbers, packed = whole_lines<std::int8_t>(1),
+                                 scratch = 0;
+
+    static constexpr void set_ranges(float* to, const step_ranges& values) { values.input.write(to); }
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        *to = static_cast<std::int8_t>(static_cast<std::uint8_t>(map_range::read(from).zero));
+    }
+    static double reach(const float*, double input) { return input; }
+    static void run(const std::int8_t* zero, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t*) noexcept {
+        const auto least = static_cast<std::uint8_t>(*zero);
+        for (std::size_t e = 0; e < Map.area() * Stride; ++e)
+            out[e] = std::max(in[e], least);
+    }
+};
+
+/// A batch norm by itself in 8 bits, with or without ReLU: one weight of 16 bits for each channel.
+template <class Input, shape Map, std::size_t Stride, bool Rectified>
+struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified> {
+    using format = eight_bit;
+    static constexpr shape output = Map;
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr std::size_t ranges = 2;
+    static constexpr std::size_t folded = 2 * Map.channels + ranges * map_range::numbers;
+
+private:
+    static constexpr std::size_t of_channels = whole_lines<std::int8_t>(Stride * sizeof(std::int32_t));
+    static constexpr std::size_t starts = of_channels, factors = starts + of_channels,
+                                 bytes = factors + of_channels;
+    static constexpr std::size_t lowest = 0, zero = 1;
+
+public:
+    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(2), scratch = 0;
+
+    static constexpr void set_ranges(float* to, const step_ranges& values) {
+        values.input.write(to + 2 * Map.channels);
+        values.output.write(to + 2 * Map.channels + map_range::numbers);
+    }
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const map_range input = map_range::read(from + 2 * Map.channels),
+                        result = map_range::read(from + 2 * Map.channels + map_range::numbers);
+        for (std::size_t c = 0; c < Map.channels; ++c) {
+            const auto weight = static_cast<double>(from[c]);
+            const auto offset = static_cast<double>(from[Map.channels + c]);
+            // 15 bits for the weight, less where the offset is so large that the sum would pass 31.
+            double unit = std::max(detail::magnitude(weight) / 32767 * static_cast<double>(input.scale),
+                                   detail::magnitude(offset) / 0x1p29);
+            if (!(unit > 0))
+                unit = 1;
+            const std::int64_t times = detail::nearest_even(weight * static_cast<double>(input.scale) / unit);
+            const std::int64_t start =
+                detail::nearest_even(offset / unit) - times * static_cast<std::int64_t>(input.zero);
+            detail::store_number(to + 4 * c, static_cast<std::int32_t>(times));
+            detail::store_number(to + starts + 4 * c, static_cast<std::int32_t>(start));
+            detail::store_number(to + factors + 4 * c,
+                                 static_cast<float>(unit / static_cast<double>(result.scale)));
+        }
+        const auto as_byte = [](float value) {
+            return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
+        };
+        to[bytes + lowest] = Rectified ? as_byte(result.zero) : std::int8_t{0};
+        to[bytes + zero] = as_byte(result.zero);
+    }
+    static double reach(const float* from, double input) {
+        return detail::largest_sum(from, Map.channels, 1, input);
+    }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t*) noexcept {
+        const auto byte = [&](std::size_t which) {
+            return static_cast<std::uint8_t>(packed_values[bytes + which]);
+        };
+        const kernels::byte_range range{byte(lowest), 255, byte(zero)};
+        const auto* const from = reinterpret_cast<const Input*>(in);
+        for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
+            for (std::size_t c = 0; c < Stride; ++c) {
+                const auto times = kernels::load_any<std::int32_t>(packed_values + 4 * c),
+                           start = kernels::load_any<std::int32_t>(packed_values + starts + 4 * c);
+                kernels::store_rounded<1>(
+                    out + pixel + c, kernels::integers<1>{from[pixel + c] * times + start},
+                    kernels::load_any<kernels::numbers<1>>(packed_values + factors + 4 * c), range);
+            }
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

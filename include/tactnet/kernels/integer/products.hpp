@@ -1,0 +1,293 @@
+#pragma once
+
+#include <tactnet/kernels/integer/vector.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+#if !defined(TACTNET_NO_SIMD)
+#if defined(__SSE2__)
+#include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
+#endif
+#endif
+
+// sums += weights · inputs in whole numbers: signed weights of 8 bits times inputs of 8 or 16 bits, exactly,
+// in sums of 32 bits. An instruction set multiplies a `group` of neighbouring inputs at once, spread over all
+// lanes, with the weights of as many inputs, of one filter a lane: [filter][input of the group]. No step on
+// the way has fewer than 32 bits for a sum of products, so that none of them can saturate.
+//
+// A kind of product says
+//   staged    the type in which inputs lie in memory while they are multiplied
+//   group     inputs multiplied at once
+//   offset    what is subtracted from an input of 8 bits when it is staged
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+namespace detail {
+
+/// The bits of a group, which lies at any address.
+template <class Group>
+[[nodiscard]] [[gnu::always_inline]] inline Group group_at(const void* from) {
+    Group bits;
+    std::memcpy(&bits, from, sizeof(bits));
+    return bits;
+}
+
+} // namespace detail
+
+/// Inputs of 16 bits. As it stands: without vector instructions.
+template <std::size_t Lanes>
+struct word_products {
+    using staged = std::int16_t;
+    using weights = integers<Lanes>;
+    using inputs = std::int32_t;
+    static constexpr std::size_t group = 1;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        weights w{};
+        for (std::size_t lane = 0; lane < Lanes; ++lane)
+            w[lane] = from[lane];
+        return w;
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) { return *from; }
+    [[gnu::always_inline]] static integers<Lanes> add(const integers<Lanes>& sums, const weights& w,
+                                                      const inputs& x) {
+        return sums + w * x;
+    }
+};
+
+#if !defined(TACTNET_NO_SIMD) && defined(__SSE2__)
+
+template <>
+struct word_products<4> {
+    using staged = std::int16_t;
+    using weights = __m128i;
+    using inputs = __m128i;
+    static constexpr std::size_t group = 2;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
+#ifdef __SSE4_1__
+        return _mm_cvtepi8_epi16(bytes);
+#else
+        return _mm_srai_epi16(_mm_unpacklo_epi8(bytes, bytes), 8);
+#endif
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
+                                                  const inputs& x) {
+        const auto s = reinterpret_cast<__m128i>(sums);
+#if defined(__AVX512VNNI__) && defined(__AVX512VL__)
+        return reinterpret_cast<integers<4>>(_mm_dpwssd_epi32(s, w, x));
+#elif defined(__AVXVNNI__)
+        return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(s, w, x));
+#else
+        return reinterpret_cast<integers<4>>(_mm_add_epi32(s, _mm_madd_epi16(w, x)));
+#endif
+    }
+};
+
+#ifdef __AVX2__
+template <>
+struct word_products<8> {
+    using staged = std::int16_t;
+    using weights = __m256i;
+    using inputs = __m256i;
+    static constexpr std::size_t group = 2;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        return _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<8> add(const integers<8>& sums, const weights& w,
+                                                  const inputs& x) {
+        const auto s = reinterpret_cast<__m256i>(sums);
+#if defined(__AVX512VNNI__) && defined(__AVX512VL__)
+        return reinterpret_cast<integers<8>>(_mm256_dpwssd_epi32(s, w, x));
+#elif defined(__AVXVNNI__)
+        return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(s, w, x));
+#else
+        return reinterpret_cast<integers<8>>(_mm256_add_epi32(s, _mm256_madd_epi16(w, x)));
+#endif
+    }
+};
+#endif
+
+#ifdef __AVX512BW__
+template <>
+struct word_products<16> {
+    using staged = std::int16_t;
+    using weights = __m512i;
+    using inputs = __m512i;
+    static constexpr std::size_t group = 2;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        return _mm512_cvtepi8_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)));
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<16> add(const integers<16>& sums, const weights& w,
+                                                   const inputs& x) {
+        const auto s = reinterpret_cast<__m512i>(sums);
+#ifdef __AVX512VNNI__
+        return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(s, w, x));
+#else
+        return reinterpret_cast<integers<16>>(_mm512_add_epi32(s, _mm512_madd_epi16(w, x)));
+#endif
+    }
+};
+#endif
+
+#elif !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
+
+template <>
+struct word_products<4> {
+    using staged = std::int16_t;
+    using weights = int16x4_t;
+    using inputs = std::int16_t;
+    static constexpr std::size_t group = 1;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        const std::int32_t four = detail::group_at<std::int32_t>(from);
+        return vget_low_s16(vmovl_s8(vreinterpret_s8_s32(vdup_n_s32(four))));
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) { return *from; }
+    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
+                                                  const inputs& x) {
+        return vmlal_n_s16(sums, w, x);
+    }
+};
+
+#elif !defined(TACTNET_NO_SIMD) && defined(__wasm_simd128__)
+
+template <>
+struct word_products<4> {
+    using staged = std::int16_t;
+    using weights = v128_t;
+    using inputs = v128_t;
+    static constexpr std::size_t group = 2;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return wasm_i16x8_load8x8(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return wasm_i32x4_splat(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
+                                                  const inputs& x) {
+        return sums + reinterpret_cast<integers<4>>(wasm_i32x4_dot_i16x8(w, x));
+    }
+};
+
+#endif
+
+/// Inputs of 8 bits without a sign. As it stands: by products of 16 bits.
+template <std::size_t Lanes>
+struct byte_products : word_products<Lanes> {};
+
+#if !defined(TACTNET_NO_SIMD) && ((defined(__AVX512VNNI__) && defined(__AVX512VL__)) || defined(__AVXVNNI__))
+
+template <>
+struct byte_products<4> {
+    using staged = std::uint8_t;
+    using weights = __m128i;
+    using inputs = __m128i;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m128i>(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
+                                                  const inputs& x) {
+        const auto s = reinterpret_cast<__m128i>(sums);
+#ifdef __AVX512VNNI__
+        return reinterpret_cast<integers<4>>(_mm_dpbusd_epi32(s, x, w));
+#else
+        return reinterpret_cast<integers<4>>(_mm_dpbusd_avx_epi32(s, x, w));
+#endif
+    }
+};
+template <>
+struct byte_products<8> {
+    using staged = std::uint8_t;
+    using weights = __m256i;
+    using inputs = __m256i;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m256i>(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<8> add(const integers<8>& sums, const weights& w,
+                                                  const inputs& x) {
+        const auto s = reinterpret_cast<__m256i>(sums);
+#ifdef __AVX512VNNI__
+        return reinterpret_cast<integers<8>>(_mm256_dpbusd_epi32(s, x, w));
+#else
+        return reinterpret_cast<integers<8>>(_mm256_dpbusd_avx_epi32(s, x, w));
+#endif
+    }
+};
+#ifdef __AVX512VNNI__
+template <>
+struct byte_products<16> {
+    using staged = std::uint8_t;
+    using weights = __m512i;
+    using inputs = __m512i;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m512i>(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<16> add(const integers<16>& sums, const weights& w,
+                                                   const inputs& x) {
+        return reinterpret_cast<integers<16>>(_mm512_dpbusd_epi32(reinterpret_cast<__m512i>(sums), x, w));
+    }
+};
+#endif
+
+#elif !defined(TACTNET_NO_SIMD) && defined(__ARM_FEATURE_DOTPROD)
+
+template <>
+struct byte_products<4> {
+    using staged = std::int8_t;
+    using weights = int8x16_t;
+    using inputs = int8x16_t;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 128; // this instruction knows no bytes without a sign times bytes with one
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return vld1q_s8(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return vreinterpretq_s8_s32(vdupq_n_s32(detail::group_at<std::int32_t>(from)));
+    }
+    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
+                                                  const inputs& x) {
+        return vdotq_s32(sums, w, x);
+    }
+};
+
+#endif
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
