@@ -1,0 +1,203 @@
+#include "networks.hpp"
+
+#include <tactnet/networks/tactnet4.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+// The ranges of the maps, from images.
+
+using namespace tactnet;
+
+namespace {
+
+using net = tactnet4<shape{14, 25}, 22>;
+constexpr std::size_t size = net::input_shape.size();
+
+const net& filled() {
+    static const net network = [] {
+        net n;
+        support::fill(n, 60);
+        return n;
+    }();
+    return network;
+}
+std::span<const float, size> mean() {
+    static const std::vector<float> values = support::mean_for<net>(60);
+    return std::span(values).first<size>();
+}
+eight_bit_calibration<net> on(std::span<const float> frames) {
+    return {filled(), mean(), support::input_scale, frames};
+}
+
+/// Roots of mean squares over frames that calibration has not seen: of the outputs in single precision, and
+/// of what those in 8 bits differ by.
+struct sizes {
+    double outputs = 0, differences = 0;
+};
+template <class Network>
+sizes sizes_of(const Network& network, std::span<const float, Network::input_shape.size()> mean_frame,
+               const support::byte_network<Network>& bytes) {
+    const auto floats = deploy(network, mean_frame, support::input_scale);
+    sizes result;
+    constexpr std::size_t frames = 40;
+    for (std::size_t i = 0; i < frames; ++i) {
+        const auto counts = support::make_frame(Network::input_shape.size(), 9000 + i);
+        const tensor_view<const std::uint8_t, Network::input_shape> frame(counts.data());
+        std::array<float, Network::outputs> a, b;
+        CHECK(floats(frame, a) == frame_status::recognised);
+        CHECK(bytes(frame, b) == frame_status::recognised);
+        for (std::size_t o = 0; o < a.size(); ++o) {
+            const auto x = static_cast<double>(a[o]), y = static_cast<double>(b[o]);
+            result.outputs += x * x, result.differences += (x - y) * (x - y);
+        }
+    }
+    const auto root = [](double sum) { return std::sqrt(sum / (frames * Network::outputs)); };
+    return {root(result.outputs), root(result.differences)};
+}
+
+} // namespace
+
+TEST_CASE("eight_bit_calibration: outputs differ little from single precision, on other frames too") {
+    const std::vector<float> frames = support::frames_for<net>(20, 61);
+    const auto calibration = on(frames);
+    const sizes found = sizes_of(filled(), mean(), support::byte_network<net>(calibration.folded()));
+    MESSAGE("root of the mean square: " << found.differences << " of " << found.outputs);
+    // A weight and a byte are off by a step / √12 each; steps are 1/127 and 1/255 of the largest number, which
+    // is three to four times the root of the mean square: about 0.9 and 0.5 % of it for each of the four
+    // layers, 2 % together. A range that is wrong by a factor of two makes it more than 4 %.
+    CHECK(found.differences < 0.04 * found.outputs);
+    CHECK(found.differences > 0);
+    CHECK(calibration.output_error() < 0.04 * found.outputs);
+    CHECK(calibration.output_error() > 0);
+}
+
+TEST_CASE("eight_bit_calibration: the error that it tells is the error on its images, and no range does worse") {
+    const std::vector<float> frames = support::frames_for<net>(5, 62);
+    const auto calibration = on(frames);
+    const auto error_of = [&](std::span<const float> folded) {
+        const support::byte_network<net> bytes(folded.first<support::byte_network<net>::view_type::folded_elements>());
+        const auto floats = deploy(filled(), mean(), support::input_scale);
+        double sum = 0;
+        for (std::size_t i = 0; i < 5; ++i) {
+            const tensor_view<const float, net::input_shape> frame(frames.data() + i * size);
+            std::array<float, net::outputs> a, b;
+            CHECK(floats(frame, a) == frame_status::recognised);
+            CHECK(bytes(frame, b) == frame_status::recognised);
+            for (std::size_t o = 0; o < a.size(); ++o)
+                sum += std::pow(static_cast<double>(a[o]) - static_cast<double>(b[o]), 2);
+        }
+        return std::sqrt(sum / (5 * net::outputs));
+    };
+    std::vector<float> folded(calibration.folded().begin(), calibration.folded().end());
+    CHECK(error_of(folded) == doctest::Approx(calibration.output_error()).epsilon(1e-9));
+
+    // The ranges as the maps were: zeros stay, and scales grow to the full ones. Where a range was narrowed,
+    // the full one was no better; elsewhere it is the full one. So widening or narrowing any single map by
+    // the next fraction must not help.
+    using steps = support::byte_network<net>::view_type::steps;
+    std::vector<std::size_t> written, read;
+    std::size_t at = support::byte_network<net>::view_type::steps_folded;
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+        (([&] {
+             using step = typename steps::template at<I>;
+             at += step::folded;
+             if constexpr (step::ranges > 1)
+                 written.push_back(at - 2);
+             if constexpr (I > 0)
+                 read.push_back(at - 2 * step::ranges);
+         }()),
+         ...);
+    }(std::make_index_sequence<steps::size>{});
+    REQUIRE(written.size() == eight_bit_calibration<net>::maps);
+    REQUIRE(read.size() == written.size());
+    for (std::size_t m = 0; m < written.size(); ++m) {
+        CHECK(folded[written[m]] == folded[read[m]]);
+        for (const float factor : {0.25f, 0.4f, 2.5f, 5.0f}) {
+            std::vector<float> changed = folded;
+            changed[written[m]] *= factor, changed[read[m]] *= factor;
+            CHECK(error_of(changed) > calibration.output_error());
+        }
+    }
+}
+
+TEST_CASE("eight_bit_calibration: one outlier in a map does not take the range of all others") {
+    // The map holds small numbers, and a large one where nothing looks: full ranges would be 100 times as
+    // wide as what counts.
+    using watched = network<shape{1, 4}, conv2d<2, 1>, dense<1>>;
+    watched n;
+    const std::array<float, 2 + 2 + 8 + 1> values{1, 0.8f, 0, 0, /* [channel][column] */ 1, 1, 1, 0, 1, 1, 1, 0, 0};
+    std::copy(values.begin(), values.end(), n.learnable_values().begin());
+    std::vector<float> frames;
+    for (int i = 0; i < 30; ++i)
+        for (const float x : {1.0f * static_cast<float>(i), 20.0f - static_cast<float>(i), 7.0f, 60.0f})
+            frames.push_back(x);
+    const std::array<float, 4> zero{};
+    const eight_bit_calibration<watched> calibration(n, zero, 1, std::span<const float>(frames));
+    const float step = calibration.folded()[support::byte_network<watched>::view_type::steps_folded + 2 + 2 + 2];
+    CHECK(step < 60.0f / 255 * 0.6f);
+}
+
+TEST_CASE("eight_bit_calibration: the same images give the same numbers, bytes as well as floats") {
+    const std::vector<float> frames = support::frames_for<net>(4, 63);
+    const std::vector<std::uint8_t> bytes(frames.begin(), frames.end());
+    const auto first = on(frames), second = on(frames);
+    CHECK(support::same_bits(first.folded(), second.folded()));
+    CHECK(first.output_error() == second.output_error());
+    const eight_bit_calibration<net> of_bytes(filled(), mean(), support::input_scale,
+                                              std::span<const std::uint8_t>(bytes));
+    CHECK(support::same_bits(first.folded(), of_bytes.folded()));
+}
+
+TEST_CASE("eight_bit_calibration: of many images some in even distances are taken") {
+    using small = network<shape{2, 3}, conv2d<2, 2>, relu, dense<2>>;
+    small n;
+    support::fill(n, 5);
+    const std::array<float, 6> zero{};
+    constexpr std::size_t most = eight_bit_calibration<small>::most_images;
+    const std::vector<float> few = support::frames_for<small>(most, 3);
+    std::vector<float> many;
+    for (std::size_t i = 0; i < 3 * most; ++i) // of three, the first is taken
+        for (std::size_t e = 0; e < 6; ++e)
+            many.push_back(i % 3 == 0 ? few[i / 3 * 6 + e] : 255);
+    const eight_bit_calibration<small> a(n, zero, 1, std::span<const float>(few)),
+        b(n, zero, 1, std::span<const float>(many));
+    CHECK(support::same_bits(a.folded(), b.folded()));
+}
+
+TEST_CASE("eight_bit_calibration: no images, parts of one and broken ones are refused") {
+    std::vector<float> frames = support::frames_for<net>(3, 64);
+    const auto refused = [&](std::size_t counts, const char* text) {
+        CHECK_THROWS_WITH_AS(static_cast<void>(on(std::span<const float>(frames).first(counts))),
+                             doctest::Contains(text), std::invalid_argument);
+    };
+    refused(0, "expected one or more calibration images of 350 counts, found 0 counts");
+    refused(size - 1, "found 349 counts");
+    refused(2 * size + 1, "found 701 counts");
+    for (const float broken : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                               -std::numeric_limits<float>::infinity(), 3e38f}) {
+        frames[size + 17] = broken;
+        refused(3 * size, "found number 1 of those taken broken");
+    }
+    frames[size + 17] = 1;
+    CHECK_NOTHROW(static_cast<void>(on(frames)));
+}
+
+TEST_CASE("eight_bit_calibration: maps that hold nothing but zero are no difficulty") {
+    using small = network<shape{4, 5}, conv2d<4, 3>, relu, residual<sequence<conv2d<4, 3>>>, relu, dense<2>>;
+    small n; // all zeros
+    std::fill(n.learnable_values().begin(), n.learnable_values().end(), 0.0f);
+    n.learnable_values().back() = 0.75f;
+    const std::vector<float> frames = support::frames_for<small>(2, 3);
+    const std::array<float, 20> zero{};
+    const eight_bit_calibration<small> calibration(n, zero, 1, std::span<const float>(frames));
+    const support::byte_network<small> bytes(calibration.folded());
+    std::array<float, 2> out{};
+    CHECK(bytes(tensor_view<const float, small::input_shape>(frames.data()), out) == frame_status::recognised);
+    CHECK(out[0] == 0);
+    CHECK(out[1] == doctest::Approx(0.75).epsilon(0.01));
+}

@@ -1,0 +1,129 @@
+#pragma once
+
+// Networks in 8 bits for these tests: filled with numbers and calibrated on a few frames.
+
+#include "../deployed_network.hpp"
+#include "reference.hpp"
+
+#include <tactnet/deployment/eight_bit/calibration.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <support/same_bits.hpp>
+#include <utility>
+#include <vector>
+
+namespace support {
+
+template <class Network>
+using byte_network = tactnet::deployed<Network, tactnet::eight_bit>;
+
+constexpr float input_scale = 1.0f / 64;
+
+/// A mean frame that is no whole number of steps.
+template <class Network>
+std::vector<float> mean_for(std::uint64_t seed) {
+    std::vector<float> mean(Network::input_shape.size());
+    numbers draw(seed + 7);
+    for (float& m : mean)
+        m = draw.next(0, 60);
+    return mean;
+}
+template <class Network>
+std::vector<float> frames_for(std::size_t count, std::uint64_t seed) {
+    std::vector<float> frames;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::vector<std::uint8_t> frame = make_frame(Network::input_shape.size(), seed * 100 + i);
+        frames.insert(frames.end(), frame.begin(), frame.end());
+    }
+    return frames;
+}
+template <class Network>
+tactnet::eight_bit_calibration<Network> calibrated(const Network& net, std::uint64_t seed, std::size_t images) {
+    const std::vector<float> mean = mean_for<Network>(seed), frames = frames_for<Network>(images, seed + 50);
+    return {net, std::span(mean).template first<Network::input_shape.size()>(), input_scale,
+            std::span<const float>(frames)};
+}
+
+/// Of the steps of a plan, those that write other bytes than the reference, each given the reference's input.
+/// Memory holds garbage before, and lanes behind the last channel of the input too.
+template <class Network>
+std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const std::uint8_t> counts) {
+    using view = typename byte_network<Network>::view_type;
+    using steps = typename view::steps;
+    using entrance = tactnet::frame_entrance<tactnet::eight_bit, Network::input_shape>;
+    const float* folded = all_folded.data() + view::steps_folded;
+    whole_map map = reference_entrance<Network::input_shape>(all_folded.data(), counts);
+    std::size_t stride = map.channels, element = sizeof(std::int16_t), different = 0;
+
+    tactnet::aligned_vector<std::int8_t> first(entrance::packed);
+    entrance::pack(all_folded.data(), first.data());
+    tactnet::aligned_vector<std::uint8_t> words(entrance::map, std::uint8_t{0xa5});
+    different += !entrance::read(first.data(), counts.data(), words.data());
+    for (std::size_t i = 0; i < map.whole.size(); ++i) {
+        std::int16_t word;
+        std::memcpy(&word, words.data() + i * sizeof(word), sizeof(word));
+        different += word != map.whole[i];
+    }
+
+    const auto one = [&]<class Step>(std::type_identity<Step>) {
+        tactnet::aligned_vector<std::uint8_t> in(
+            tactnet::whole_lines<std::uint8_t>(map.rows * map.columns * stride * element), std::uint8_t{0xa5});
+        for (std::size_t i = 0; i < map.whole.size(); ++i) {
+            const auto word = static_cast<std::int16_t>(map.whole[i]);
+            std::memcpy(in.data() + (i / map.channels * stride + i % map.channels) * element, &word, element);
+        }
+        tactnet::aligned_vector<std::int8_t> packed(Step::packed);
+        Step::pack(folded, packed.data());
+        const std::size_t elements = Step::output.area() * Step::output_stride;
+        tactnet::aligned_vector<std::uint8_t> out(elements * sizeof(float), std::uint8_t{0x5a}),
+            memory(Step::scratch, std::uint8_t{0xff});
+        Step::run(packed.data(), in.data(), out.data(), memory.data());
+        map = reference_step<Step>::run(folded, map, whole_map{});
+        const bool floats = std::is_same_v<Step, typename steps::template at<steps::size - 1>>;
+        bool same = map.rows == Step::output.rows && map.columns == Step::output.columns &&
+                    map.channels == Step::output.channels;
+        for (std::size_t i = 0; same && i < map.whole.size(); ++i) {
+            const std::size_t at = i / map.channels * Step::output_stride + i % map.channels;
+            same = floats ? std::memcmp(out.data() + at * sizeof(float), &map.floats[i], sizeof(float)) == 0
+                          : out[at] == map.whole[i];
+        }
+        different += !same;
+        folded += Step::folded, stride = Step::output_stride, element = 1;
+    };
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+        (one(std::type_identity<typename steps::template at<I>>{}), ...);
+    }(std::make_index_sequence<steps::size>{});
+    return different;
+}
+
+/// How many of some frames give other bits than the reference says, as outputs or in a step.
+template <class Network>
+std::size_t frames_that_differ(std::uint64_t seed, std::size_t frames, std::size_t images = 3) {
+    const auto net = std::make_unique<Network>();
+    fill(*net, seed);
+    const tactnet::eight_bit_calibration<Network> calibration = calibrated(*net, seed, images);
+    const byte_network<Network> network(calibration.folded());
+    const auto memory = std::make_unique<typename byte_network<Network>::scratch>();
+    std::memset(static_cast<void*>(memory.get()), 0xff, sizeof(*memory));
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < frames; ++i) {
+        const std::vector<std::uint8_t> counts = make_frame(Network::input_shape.size(), seed * 100 + i);
+        const std::span<const std::uint8_t> frame(counts);
+        std::vector<float> out(Network::outputs, NAN);
+        const auto status =
+            network(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                    std::span<float, Network::outputs>(out), *memory);
+        const std::vector<float> expected =
+            reference_outputs<typename byte_network<Network>::view_type>(calibration.folded(), frame);
+        different += status != tactnet::frame_status::recognised || !same_bits(out, expected) ||
+                     (i < 2 && steps_that_differ<Network>(calibration.folded(), frame) > 0);
+    }
+    return different;
+}
+
+} // namespace support

@@ -1,0 +1,193 @@
+#include "../deployed_network.hpp"
+
+#include <tactnet/deployment/eight_bit/calibration.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <vector>
+
+// From folded numbers to whole ones.
+
+using namespace tactnet;
+using detail::filter_scale;
+
+namespace {
+
+/// The largest and the smallest sum that any input gives, on the way too: all magnitudes together.
+struct worst_sums {
+    double most = 0;
+    explicit worst_sums(const std::vector<float>& weights, const filter_scale& scale, double largest_input,
+                        bool adds) {
+        for (const float w : weights)
+            most += std::abs(static_cast<double>(detail::quantised(w, scale))) * largest_input;
+        most += std::abs(static_cast<double>(scale.start)) + (adds ? 255.0 * static_cast<double>(scale.added) : 0);
+    }
+    [[nodiscard]] bool fits() const { return most <= std::numeric_limits<std::int32_t>::max(); }
+};
+
+filter_scale scaled(const std::vector<float>& weights, double bias, const step_ranges& ranges, bool adds,
+                    double largest_input = 255, int offset = 0) {
+    return detail::scale_filter(weights.data(), weights.size(), bias, ranges, adds, largest_input, offset);
+}
+std::vector<float> drawn(std::size_t count, float spread, std::uint64_t seed) {
+    support::numbers draw(seed);
+    std::vector<float> weights(count);
+    for (float& w : weights)
+        w = draw.next(-spread, spread);
+    return weights;
+}
+
+} // namespace
+
+TEST_CASE("nearest_even: ties go to the even number, others to the nearest") {
+    for (int half = -2001; half <= 2001; ++half) {
+        const double value = half / 2.0;
+        CHECK(detail::nearest_even(value) == static_cast<std::int64_t>(std::nearbyint(value)));
+        for (const double beside : {std::nextafter(value, 1e9), std::nextafter(value, -1e9)})
+            CHECK(detail::nearest_even(beside) == static_cast<std::int64_t>(std::nearbyint(beside)));
+    }
+    std::mt19937_64 draw(1);
+    std::size_t wrong = 0;
+    for (int i = 0; i < 100'000; ++i) {
+        const double value =
+            std::ldexp(static_cast<double>(static_cast<std::int64_t>(draw())), -static_cast<int>(draw() % 70) - 2);
+        wrong += detail::nearest_even(value) != static_cast<std::int64_t>(std::nearbyint(value));
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("scale_filter: the largest weight is 127 steps") {
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+        const std::vector<float> weights = drawn(25, 0.3f, seed);
+        const step_ranges ranges{{0.02f, 3}, {}, {0.05f, 9}};
+        const filter_scale scale = scaled(weights, 0.1, ranges, false);
+        double largest = 0;
+        int most = 0;
+        for (const float w : weights) {
+            largest = std::max(largest, std::abs(static_cast<double>(w)));
+            most = std::max(most, std::abs(static_cast<int>(detail::quantised(w, scale))));
+            // No weight is off by more than half a step.
+            CHECK(std::abs(detail::quantised(w, scale) * scale.weight_scale - static_cast<double>(w)) <=
+                  scale.weight_scale * 0.5000001);
+        }
+        CHECK(most == 127);
+        CHECK(scale.weight_scale == largest / 127);
+        CHECK(scale.unit == scale.weight_scale * static_cast<double>(0.02f));
+        std::int64_t sum = 0;
+        for (const float w : weights)
+            sum += detail::quantised(w, scale);
+        CHECK(scale.start == std::llround(0.1 / scale.unit) - 3 * sum);
+        CHECK(scaled(weights, 0.1, ranges, false, 255, 128).start == scale.start + 128 * sum);
+    }
+}
+
+TEST_CASE("scale_filter: no sum passes 32 bits, however many the weights and large the bias") {
+    std::size_t coarser = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        support::numbers draw(seed);
+        const auto count = static_cast<std::size_t>(draw.next(1, 6000));
+        const std::vector<float> weights = drawn(count, std::pow(10.0f, draw.next(-12, 6)), seed);
+        const double bias = std::pow(10.0, static_cast<double>(draw.next(-9, 9))) * (seed % 2 == 0 ? 1 : -1);
+        const step_ranges ranges{{std::pow(10.0f, draw.next(-6, 3)), std::floor(draw.next(0, 256))},
+                                 {std::pow(10.0f, draw.next(-6, 3)), std::floor(draw.next(0, 256))},
+                                 {0.1f, 0}};
+        for (const bool adds : {false, true})
+            for (const bool words : {false, true}) {
+                const double largest_input = words ? 32768 : 255;
+                const filter_scale scale =
+                    scaled(weights, bias, ranges, adds, largest_input, words ? 0 : seed % 3 == 0 ? 128 : 0);
+                CHECK(worst_sums(weights, scale, largest_input, adds).fits());
+                const float largest = *std::max_element(
+                    weights.begin(), weights.end(), [](float a, float b) { return std::abs(a) < std::abs(b); });
+                coarser += std::abs(detail::quantised(largest, scale)) < 60;
+                // A bias is off by half a unit at most.
+                std::int64_t sum = 0;
+                for (const float w : weights)
+                    sum += detail::quantised(w, scale);
+                const auto zero = static_cast<std::int64_t>(ranges.input.zero) - (!words && seed % 3 == 0 ? 128 : 0);
+                const double without = static_cast<double>(
+                    scale.start + zero * sum +
+                    (adds ? static_cast<std::int64_t>(ranges.added.zero) * scale.added : 0));
+                CHECK(std::abs(without - bias / scale.unit) <= 0.5 + 1e-9 * std::abs(without));
+            }
+    }
+    CHECK(coarser > 0); // or no filter was near the bound
+}
+
+TEST_CASE("scale_filter: a byte that is added counts for what it stands") {
+    std::size_t whole = 0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        support::numbers draw(seed);
+        const std::vector<float> weights = drawn(72, std::pow(10.0f, draw.next(-12, 2)), seed);
+        const step_ranges ranges{{0.03f, 0}, {std::pow(10.0f, draw.next(-5, 2)), 5}, {0.1f, 0}};
+        const filter_scale scale = scaled(weights, 0.5, ranges, true);
+        const auto step = static_cast<double>(ranges.added.scale);
+        const double counted = static_cast<double>(scale.added) * scale.unit;
+        if (scale.unit <= step * (1 + 1e-12)) {
+            ++whole;
+            CHECK(counted == doctest::Approx(step).epsilon(1e-12));
+        } else {
+            // Finer than a unit: the nearest whole number of them.
+            CHECK(std::abs(counted - step) <= 0.5000001 * scale.unit);
+        }
+        CHECK(scale.unit == doctest::Approx(scale.weight_scale * static_cast<double>(0.03f)).epsilon(1e-12));
+    }
+    CHECK(whole > 100);
+    CHECK(whole < 300);
+}
+
+TEST_CASE("scale_filter: filters of zeros keep their bias, and what is added to them") {
+    const std::vector<float> zeros(40);
+    const step_ranges ranges{{0.02f, 100}, {0.3f, 7}, {0.05f, 9}};
+    const filter_scale plain = scaled(zeros, 1.25, ranges, false);
+    CHECK(static_cast<double>(plain.start) * plain.unit == doctest::Approx(1.25).epsilon(0.02));
+    const filter_scale summed = scaled(zeros, 1.5, ranges, true);
+    CHECK(static_cast<double>(summed.added) * summed.unit ==
+          doctest::Approx(static_cast<double>(0.3f)).epsilon(1e-12));
+    for (const filter_scale& scale : {plain, summed})
+        CHECK(detail::quantised(0.0f, scale) == 0);
+}
+
+// Packed when compiling, as headers for firmware are.
+namespace {
+
+using tiny = network<shape{4, 4}, conv2d<3, 3>, relu, max_pool<2>, dense<2>>;
+using tiny_view = deployed<tiny, eight_bit>::view_type;
+constexpr std::array<float, tiny_view::folded_elements> tiny_folded = [] {
+    std::array<float, tiny_view::folded_elements> folded{};
+    for (std::size_t i = 0; i < folded.size(); ++i)
+        folded[i] = static_cast<float>(static_cast<int>(i * 37 % 101) - 50) / 64;
+    folded[16] = 128, folded[17] = 255; // steps of a count, the largest count
+    float* at = folded.data() + tiny_view::steps_folded + 3 * 9 + 3;
+    at[0] = 1.0f / 128, at[1] = 0, at[2] = 0.5f, at[3] = 3; // ranges of the convolution
+    at += 4 + 2 * 12 + 2;
+    at[0] = 0.5f, at[1] = 3; // and of the dense layer
+    return folded;
+}();
+constexpr tiny_view::packed_weights tiny_packed = tiny_view::pack(tiny_folded);
+static_assert(std::any_of(tiny_packed.elements.begin(), tiny_packed.elements.end(),
+                          [](std::int8_t n) { return n == 127 || n == -127; }));
+
+} // namespace
+
+TEST_CASE("deployed_view: what is packed when compiling gives the bits of what is packed when running") {
+    const deployed<tiny, eight_bit> running{std::span<const float, tiny_view::folded_elements>(tiny_folded)};
+    const tiny_view compiled(tiny_packed);
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const std::vector<std::uint8_t> counts = support::make_frame(16, seed);
+        std::array<float, 2> a{}, b{1, 1};
+        CHECK(running(tensor_view<const std::uint8_t, tiny::input_shape>(counts.data()), a) ==
+              frame_status::recognised);
+        CHECK(compiled(tensor_view<const std::uint8_t, tiny::input_shape>(counts.data()), b) ==
+              frame_status::recognised);
+        CHECK(a == b);
+    }
+}

@@ -1,0 +1,309 @@
+#pragma once
+
+// What a network in 8 bits must give, from its folded numbers by the rules that are written in the headers of
+// deployment/eight_bit: plain loops in whole numbers of 64 bits. Of the library it takes the types of the
+// steps, for what they say of sizes, and none of its kernels nor of its packing.
+
+#include <tactnet/deployment/deployed_view.hpp>
+#include <tactnet/deployment/eight_bit/steps.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <type_traits>
+#include <vector>
+
+namespace support {
+
+/// A map of whole numbers, or, behind the last step, of floats.
+struct whole_map {
+    std::size_t rows = 0, columns = 0, channels = 0;
+    std::vector<std::int64_t> whole;
+    std::vector<float> floats;
+
+    whole_map() = default;
+    whole_map(tactnet::shape s)
+        : rows(s.rows), columns(s.columns), channels(s.channels), whole(s.rows * s.columns * s.channels),
+          floats(whole.size()) {}
+    [[nodiscard]] std::size_t at(std::size_t y, std::size_t x, std::size_t c) const {
+        return (y * columns + x) * channels + c;
+    }
+};
+
+/// What the bytes of a map stand for: (byte − zero) × scale.
+struct reference_range {
+    double scale = 1;
+    std::int64_t zero = 0;
+
+    static reference_range next(const float*& from) {
+        const reference_range r{static_cast<double>(from[0]), static_cast<std::int64_t>(from[1])};
+        from += 2;
+        return r;
+    }
+};
+
+/// sum × factor in single precision, to the nearest whole number, ties to the even one, beside the zero,
+/// within the range.
+inline std::int64_t reference_byte(std::int64_t sum, float factor, std::int64_t zero, bool rectified) {
+    const float product = static_cast<float>(sum) * factor;
+    const double byte = std::nearbyint(static_cast<double>(product)) + static_cast<double>(zero);
+    return static_cast<std::int64_t>(std::clamp(byte, rectified ? static_cast<double>(zero) : 0.0, 255.0));
+}
+
+/// A filter in whole numbers: weights of at most 127 steps, and what a step of the sum stands for.
+struct reference_filter {
+    std::vector<std::int64_t> weights;
+    double unit;
+    std::int64_t bias, added = 0; ///< units, and how many of them a step of the other map is
+
+    reference_filter(const float* from, std::size_t count, double of_bias, const reference_range& input,
+                     const reference_range* other, std::int64_t largest_input) {
+        double largest = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            largest = std::max(largest, std::abs(static_cast<double>(from[i])));
+        double step = largest > 0 ? largest / 127 : 1;
+        unit = step * input.scale;
+        if (other != nullptr) {
+            added = static_cast<std::int64_t>(std::floor(other->scale / unit));
+            if (added < 1 || added > 1'000'000)
+                throw std::logic_error("the reference: a byte that is added is no number of units");
+            unit = other->scale / static_cast<double>(added);
+            step = unit / input.scale;
+        }
+        std::int64_t most = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            weights.push_back(static_cast<std::int64_t>(std::nearbyint(static_cast<double>(from[i]) / step)));
+            most += std::abs(weights.back()) * largest_input;
+        }
+        bias = static_cast<std::int64_t>(std::nearbyint(of_bias / unit));
+        if (most + std::abs(bias) + 255 * added > std::int64_t{2'000'000'000})
+            throw std::logic_error("the reference: a sum that may need more than 32 bits");
+    }
+};
+
+/// A step: `run(folded, input, what lies in the output)`.
+template <class Step>
+struct reference_step;
+
+/// Convolution, the sum with what lies in the output, max pool, ReLU, rounding.
+template <tactnet::kernels::frame_convolution C, bool ReadsWords, bool WritesBytes>
+whole_map reference_convolution(const float* folded, const whole_map& in, const whole_map& other) {
+    const tactnet::sliding_window& w = C.window;
+    const std::size_t in_group = w.input.channels / C.groups, of_one = in_group * w.kernel.rows * w.kernel.columns;
+    const float* const biases = folded + C.filters * of_one;
+    const float* at = biases + C.filters;
+    const reference_range input = reference_range::next(at);
+    const reference_range added = C.adds ? reference_range::next(at) : reference_range{};
+    const reference_range output = WritesBytes ? reference_range::next(at) : reference_range{};
+
+    const std::size_t pooled_rows = C.pooled_rows > 0 ? C.pooled_rows : w.output_rows(),
+                      pooled_columns = C.pooled_columns > 0 ? C.pooled_columns : w.output_columns();
+    whole_map result(tactnet::shape{pooled_rows, pooled_columns, C.filters});
+    for (std::size_t f = 0; f < C.filters; ++f) {
+        const reference_filter filter(folded + f * of_one, of_one, static_cast<double>(biases[f]), input,
+                                      C.adds ? &added : nullptr, ReadsWords ? 32768 : 255);
+        const std::size_t first = f / (C.filters / C.groups) * in_group;
+        const auto factor = static_cast<float>(WritesBytes ? filter.unit / output.scale : filter.unit);
+        const auto sum_at = [&](std::size_t y, std::size_t x) {
+            std::int64_t sum = filter.bias;
+            for (std::size_t c = 0; c < in_group; ++c)
+                for (std::size_t r = 0; r < w.kernel.rows; ++r)
+                    for (std::size_t k = 0; k < w.kernel.columns; ++k) {
+                        const std::size_t row = y * w.stride.rows + r, column = x * w.stride.columns + k;
+                        if (row < w.top || row - w.top >= in.rows || column < w.left ||
+                            column - w.left >= in.columns)
+                            continue;
+                        sum += filter.weights[(c * w.kernel.rows + r) * w.kernel.columns + k] *
+                               (in.whole[in.at(row - w.top, column - w.left, first + c)] - input.zero);
+                    }
+            if (C.adds)
+                sum += filter.added * (other.whole[other.at(y, x, f)] - added.zero);
+            return sum;
+        };
+        for (std::size_t y = 0; y < pooled_rows; ++y)
+            for (std::size_t x = 0; x < pooled_columns; ++x) {
+                bool any = false;
+                std::int64_t largest = 0;
+                for (std::size_t i = y * C.pool.rows; i < (y + 1) * C.pool.rows; ++i)
+                    for (std::size_t j = x * C.pool.columns; j < (x + 1) * C.pool.columns; ++j)
+                        if (i < w.output_rows() && j < w.output_columns()) {
+                            const std::int64_t sum = sum_at(i, j);
+                            largest = any ? std::max(largest, sum) : sum;
+                            any = true;
+                        }
+                if (C.rectified && !WritesBytes)
+                    largest = std::max<std::int64_t>(largest, 0);
+                if (WritesBytes)
+                    result.whole[result.at(y, x, f)] =
+                        reference_byte(largest, factor, output.zero, C.rectified);
+                else
+                    result.floats[result.at(y, x, f)] = static_cast<float>(largest) * factor;
+            }
+    }
+    return result;
+}
+template <class Input, class Output, tactnet::kernels::frame_convolution Kernel>
+struct reference_step<tactnet::convolution_step<tactnet::eight_bit_between<Input, Output>, Kernel>> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
+        return reference_convolution<Kernel, (sizeof(Input) > 1), (sizeof(Output) == 1)>(folded, in, other);
+    }
+};
+template <class Input, class Output, tactnet::kernels::frame_dense Kernel>
+struct reference_step<tactnet::dense_step<tactnet::eight_bit_between<Input, Output>, Kernel>> {
+    static constexpr tactnet::kernels::frame_convolution whole{
+        .window = {Kernel.input, {Kernel.input.rows, Kernel.input.columns}, 1},
+        .filters = Kernel.outputs,
+        .input_stride = 1};
+    static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
+        return reference_convolution<whole, (sizeof(Input) > 1), (sizeof(Output) == 1)>(folded, in, other);
+    }
+};
+
+template <class Input, tactnet::shape Map, std::size_t Stride, bool Rectified>
+struct reference_step<
+    tactnet::norm_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        const float* at = folded + 2 * Map.channels;
+        const reference_range input = reference_range::next(at), output = reference_range::next(at);
+        whole_map result(Map);
+        for (std::size_t i = 0; i < result.whole.size(); ++i) {
+            const std::size_t c = i % Map.channels;
+            const auto weight = static_cast<double>(folded[c]),
+                       offset = static_cast<double>(folded[Map.channels + c]);
+            const double unit =
+                std::max(std::abs(weight) / 32767 * input.scale, std::abs(offset) / std::pow(2.0, 29));
+            const auto times = static_cast<std::int64_t>(std::nearbyint(weight * input.scale / unit));
+            const std::int64_t sum = static_cast<std::int64_t>(std::nearbyint(offset / unit)) +
+                                     times * (in.whole[i] - input.zero);
+            result.whole[i] =
+                reference_byte(sum, static_cast<float>(unit / output.scale), output.zero, Rectified);
+        }
+        return result;
+    }
+};
+
+template <tactnet::shape Map, std::size_t Stride>
+struct reference_step<tactnet::relu_step<tactnet::eight_bit, Map, Stride>> {
+    static whole_map run(const float* folded, whole_map map, const whole_map&) {
+        for (std::int64_t& byte : map.whole)
+            byte = std::max(byte, static_cast<std::int64_t>(folded[1]));
+        return map;
+    }
+};
+
+template <tactnet::sliding_window W, std::size_t Stride>
+struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>> {
+    static whole_map run(const float*, const whole_map& in, const whole_map&) {
+        whole_map result(tactnet::shape{W.output_rows(), W.output_columns(), W.input.channels});
+        for (std::size_t y = 0; y < result.rows; ++y)
+            for (std::size_t x = 0; x < result.columns; ++x)
+                for (std::size_t c = 0; c < result.channels; ++c)
+                    for (std::size_t r = y * W.stride.rows; r < y * W.stride.rows + W.kernel.rows; ++r)
+                        for (std::size_t k = x * W.stride.columns;
+                             k < x * W.stride.columns + W.kernel.columns; ++k)
+                            if (r >= W.top && r - W.top < in.rows && k >= W.left &&
+                                k - W.left < in.columns) {
+                                std::int64_t& largest = result.whole[result.at(y, x, c)];
+                                largest = std::max(largest, in.whole[in.at(r - W.top, k - W.left, c)]);
+                            }
+        return result;
+    }
+};
+
+template <class Output, tactnet::kernels::average_windows W, std::size_t Channels, std::size_t Stride>
+struct reference_step<
+    tactnet::average_pool_step<tactnet::eight_bit_between<std::uint8_t, Output>, W, Channels, Stride>> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        constexpr bool writes_bytes = sizeof(Output) == 1;
+        const reference_range input = reference_range::next(folded);
+        const reference_range output = writes_bytes ? reference_range::next(folded) : reference_range{};
+        whole_map result(tactnet::shape{W.rows.outputs, W.columns.outputs, Channels});
+        for (std::size_t y = 0; y < result.rows; ++y)
+            for (std::size_t x = 0; x < result.columns; ++x)
+                for (std::size_t c = 0; c < Channels; ++c) {
+                    const auto rows = W.rows.pixels(y), columns = W.columns.pixels(x);
+                    std::int64_t sum = 0;
+                    for (std::size_t r = rows.begin; r < rows.end; ++r)
+                        for (std::size_t k = columns.begin; k < columns.end; ++k)
+                            sum += in.whole[in.at(r, k, c)] - input.zero;
+                    const float factor = static_cast<float>(input.scale / output.scale) /
+                                         static_cast<float>(W.divisor(y, x));
+                    const std::size_t o = result.at(y, x, c);
+                    if (writes_bytes)
+                        result.whole[o] = reference_byte(sum, factor, output.zero, false);
+                    else
+                        result.floats[o] = static_cast<float>(sum) * factor;
+                }
+        return result;
+    }
+};
+
+template <class... Steps>
+struct reference_step<tactnet::step_chain<Steps...>> {
+    static whole_map run(const float* folded, whole_map map, const whole_map& other) {
+        ((map = reference_step<Steps>::run(folded, map, other), folded += Steps::folded), ...);
+        return map;
+    }
+};
+
+template <class Main, class Skip, std::size_t Stride>
+struct reference_step<tactnet::residual_step<Main, Skip, Stride>> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        if constexpr (std::is_same_v<Skip, tactnet::no_step>)
+            return reference_step<Main>::run(folded, in, in);
+        else
+            return reference_step<Main>::run(
+                folded, in, reference_step<Skip>::run(folded + Main::folded, in, whole_map{}));
+    }
+};
+
+template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+struct reference_step<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        std::vector<whole_map> parts;
+        ((parts.push_back(reference_step<typename Branches::step>::run(folded, in, whole_map{})),
+          folded += Branches::step::folded),
+         ...);
+        std::size_t channels = 0;
+        for (const whole_map& part : parts)
+            channels += part.channels;
+        whole_map result(tactnet::shape{parts[0].rows, parts[0].columns, channels});
+        std::size_t first = 0;
+        for (const whole_map& part : parts) {
+            for (std::size_t i = 0; i < part.whole.size(); ++i)
+                result.whole[i / part.channels * channels + first + i % part.channels] = part.whole[i];
+            first += part.channels;
+        }
+        return result;
+    }
+};
+
+/// Counts [channel][row][column] in words: counts × steps − mean × steps, both rounded.
+template <tactnet::shape Input, class Count>
+whole_map reference_entrance(const float* folded, std::span<const Count> counts) {
+    const auto steps = static_cast<double>(folded[Input.size()]);
+    whole_map map(Input);
+    for (std::size_t e = 0; e < Input.size(); ++e)
+        map.whole[e % Input.area() * Input.channels + e / Input.area()] = static_cast<std::int64_t>(
+            std::nearbyint(static_cast<double>(counts[e]) * steps) -
+            std::nearbyint(static_cast<double>(folded[e]) * steps));
+    return map;
+}
+
+/// The outputs [channel][row][column] of a frame.
+template <class View, class Count>
+std::vector<float> reference_outputs(std::span<const float> folded, std::span<const Count> counts) {
+    const whole_map out = reference_step<typename View::steps>::run(
+        folded.data() + View::steps_folded, reference_entrance<View::input_shape>(folded.data(), counts),
+        whole_map{});
+    std::vector<float> result;
+    for (std::size_t c = 0; c < out.channels; ++c)
+        for (std::size_t pixel = 0; pixel < out.rows * out.columns; ++pixel)
+            result.push_back(out.floats[pixel * out.channels + c]);
+    return result;
+}
+
+} // namespace support

@@ -1,0 +1,177 @@
+#pragma once
+
+// The convolution in whole numbers against plain loops in 64 bits.
+
+#include <tactnet/kernels/integer/convolution.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <random>
+#include <type_traits>
+#include <vector>
+
+namespace integer_test {
+
+using namespace tactnet;
+using kernels::frame_convolution;
+
+enum class numbers_are { drawn, largest, smallest };
+
+/// What is given to a convolution, whatever its type.
+template <frame_convolution C, class Input>
+struct given {
+    static constexpr std::size_t filters = C.padded_filters();
+    static constexpr bool words = !std::is_same_v<Input, std::uint8_t>;
+    std::vector<Input> input = std::vector<Input>(C.window.input.area() * C.input_stride);
+    std::vector<std::int8_t> weights = std::vector<std::int8_t>(C.filters * C.taps());
+    std::vector<std::int32_t> starts = std::vector<std::int32_t>(filters),
+                              added = std::vector<std::int32_t>(filters);
+    std::vector<float> factors = std::vector<float>(filters);
+    std::vector<std::uint8_t> other;
+    kernels::byte_range range;
+    Input padding{};
+
+    explicit given(numbers_are kind) {
+        std::mt19937 draw(C.filters * 131 + C.taps() + C.window.input.area());
+        const auto below = [&](unsigned most) { return static_cast<int>(draw() % most); };
+        const bool extreme = kind != numbers_are::drawn;
+        const int largest = kind == numbers_are::smallest && words ? -32767 : words ? 32767 : 255;
+        // So many products of drawn words keep within 32 bits.
+        const int widest = words ? std::min(32767, static_cast<int>(2'000'000'000 / 127 / C.taps())) : 255;
+        for (Input& x : input)
+            x = static_cast<Input>(extreme ? std::clamp(largest, words ? -widest : 0, widest)
+                                   : words ? below(static_cast<unsigned>(2 * widest + 1)) - widest
+                                           : below(256));
+        padding = static_cast<Input>(words ? 0 : extreme ? 255 : below(256));
+        for (std::size_t i = 0; i < weights.size(); ++i)
+            weights[i] = static_cast<std::int8_t>(!extreme ? below(255) - 127 : i / C.taps() % 2 == 0 ? 127 : -127);
+        const double reach = 127.0 * widest * std::sqrt(static_cast<double>(C.taps()));
+        for (std::size_t f = 0; f < C.filters; ++f) {
+            starts[f] = below(200'001) - 100'000;
+            added[f] = C.adds ? below(1000) : 0;
+            factors[f] = static_cast<float>((0.2 + below(100) * 0.01) * (extreme ? 0.1 : 200) / reach);
+        }
+        range.zero = extreme ? 128 : below(256);
+        range.lowest = C.rectified ? range.zero : 0;
+        other.resize(C.output_rows() * C.output_columns() * C.output_stride());
+        for (std::uint8_t& o : other)
+            o = static_cast<std::uint8_t>(below(256));
+    }
+    [[nodiscard]] std::int8_t weight(std::size_t f, std::size_t c, std::size_t r, std::size_t k) const {
+        return weights[((f * C.window.input.channels + c) * C.window.kernel.rows + r) * C.window.kernel.columns +
+                       k];
+    }
+    /// A sum, or the largest under a pool.
+    [[nodiscard]] std::int64_t sum(std::size_t y, std::size_t x, std::size_t f) const {
+        const sliding_window& w = C.window;
+        std::int64_t best = INT64_MIN;
+        for (std::size_t i = y * C.pool.rows; i < std::min((y + 1) * C.pool.rows, C.rows()); ++i)
+            for (std::size_t j = x * C.pool.columns; j < std::min((x + 1) * C.pool.columns, C.columns()); ++j) {
+                std::int64_t s = starts[f];
+                if (C.adds)
+                    s += std::int64_t{added[f]} *
+                         other[(i * C.output_columns() + j) * C.output_stride() + C.map_offset + f];
+                for (std::size_t c = 0; c < w.input.channels; ++c)
+                    for (std::size_t r = 0; r < w.kernel.rows; ++r)
+                        for (std::size_t k = 0; k < w.kernel.columns; ++k) {
+                            const std::size_t row = i * w.stride.rows + r, column = j * w.stride.columns + k;
+                            const bool inside = row >= w.top && row - w.top < w.input.rows &&
+                                                column >= w.left && column - w.left < w.input.columns;
+                            s += std::int64_t{weight(f, c, r, k)} *
+                                 (inside ? input[((row - w.top) * w.input.columns + column - w.left) *
+                                                     C.input_stride +
+                                                 c]
+                                         : padding);
+                        }
+                best = std::max(best, s);
+            }
+        return best;
+    }
+};
+
+/// Outputs that are not as plain loops say; `saturated` counts those at an end of the range.
+template <frame_convolution C, class Input, class Output = std::uint8_t>
+std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* saturated = nullptr) {
+    using plan = kernels::integer_convolution<C, Input>;
+    constexpr std::size_t pixels = C.output_rows() * C.output_columns(), stride = C.output_stride();
+    constexpr std::size_t guard = 64;
+    const given<C, Input> numbers(kind);
+
+    aligned_vector<std::int8_t> packed(plan::weights + guard, std::int8_t{99});
+    kernels::pack_integer_weights<plan, C>(
+        packed.data(), [&](auto... place) { return numbers.weight(place...); });
+    std::size_t wrong = static_cast<std::size_t>(
+        std::count_if(packed.end() - guard, packed.end(), [](std::int8_t g) { return g != 99; }));
+
+    std::vector<std::int32_t> starts = numbers.starts;
+    for (std::size_t f = 0; f < C.filters; ++f)
+        for (std::size_t i = 0; i < C.taps(); ++i)
+            starts[f] += plan::offset * numbers.weights[f * C.taps() + i];
+    // What is read before it is written shows.
+    using staged = typename plan::staged;
+    aligned_vector<staged> memory(plan::staged_elements + guard, static_cast<staged>(0x5a));
+    kernels::stage<plan, C>(numbers.input.data(), memory.data(), numbers.padding);
+    wrong += static_cast<std::size_t>(std::count_if(memory.end() - guard, memory.end(),
+                                                    [](staged s) { return s != static_cast<staged>(0x5a); }));
+
+    std::vector<Output> map(pixels * stride + guard, Output{77});
+    if (C.adds)
+        std::copy(numbers.other.begin(), numbers.other.end(), map.begin());
+    const auto bytes = [](const auto& v) { return reinterpret_cast<const std::int8_t*>(v.data()); };
+    kernels::convolve_integer<plan, C>(
+        memory.data(), packed.data(),
+        {bytes(starts), bytes(numbers.factors), bytes(numbers.added), numbers.range}, map.data() + C.map_offset);
+
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+        for (std::size_t f = 0; f < C.filters; ++f) {
+            const float product =
+                static_cast<float>(numbers.sum(pixel / C.output_columns(), pixel % C.output_columns(), f)) *
+                numbers.factors[f];
+            const Output found = map[pixel * stride + C.map_offset + f];
+            if constexpr (std::is_same_v<Output, float>) {
+                const float expected = C.rectified && product < 0 ? 0.0f : product;
+                wrong += std::memcmp(&found, &expected, sizeof(float)) != 0;
+            } else {
+                const double byte = std::clamp<double>(std::nearbyint(static_cast<double>(product)) + numbers.range.zero,
+                                                       numbers.range.lowest, 255);
+                wrong += found != byte;
+                if (saturated != nullptr)
+                    *saturated += found == 0 || found == 255;
+            }
+        }
+        // Channels of others in a wider map.
+        for (std::size_t c = 0; C.map_stride > 0 && c < stride; ++c)
+            wrong += (c < C.map_offset || c >= C.map_offset + C.filters) && map[pixel * stride + c] != Output{77};
+    }
+    for (std::size_t i = pixels * stride; i < map.size(); ++i)
+        wrong += map[i] != Output{77};
+    return wrong;
+}
+
+/// A convolution by its window; pixels lie side by side, or with lanes between them.
+constexpr frame_convolution of(shape input, std::size_t filters, extent kernel, extent stride = 1,
+                               padding around = same, std::size_t input_stride = 0) {
+    return {.window = sliding_window::over(input, kernel, stride, around),
+            .filters = filters,
+            .input_stride = input_stride > 0 ? input_stride : input.channels};
+}
+/// With a max pool and a ReLU behind it.
+constexpr frame_convolution pooled(frame_convolution c, extent pool, std::size_t rows, std::size_t columns,
+                                   bool rectified = true) {
+    c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns, c.rectified = rectified;
+    return c;
+}
+constexpr frame_convolution adding(frame_convolution c, bool rectified = false) {
+    c.adds = true, c.rectified = rectified;
+    return c;
+}
+constexpr frame_convolution among(frame_convolution c, std::size_t stride, std::size_t offset) {
+    c.map_stride = stride, c.map_offset = offset;
+    return c;
+}
+
+} // namespace integer_test
