@@ -125,7 +125,7 @@ struct integer_epilogue {
 };
 
 /// One register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of filters.
-/// `Output` is a byte, or a float in which the sum × factor is left as it is.
+/// `Output` is a byte, or a float in which the sum × factor is left unrounded.
 template <class Plan, frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_t Columns,
           class Output>
 [[gnu::flatten, gnu::noinline]] void
@@ -202,10 +202,13 @@ convolve_integer_block(const typename Plan::staged* input, const std::int8_t* we
             Output* const to =
                 output + (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
                 v * width;
-            if constexpr (std::is_same_v<Output, float>)
+            if constexpr (std::is_same_v<Output, float>) {
+                if constexpr (C.rectified)
+                    largest = largest > 0 ? largest : sum{};
                 store_any(to, __builtin_convertvector(largest, numbers<width>) * factors);
-            else
+            } else {
                 store_rounded<width>(to, largest, factors, epilogue.range);
+            }
         }
     }
 }
