@@ -62,10 +62,12 @@ struct filter_scale {
     for (;; result.weight_scale *= 2) {
         result.unit = result.weight_scale * input_scale;
         if (adds) {
-            // A unit somewhat larger, so that the other map's step is a whole number of units.
+            // A unit somewhat larger, so that the other map's step is a whole number of units: of a million
+            // at most, beside which smaller weights add nothing. A step that is finer than a unit counts the
+            // nearest number of times, 0 or 1.
             const auto times = static_cast<std::int64_t>(std::min(added_scale / result.unit, 1e6));
-            result.added = std::max<std::int64_t>(times, 1);
-            if (times > 0 && times < 1'000'000) {
+            result.added = times > 0 ? times : nearest_even(added_scale / result.unit);
+            if (times > 0) {
                 result.unit = added_scale / static_cast<double>(times);
                 result.weight_scale = result.unit / input_scale;
             }
