@@ -58,7 +58,9 @@ struct filter_scale {
     const auto input_scale = static_cast<double>(ranges.input.scale);
     const auto added_scale = static_cast<double>(ranges.added.scale);
     filter_scale result;
-    result.weight_scale = largest > 0 ? largest / 127 : 1;
+    // Of a filter of zeros, the bias alone decides.
+    const double of_bias = bias != 0 ? magnitude(bias) / 0x1p28 / input_scale : 1;
+    result.weight_scale = largest > 0 ? largest / 127 : of_bias;
     for (;; result.weight_scale *= 2) {
         result.unit = result.weight_scale * input_scale;
         if (adds) {
