@@ -90,28 +90,34 @@ if(TACTNET_AARCH64_COMPILER AND TACTNET_AARCH64_EMULATOR AND tactnet_xsimd_folde
     # Only xsimd's own headers: those beside it belong to this machine's processor.
     file(MAKE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/aarch64/include")
     file(CREATE_LINK "${tactnet_xsimd_folder}/xsimd" "${CMAKE_CURRENT_BINARY_DIR}/aarch64/include/xsimd" SYMBOLIC)
-    set(program "${CMAKE_CURRENT_BINARY_DIR}/aarch64/test_deployed_aarch64")
     file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/*.hpp")
     set(sources
         "${CMAKE_CURRENT_SOURCE_DIR}/reduced.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/reduced_main.cpp"
         "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.cpp"
     )
-    add_custom_command(
-        OUTPUT "${program}"
-        COMMAND
-            "${TACTNET_AARCH64_COMPILER}" -std=c++20 -O2 -Wall -Wextra -isystem
-            "${CMAKE_CURRENT_BINARY_DIR}/aarch64/include" "-I${PROJECT_SOURCE_DIR}/include"
-            "-I${PROJECT_SOURCE_DIR}/tests" -DTACTNET_TEST_UNIT=reduced_first -DTACTNET_TEST_UNITS=reduced_first ${sources} -pthread
-            -o "${program}"
-        DEPENDS
-            ${sources} ${headers} deployed_network.hpp reduced.hpp
-            "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.hpp"
-        VERBATIM
-    )
-    add_custom_target(test_deployed_aarch64 ALL DEPENDS "${program}")
-    add_test(
-        NAME deployment.aarch64 COMMAND "${TACTNET_AARCH64_EMULATOR}" -L "${TACTNET_AARCH64_ROOT}" "${program}"
-    )
+    # Without products of bytes, which a processor of the first version has not, and with them.
+    foreach(set IN ITEMS "aarch64|-march=armv8-a" "aarch64_dotprod|-march=armv8.2-a+dotprod")
+        string(REPLACE "|" ";" set "${set}")
+        list(GET set 0 name)
+        list(GET set 1 options)
+        set(program "${CMAKE_CURRENT_BINARY_DIR}/aarch64/test_deployed_${name}")
+        add_custom_command(
+            OUTPUT "${program}"
+            COMMAND
+                "${TACTNET_AARCH64_COMPILER}" -std=c++20 -O2 ${options} -Wall -Wextra -isystem
+                "${CMAKE_CURRENT_BINARY_DIR}/aarch64/include" "-I${PROJECT_SOURCE_DIR}/include"
+                "-I${PROJECT_SOURCE_DIR}/tests" -DTACTNET_TEST_UNIT=reduced_first -DTACTNET_TEST_UNITS=reduced_first
+                ${sources} -pthread -o "${program}"
+            DEPENDS
+                ${sources} ${headers} deployed_network.hpp eight_bit/reference.hpp reduced.hpp
+                "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.hpp"
+            VERBATIM
+        )
+        add_custom_target(test_deployed_${name} ALL DEPENDS "${program}")
+        add_test(
+            NAME deployment.${name} COMMAND "${TACTNET_AARCH64_EMULATOR}" -cpu max -L "${TACTNET_AARCH64_ROOT}" "${program}"
+        )
+    endforeach()
 else()
     message(STATUS "tactnet: the test of deployed networks on AArch64 is left out (needs aarch64-linux-gnu-g++, "
                    "qemu-aarch64 and xsimd)"

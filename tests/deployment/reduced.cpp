@@ -3,9 +3,12 @@
 #include "reduced.hpp"
 
 #include "deployed_network.hpp"
+#include "eight_bit/reference.hpp"
 
+#include <tactnet/deployment/eight_bit/observed.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 
+#include <array>
 #include <bit>
 
 #define TACTNET_TEST_TEXT_OF(name) #name
@@ -41,6 +44,48 @@ void append(reduced_result& result, std::uint64_t seed) {
     result.of_deviation = std::max(result.of_deviation, errors.of_deviation);
 }
 
+/// A network in 8 bits of drawn numbers, folded already: folding and calibrating take sums of floats, which
+/// may differ from one instruction set to another. From there on all is whole, or rounded once.
+template <class Network>
+void append_whole(reduced_result& result, std::uint64_t seed) {
+    using in_bytes = deployed<Network, eight_bit>;
+    using view = typename in_bytes::view_type;
+    using both = detail::observed_step<typename deployment_plan<Network, single_precision>::step,
+                                       typename deployment_plan<Network, eight_bit>::step>;
+    constexpr std::size_t size = Network::input_shape.size();
+    support::numbers draw(seed);
+    // Whole numbers divided by powers of two: no product with them is contracted into another number.
+    const auto next = [&](float low, float high, float parts) {
+        return std::round(draw.next(low * parts, high * parts)) / parts;
+    };
+    std::vector<float> folded(view::folded_elements);
+    for (float& number : folded)
+        number = next(-0.25f, 0.25f, 4096);
+    for (std::size_t e = 0; e < size; ++e)
+        folded[e] = next(0, 60, 1024);
+    folded[size] = 64, folded[size + 1] = 500; // steps of a count, the largest count
+    std::array<map_range, both::maps> ranges;
+    for (map_range& range : ranges)
+        range = {next(2, 6, 16) / 128, next(60, 200, 1)};
+    both::set_ranges(folded.data() + view::steps_folded, {1.0f / 2048, 0}, {}, ranges.data());
+
+    const in_bytes network{std::span<const float, view::folded_elements>(folded)};
+    for (std::uint64_t frame = 0; frame < 4; ++frame) {
+        const std::vector<std::uint8_t> counts = support::make_frame(size, seed + frame);
+        std::vector<float> out(Network::outputs, NAN);
+        const auto status = network(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                                    std::span<float, Network::outputs>(out));
+        const std::vector<float> expected =
+            support::reference_outputs<view>(folded, std::span<const std::uint8_t>(counts));
+        result.as_reference = result.as_reference && status == frame_status::recognised;
+        for (std::size_t o = 0; o < out.size(); ++o) {
+            result.whole.push_back(std::bit_cast<std::uint32_t>(out[o]));
+            result.as_reference =
+                result.as_reference && result.whole.back() == std::bit_cast<std::uint32_t>(expected.at(o));
+        }
+    }
+}
+
 } // namespace
 
 reduced_result TACTNET_TEST_UNIT() {
@@ -51,5 +96,14 @@ reduced_result TACTNET_TEST_UNIT() {
     append<network<shape{9, 10, 2}, batch_norm, conv2d<12, 3>, relu, max_pool<3, 1>,
                    residual<sequence<conv2d<12, 3>, batch_norm>>, relu, conv2d<33, 2>, max_pool<2>, relu,
                    conv2d<5, extent(2, 3), 2, pad(1)>, batch_norm, dense<9>, softmax>>(result, 32);
+    // In 8 bits: words with few channels and with several, pools, a sum, branches, groups, strides.
+    append_whole<
+        network<shape{14, 13}, conv2d<8, 5>, relu, max_pool<2>, conv2d<16, 3>, relu, conv2d<7, 3>, dense<6>>>(
+        result, 33);
+    append_whole<network<shape{9, 10, 2}, batch_norm, conv2d<12, 3>, relu, max_pool<3, 1>,
+                         residual<sequence<conv2d<12, 3>>>, relu,
+                         concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<16, 3>, relu>>,
+                         conv2d<33, 2>, max_pool<2>, relu, conv2d<6, 3, 1, same, in_groups(3)>, relu,
+                         conv2d<5, extent(2, 3), 2, pad(1)>, average_pool<2, 1>, dense<9>>>(result, 34);
     return result;
 }

@@ -9,6 +9,8 @@
 struct reduced_result {
     std::vector<std::uint32_t> bits;       ///< of all outputs
     double of_bound = 0, of_deviation = 0; ///< largest errors
+    std::vector<std::uint32_t> whole;      ///< bits of all outputs of networks in 8 bits
+    bool as_reference = true;              ///< whether those are what plain loops give
     const char* instruction_set = "";
 };
 

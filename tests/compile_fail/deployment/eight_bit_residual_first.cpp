@@ -4,6 +4,6 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
-using net = tactnet::network<tactnet::shape{4, 4, 2}, tactnet::residual<tactnet::sequence<tactnet::conv2d<2, 3>>>,
-                             tactnet::dense<2>>;
+using net = tactnet::network<tactnet::shape{4, 4, 2},
+                             tactnet::residual<tactnet::sequence<tactnet::conv2d<2, 3>>>, tactnet::dense<2>>;
 constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;

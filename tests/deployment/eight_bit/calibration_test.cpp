@@ -67,20 +67,22 @@ TEST_CASE("eight_bit_calibration: outputs differ little from single precision, o
     const auto calibration = on(frames);
     const sizes found = sizes_of(filled(), mean(), support::byte_network<net>(calibration.folded()));
     MESSAGE("root of the mean square: " << found.differences << " of " << found.outputs);
-    // A weight and a byte are off by a step / √12 each; steps are 1/127 and 1/255 of the largest number, which
-    // is three to four times the root of the mean square: about 0.9 and 0.5 % of it for each of the four
-    // layers, 2 % together. A range that is wrong by a factor of two makes it more than 4 %.
-    CHECK(found.differences < 0.04 * found.outputs);
+    // A weight and a byte are off by a step / √12 each; steps are 1/127 and 1/255 of the largest number,
+    // which is three to four times the root of the mean square: about 0.9 and 0.5 % of it for each of the
+    // four layers, 2 % together. A range that is wrong by a factor of two makes it more than 3 %.
+    CHECK(found.differences < 0.03 * found.outputs);
     CHECK(found.differences > 0);
-    CHECK(calibration.output_error() < 0.04 * found.outputs);
+    CHECK(calibration.output_error() < 0.03 * found.outputs);
     CHECK(calibration.output_error() > 0);
 }
 
-TEST_CASE("eight_bit_calibration: the error that it tells is the error on its images, and no range does worse") {
+TEST_CASE(
+    "eight_bit_calibration: the error that it tells is the error on its images, and no range does worse") {
     const std::vector<float> frames = support::frames_for<net>(5, 62);
     const auto calibration = on(frames);
     const auto error_of = [&](std::span<const float> folded) {
-        const support::byte_network<net> bytes(folded.first<support::byte_network<net>::view_type::folded_elements>());
+        const support::byte_network<net> bytes(
+            folded.first<support::byte_network<net>::view_type::folded_elements>());
         const auto floats = deploy(filled(), mean(), support::input_scale);
         double sum = 0;
         for (std::size_t i = 0; i < 5; ++i) {
@@ -96,9 +98,8 @@ TEST_CASE("eight_bit_calibration: the error that it tells is the error on its im
     std::vector<float> folded(calibration.folded().begin(), calibration.folded().end());
     CHECK(error_of(folded) == doctest::Approx(calibration.output_error()).epsilon(1e-9));
 
-    // The ranges as the maps were: zeros stay, and scales grow to the full ones. Where a range was narrowed,
-    // the full one was no better; elsewhere it is the full one. So widening or narrowing any single map by
-    // the next fraction must not help.
+    // What a map is written with, the next step reads with. Ranges far wider or narrower than those chosen
+    // must not help.
     using steps = support::byte_network<net>::view_type::steps;
     std::vector<std::size_t> written, read;
     std::size_t at = support::byte_network<net>::view_type::steps_folded;
@@ -112,7 +113,8 @@ TEST_CASE("eight_bit_calibration: the error that it tells is the error on its im
                  read.push_back(at - 2 * step::ranges);
          }()),
          ...);
-    }(std::make_index_sequence<steps::size>{});
+    }
+    (std::make_index_sequence<steps::size>{});
     REQUIRE(written.size() == eight_bit_calibration<net>::maps);
     REQUIRE(read.size() == written.size());
     for (std::size_t m = 0; m < written.size(); ++m) {
@@ -130,16 +132,18 @@ TEST_CASE("eight_bit_calibration: one outlier in a map does not take the range o
     // wide as what counts.
     using watched = network<shape{1, 4}, conv2d<2, 1>, dense<1>>;
     watched n;
-    const std::array<float, 2 + 2 + 8 + 1> values{1, 0.8f, 0, 0, /* [channel][column] */ 1, 1, 1, 0, 1, 1, 1, 0, 0};
+    const std::array<float, 2 + 2 + 8 + 1> values{0.97f, 0.77f, 0, 0, /* [channel][column] */ 1, 1, 1, 0, 1,
+                                                  1,     1,     0, 0};
     std::copy(values.begin(), values.end(), n.learnable_values().begin());
     std::vector<float> frames;
     for (int i = 0; i < 30; ++i)
-        for (const float x : {1.0f * static_cast<float>(i), 20.0f - static_cast<float>(i), 7.0f, 60.0f})
+        for (const float x : {static_cast<float>(i), static_cast<float>(29 - i), 7.0f, 60.0f})
             frames.push_back(x);
     const std::array<float, 4> zero{};
     const eight_bit_calibration<watched> calibration(n, zero, 1, std::span<const float>(frames));
-    const float step = calibration.folded()[support::byte_network<watched>::view_type::steps_folded + 2 + 2 + 2];
-    CHECK(step < 60.0f / 255 * 0.6f);
+    const float step =
+        calibration.folded()[support::byte_network<watched>::view_type::steps_folded + 2 + 2 + 2];
+    CHECK(step < 0.97f * 60 / 255 * 0.8f);
 }
 
 TEST_CASE("eight_bit_calibration: the same images give the same numbers, bytes as well as floats") {
@@ -178,8 +182,9 @@ TEST_CASE("eight_bit_calibration: no images, parts of one and broken ones are re
     refused(0, "expected one or more calibration images of 350 counts, found 0 counts");
     refused(size - 1, "found 349 counts");
     refused(2 * size + 1, "found 701 counts");
-    for (const float broken : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
-                               -std::numeric_limits<float>::infinity(), 3e38f}) {
+    for (const float broken :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+          -std::numeric_limits<float>::infinity(), 3e38f}) {
         frames[size + 17] = broken;
         refused(3 * size, "found number 1 of those taken broken");
     }
@@ -191,13 +196,19 @@ TEST_CASE("eight_bit_calibration: maps that hold nothing but zero are no difficu
     using small = network<shape{4, 5}, conv2d<4, 3>, relu, residual<sequence<conv2d<4, 3>>>, relu, dense<2>>;
     small n; // all zeros
     std::fill(n.learnable_values().begin(), n.learnable_values().end(), 0.0f);
-    n.learnable_values().back() = 0.75f;
+    n.for_each_parameter([](const parameter& p, auto values) {
+        if (p.what == role::bias) // the last one is the dense layer's
+            values.back() = 0.75f;
+        if (p.what == role::bias && values.size() == 4)
+            values.back() = 0;
+    });
     const std::vector<float> frames = support::frames_for<small>(2, 3);
     const std::array<float, 20> zero{};
     const eight_bit_calibration<small> calibration(n, zero, 1, std::span<const float>(frames));
     const support::byte_network<small> bytes(calibration.folded());
     std::array<float, 2> out{};
-    CHECK(bytes(tensor_view<const float, small::input_shape>(frames.data()), out) == frame_status::recognised);
+    CHECK(bytes(tensor_view<const float, small::input_shape>(frames.data()), out) ==
+          frame_status::recognised);
     CHECK(out[0] == 0);
     CHECK(out[1] == doctest::Approx(0.75).epsilon(0.01));
 }

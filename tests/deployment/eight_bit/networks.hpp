@@ -43,7 +43,8 @@ std::vector<float> frames_for(std::size_t count, std::uint64_t seed) {
     return frames;
 }
 template <class Network>
-tactnet::eight_bit_calibration<Network> calibrated(const Network& net, std::uint64_t seed, std::size_t images) {
+tactnet::eight_bit_calibration<Network> calibrated(const Network& net, std::uint64_t seed,
+                                                   std::size_t images) {
     const std::vector<float> mean = mean_for<Network>(seed), frames = frames_for<Network>(images, seed + 50);
     return {net, std::span(mean).template first<Network::input_shape.size()>(), input_scale,
             std::span<const float>(frames)};
@@ -72,7 +73,8 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
 
     const auto one = [&]<class Step>(std::type_identity<Step>) {
         tactnet::aligned_vector<std::uint8_t> in(
-            tactnet::whole_lines<std::uint8_t>(map.rows * map.columns * stride * element), std::uint8_t{0xa5});
+            tactnet::whole_lines<std::uint8_t>(map.rows * map.columns * stride * element),
+            std::uint8_t{0xa5});
         for (std::size_t i = 0; i < map.whole.size(); ++i) {
             const auto word = static_cast<std::int16_t>(map.whole[i]);
             std::memcpy(in.data() + (i / map.channels * stride + i % map.channels) * element, &word, element);
@@ -97,7 +99,8 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
     };
     [&]<std::size_t... I>(std::index_sequence<I...>) {
         (one(std::type_identity<typename steps::template at<I>>{}), ...);
-    }(std::make_index_sequence<steps::size>{});
+    }
+    (std::make_index_sequence<steps::size>{});
     return different;
 }
 

@@ -28,7 +28,8 @@ struct worst_sums {
                         bool adds) {
         for (const float w : weights)
             most += std::abs(static_cast<double>(detail::quantised(w, scale))) * largest_input;
-        most += std::abs(static_cast<double>(scale.start)) + (adds ? 255.0 * static_cast<double>(scale.added) : 0);
+        most += std::abs(static_cast<double>(scale.start)) +
+                (adds ? 255.0 * static_cast<double>(scale.added) : 0);
     }
     [[nodiscard]] bool fits() const { return most <= std::numeric_limits<std::int32_t>::max(); }
 };
@@ -57,8 +58,8 @@ TEST_CASE("nearest_even: ties go to the even number, others to the nearest") {
     std::mt19937_64 draw(1);
     std::size_t wrong = 0;
     for (int i = 0; i < 100'000; ++i) {
-        const double value =
-            std::ldexp(static_cast<double>(static_cast<std::int64_t>(draw())), -static_cast<int>(draw() % 70) - 2);
+        const double value = std::ldexp(static_cast<double>(static_cast<std::int64_t>(draw())),
+                                        -static_cast<int>(draw() % 70) - 2);
         wrong += detail::nearest_even(value) != static_cast<std::int64_t>(std::nearbyint(value));
     }
     CHECK(wrong == 0);
@@ -102,17 +103,21 @@ TEST_CASE("scale_filter: no sum passes 32 bits, however many the weights and lar
         for (const bool adds : {false, true})
             for (const bool words : {false, true}) {
                 const double largest_input = words ? 32768 : 255;
-                const filter_scale scale =
-                    scaled(weights, bias, ranges, adds, largest_input, words ? 0 : seed % 3 == 0 ? 128 : 0);
+                const filter_scale scale = scaled(weights, bias, ranges, adds, largest_input,
+                                                  words           ? 0
+                                                  : seed % 3 == 0 ? 128
+                                                                  : 0);
                 CHECK(worst_sums(weights, scale, largest_input, adds).fits());
-                const float largest = *std::max_element(
-                    weights.begin(), weights.end(), [](float a, float b) { return std::abs(a) < std::abs(b); });
+                const float largest = *std::max_element(weights.begin(), weights.end(), [](float a, float b) {
+                    return std::abs(a) < std::abs(b);
+                });
                 coarser += std::abs(detail::quantised(largest, scale)) < 60;
                 // A bias is off by half a unit at most.
                 std::int64_t sum = 0;
                 for (const float w : weights)
                     sum += detail::quantised(w, scale);
-                const auto zero = static_cast<std::int64_t>(ranges.input.zero) - (!words && seed % 3 == 0 ? 128 : 0);
+                const auto zero =
+                    static_cast<std::int64_t>(ranges.input.zero) - (!words && seed % 3 == 0 ? 128 : 0);
                 const double without = static_cast<double>(
                     scale.start + zero * sum +
                     (adds ? static_cast<std::int64_t>(ranges.added.zero) * scale.added : 0));
@@ -148,7 +153,10 @@ TEST_CASE("scale_filter: filters of zeros keep their bias, and what is added to 
     const std::vector<float> zeros(40);
     const step_ranges ranges{{0.02f, 100}, {0.3f, 7}, {0.05f, 9}};
     const filter_scale plain = scaled(zeros, 1.25, ranges, false);
-    CHECK(static_cast<double>(plain.start) * plain.unit == doctest::Approx(1.25).epsilon(0.02));
+    CHECK(static_cast<double>(plain.start) * plain.unit == doctest::Approx(1.25).epsilon(1e-7));
+    const filter_scale nothing = scaled(zeros, 0, ranges, false);
+    CHECK(nothing.start == 0);
+    CHECK(std::isfinite(nothing.unit));
     const filter_scale summed = scaled(zeros, 1.5, ranges, true);
     CHECK(static_cast<double>(summed.added) * summed.unit ==
           doctest::Approx(static_cast<double>(0.3f)).epsilon(1e-12));

@@ -26,7 +26,10 @@ struct whole_map {
 
     whole_map() = default;
     whole_map(tactnet::shape s)
-        : rows(s.rows), columns(s.columns), channels(s.channels), whole(s.rows * s.columns * s.channels),
+        : rows(s.rows),
+          columns(s.columns),
+          channels(s.channels),
+          whole(s.rows * s.columns * s.channels),
           floats(whole.size()) {}
     [[nodiscard]] std::size_t at(std::size_t y, std::size_t x, std::size_t c) const {
         return (y * columns + x) * channels + c;
@@ -64,7 +67,9 @@ struct reference_filter {
         double largest = 0;
         for (std::size_t i = 0; i < count; ++i)
             largest = std::max(largest, std::abs(static_cast<double>(from[i])));
-        double step = largest > 0 ? largest / 127 : 1;
+        if (!(largest > 0))
+            throw std::logic_error("the reference: a filter of zeros");
+        double step = largest / 127;
         unit = step * input.scale;
         if (other != nullptr) {
             added = static_cast<std::int64_t>(std::floor(other->scale / unit));
@@ -92,7 +97,8 @@ struct reference_step;
 template <tactnet::kernels::frame_convolution C, bool ReadsWords, bool WritesBytes>
 whole_map reference_convolution(const float* folded, const whole_map& in, const whole_map& other) {
     const tactnet::sliding_window& w = C.window;
-    const std::size_t in_group = w.input.channels / C.groups, of_one = in_group * w.kernel.rows * w.kernel.columns;
+    const std::size_t in_group = w.input.channels / C.groups,
+                      of_one = in_group * w.kernel.rows * w.kernel.columns;
     const float* const biases = folded + C.filters * of_one;
     const float* at = biases + C.filters;
     const reference_range input = reference_range::next(at);
@@ -176,8 +182,8 @@ struct reference_step<
             const double unit =
                 std::max(std::abs(weight) / 32767 * input.scale, std::abs(offset) / std::pow(2.0, 29));
             const auto times = static_cast<std::int64_t>(std::nearbyint(weight * input.scale / unit));
-            const std::int64_t sum = static_cast<std::int64_t>(std::nearbyint(offset / unit)) +
-                                     times * (in.whole[i] - input.zero);
+            const std::int64_t sum =
+                static_cast<std::int64_t>(std::nearbyint(offset / unit)) + times * (in.whole[i] - input.zero);
             result.whole[i] =
                 reference_byte(sum, static_cast<float>(unit / output.scale), output.zero, Rectified);
         }
@@ -204,8 +210,7 @@ struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>> {
                     for (std::size_t r = y * W.stride.rows; r < y * W.stride.rows + W.kernel.rows; ++r)
                         for (std::size_t k = x * W.stride.columns;
                              k < x * W.stride.columns + W.kernel.columns; ++k)
-                            if (r >= W.top && r - W.top < in.rows && k >= W.left &&
-                                k - W.left < in.columns) {
+                            if (r >= W.top && r - W.top < in.rows && k >= W.left && k - W.left < in.columns) {
                                 std::int64_t& largest = result.whole[result.at(y, x, c)];
                                 largest = std::max(largest, in.whole[in.at(r - W.top, k - W.left, c)]);
                             }
@@ -229,8 +234,8 @@ struct reference_step<
                     for (std::size_t r = rows.begin; r < rows.end; ++r)
                         for (std::size_t k = columns.begin; k < columns.end; ++k)
                             sum += in.whole[in.at(r, k, c)] - input.zero;
-                    const float factor = static_cast<float>(input.scale / output.scale) /
-                                         static_cast<float>(W.divisor(y, x));
+                    const float factor =
+                        static_cast<float>(input.scale / output.scale) / static_cast<float>(W.divisor(y, x));
                     const std::size_t o = result.at(y, x, c);
                     if (writes_bytes)
                         result.whole[o] = reference_byte(sum, factor, output.zero, false);
@@ -287,9 +292,9 @@ whole_map reference_entrance(const float* folded, std::span<const Count> counts)
     const auto steps = static_cast<double>(folded[Input.size()]);
     whole_map map(Input);
     for (std::size_t e = 0; e < Input.size(); ++e)
-        map.whole[e % Input.area() * Input.channels + e / Input.area()] = static_cast<std::int64_t>(
-            std::nearbyint(static_cast<double>(counts[e]) * steps) -
-            std::nearbyint(static_cast<double>(folded[e]) * steps));
+        map.whole[e % Input.area() * Input.channels + e / Input.area()] =
+            static_cast<std::int64_t>(std::nearbyint(static_cast<double>(counts[e]) * steps) -
+                                      std::nearbyint(static_cast<double>(folded[e]) * steps));
     return map;
 }
 

@@ -37,19 +37,19 @@ TEST_CASE("eight_bit: residual blocks give the bits of the plain reference") {
                 residual<sequence<conv2d<20, 3>>>, relu, max_pool<2>, dense<5>>;
     CHECK(frames_that_differ<blocks>(15, 20) == 0);
     // The sensor's words go into both branches.
-    using first = network<shape{6, 7, 2},
-                          residual<sequence<conv2d<8, 3>, relu, conv2d<8, 3>>, sequence<conv2d<8, 1>>>, relu,
-                          dense<3>>;
+    using first =
+        network<shape{6, 7, 2}, residual<sequence<conv2d<8, 3>, relu, conv2d<8, 3>>, sequence<conv2d<8, 1>>>,
+                relu, dense<3>>;
     CHECK(frames_that_differ<first>(16, 20) == 0);
 }
 
 TEST_CASE("eight_bit: concatenations and groups give the bits of the plain reference") {
-    using branches = network<
-        shape{9, 8, 2}, conv2d<8, 3>, relu,
-        concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<3, 1>, relu, conv2d<16, 3>, relu>,
-                      sequence<max_pool<3, 1, same>, conv2d<12, 1>>>,
-        conv2d<8, 3, 1, same, conv2d_options{.groups = 4}>, relu,
-        conv2d<6, 3, 2, pad(1), conv2d_options{.groups = 2, .bias = false}>, max_pool<2>, dense<5>>;
+    using branches =
+        network<shape{9, 8, 2}, conv2d<8, 3>, relu,
+                concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<3, 1>, relu, conv2d<16, 3>, relu>,
+                              sequence<max_pool<3, 1, same>, conv2d<12, 1>>>,
+                conv2d<8, 3, 1, same, conv2d_options{.groups = 4}>, relu,
+                conv2d<6, 3, 2, pad(1), conv2d_options{.groups = 2, .bias = false}>, max_pool<2>, dense<5>>;
     CHECK(frames_that_differ<branches>(17, 20) == 0);
 }
 

@@ -48,7 +48,9 @@ struct given {
                                            : below(256));
         padding = static_cast<Input>(words ? 0 : extreme ? 255 : below(256));
         for (std::size_t i = 0; i < weights.size(); ++i)
-            weights[i] = static_cast<std::int8_t>(!extreme ? below(255) - 127 : i / C.taps() % 2 == 0 ? 127 : -127);
+            weights[i] = static_cast<std::int8_t>(!extreme                ? below(255) - 127
+                                                  : i / C.taps() % 2 == 0 ? 127
+                                                                          : -127);
         const double reach = 127.0 * widest * std::sqrt(static_cast<double>(C.taps()));
         for (std::size_t f = 0; f < C.filters; ++f) {
             starts[f] = below(200'001) - 100'000;
@@ -62,7 +64,8 @@ struct given {
             o = static_cast<std::uint8_t>(below(256));
     }
     [[nodiscard]] std::int8_t weight(std::size_t f, std::size_t c, std::size_t r, std::size_t k) const {
-        return weights[((f * C.window.input.channels + c) * C.window.kernel.rows + r) * C.window.kernel.columns +
+        return weights[((f * C.window.input.channels + c) * C.window.kernel.rows + r) *
+                           C.window.kernel.columns +
                        k];
     }
     /// A sum, or the largest under a pool.
@@ -70,7 +73,8 @@ struct given {
         const sliding_window& w = C.window;
         std::int64_t best = INT64_MIN;
         for (std::size_t i = y * C.pool.rows; i < std::min((y + 1) * C.pool.rows, C.rows()); ++i)
-            for (std::size_t j = x * C.pool.columns; j < std::min((x + 1) * C.pool.columns, C.columns()); ++j) {
+            for (std::size_t j = x * C.pool.columns; j < std::min((x + 1) * C.pool.columns, C.columns());
+                 ++j) {
                 std::int64_t s = starts[f];
                 if (C.adds)
                     s += std::int64_t{added[f]} *
@@ -102,8 +106,8 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
     const given<C, Input> numbers(kind);
 
     aligned_vector<std::int8_t> packed(plan::weights + guard, std::int8_t{99});
-    kernels::pack_integer_weights<plan, C>(
-        packed.data(), [&](auto... place) { return numbers.weight(place...); });
+    kernels::pack_integer_weights<plan, C>(packed.data(),
+                                           [&](auto... place) { return numbers.weight(place...); });
     std::size_t wrong = static_cast<std::size_t>(
         std::count_if(packed.end() - guard, packed.end(), [](std::int8_t g) { return g != 99; }));
 
@@ -124,7 +128,8 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
     const auto bytes = [](const auto& v) { return reinterpret_cast<const std::int8_t*>(v.data()); };
     kernels::convolve_integer<plan, C>(
         memory.data(), packed.data(),
-        {bytes(starts), bytes(numbers.factors), bytes(numbers.added), numbers.range}, map.data() + C.map_offset);
+        {bytes(starts), bytes(numbers.factors), bytes(numbers.added), numbers.range},
+        map.data() + C.map_offset);
 
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
         for (std::size_t f = 0; f < C.filters; ++f) {
@@ -136,8 +141,9 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
                 const float expected = C.rectified && product < 0 ? 0.0f : product;
                 wrong += std::memcmp(&found, &expected, sizeof(float)) != 0;
             } else {
-                const double byte = std::clamp<double>(std::nearbyint(static_cast<double>(product)) + numbers.range.zero,
-                                                       numbers.range.lowest, 255);
+                const double byte =
+                    std::clamp<double>(std::nearbyint(static_cast<double>(product)) + numbers.range.zero,
+                                       numbers.range.lowest, 255);
                 wrong += found != byte;
                 if (saturated != nullptr)
                     *saturated += found == 0 || found == 255;
@@ -145,7 +151,8 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
         }
         // Channels of others in a wider map.
         for (std::size_t c = 0; C.map_stride > 0 && c < stride; ++c)
-            wrong += (c < C.map_offset || c >= C.map_offset + C.filters) && map[pixel * stride + c] != Output{77};
+            wrong +=
+                (c < C.map_offset || c >= C.map_offset + C.filters) && map[pixel * stride + c] != Output{77};
     }
     for (std::size_t i = pixels * stride; i < map.size(); ++i)
         wrong += map[i] != Output{77};

@@ -90,11 +90,13 @@ TEST_CASE("store_rounded: drawn sums and factors give the nearest byte") {
 
 TEST_CASE("nearest: ties go to the even number up to 2^22") {
     const auto check = [](float value) {
-        return kernels::nearest<1>(kernels::numbers<1>{value})[0] == std::nearbyint(static_cast<double>(value));
+        return kernels::nearest<1>(kernels::numbers<1>{value})[0] ==
+               std::nearbyint(static_cast<double>(value));
     };
     for (float whole = -2000; whole <= 2000; ++whole)
         for (const float part : {0.0f, 0.25f, 0.5f, 0.75f})
             CHECK(check(whole + part));
-    for (const float large : {0x1p22f, -0x1p22f, 0x1p22f - 0.5f, 0.5f - 0x1p22f, 0x1p21f + 0.5f, 0x1p21f + 1.5f})
+    for (const float large :
+         {0x1p22f, -0x1p22f, 0x1p22f - 0.5f, 0.5f - 0x1p22f, 0x1p21f + 0.5f, 0x1p21f + 1.5f})
         CHECK(check(large));
 }
