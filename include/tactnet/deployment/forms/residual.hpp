@@ -42,10 +42,11 @@ struct residual_form {
     using main = typename planned_main::template adding<Rectified>;
     using skip = typename detail::skip_form<
         planned<typename Place::format, as_sequence<Skip>, typename layer::skip, Place::input_stride>>::type;
-    static_assert(!std::is_same_v<typename skip::step, no_step> ||
-                      std::is_same_v<typename Place::format, typename Place::format::inner>,
-                  "deploy: in this number format a network cannot begin with a residual block that passes its "
-                  "input on: the frame comes in as other numbers than maps hold");
+    static_assert(
+        !std::is_same_v<typename skip::step, no_step> ||
+            std::is_same_v<typename Place::format, typename Place::format::inner>,
+        "deploy: in this number format a network cannot begin with a residual block that passes its "
+        "input on: the frame comes in as other numbers than maps hold");
     using step = residual_step<typename main::step, typename skip::step, Place::input_stride>;
 
     static void fold(const parameter_source& list, float* to) {
