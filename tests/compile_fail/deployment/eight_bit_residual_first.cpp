@@ -1,5 +1,5 @@
 // expect: in this number format a network cannot begin with a residual block that passes its input on
-// at-most: 1
+// at-most: 3
 #include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
