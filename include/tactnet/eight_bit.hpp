@@ -1,0 +1,5 @@
+#pragma once
+
+// Networks deployed in 8 bits: see deployment/eight_bit/deploy.hpp.
+
+#include <tactnet/deployment/eight_bit/deploy.hpp>
