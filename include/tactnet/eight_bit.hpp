@@ -3,3 +3,4 @@
 // Networks deployed in 8 bits: see deployment/eight_bit/deploy.hpp.
 
 #include <tactnet/deployment/eight_bit/deploy.hpp>
+#include <tactnet/deployment/eight_bit/spellings.hpp>
