@@ -6,6 +6,7 @@
 #include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -52,8 +53,10 @@ struct integer_convolution {
                                  groups_of_row =
                                      (C.window.kernel.columns + columns_of_group - 1) / columns_of_group;
     static constexpr std::size_t weights_of_group = width * group;
+    using weight = typename products::weight;
     static constexpr std::size_t weights =
         vectors * groups_of_pixel * C.window.kernel.rows * groups_of_row * weights_of_group;
+    static constexpr std::size_t weight_bytes = weights * sizeof(weight);
 };
 
 /// Weights in the order of use: blocks of vectors of filters, then [group of the pixel][kernel row][group of
@@ -75,8 +78,12 @@ constexpr void pack_integer_weights(std::int8_t* packed, Weight&& weight) {
             for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
                 for (std::size_t in_row = 0; in_row < Plan::groups_of_row; ++in_row)
                     for (std::size_t filter = first * Plan::width; filter < last * Plan::width; ++filter)
-                        for (std::size_t element = 0; element < Plan::group; ++element)
-                            *packed++ = of_tap(filter, in_pixel, row, in_row, element);
+                        for (std::size_t element = 0; element < Plan::group; ++element) {
+                            const auto bytes =
+                                std::bit_cast<std::array<std::int8_t, sizeof(typename Plan::weight)>>(
+                                    typename Plan::weight{of_tap(filter, in_pixel, row, in_row, element)});
+                            packed = std::copy(bytes.begin(), bytes.end(), packed);
+                        }
     }
 }
 
@@ -122,6 +129,12 @@ struct integer_epilogue {
     const std::int8_t* factors; ///< in single precision
     const std::int8_t* added;   ///< whole numbers of 32 bits
     byte_range range;
+
+    /// Of the filters from `first` on.
+    [[nodiscard]] integer_epilogue from(std::size_t first) const {
+        const std::size_t bytes = first * sizeof(std::int32_t);
+        return {starts + bytes, factors + bytes, added + bytes, range};
+    }
 };
 
 /// One register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of filters.
@@ -129,7 +142,7 @@ struct integer_epilogue {
 template <class Plan, frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_t Columns,
           class Output>
 [[gnu::flatten, gnu::noinline]] void
-convolve_integer_block(const typename Plan::staged* input, const std::int8_t* weights,
+convolve_integer_block(const typename Plan::staged* input, const typename Plan::weight* weights,
                        const integer_epilogue& epilogue, Output* output) {
     constexpr std::size_t width = Plan::width;
     using sum = integers<width>;
@@ -212,14 +225,12 @@ convolve_integer_block(const typename Plan::staged* input, const std::int8_t* we
 
 /// output = the fused step, of a staged input. Maps lie pixel by pixel.
 template <class Plan, frame_convolution C, class Output>
-void convolve_integer(const typename Plan::staged* input, const std::int8_t* weights,
+void convolve_integer(const typename Plan::staged* input, const typename Plan::weight* weights,
                       const integer_epilogue& epilogue, Output* output) {
     blocked<Plan::vectors, Plan::block_vectors>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first = first_vector * Plan::width;
-        const std::int8_t* const of_block = weights + first_vector * (Plan::weights / Plan::vectors);
-        const integer_epilogue here{epilogue.starts + first * sizeof(std::int32_t),
-                                    epilogue.factors + first * sizeof(float),
-                                    epilogue.added + first * sizeof(std::int32_t), epilogue.range};
+        const auto* const of_block = weights + first_vector * (Plan::weights / Plan::vectors);
+        const integer_epilogue here = epilogue.from(first);
         blocked<C.rows(), C.block_rows()>([&](auto rows, std::size_t y) {
             blocked<C.columns(), C.block_columns()>([&](auto columns, std::size_t x) {
                 convolve_integer_block<Plan, C, vectors, rows, columns>(
