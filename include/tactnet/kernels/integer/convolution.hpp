@@ -129,12 +129,18 @@ struct integer_epilogue {
     const std::int8_t* factors; ///< in single precision
     const std::int8_t* added;   ///< whole numbers of 32 bits
     byte_range range;
+    bool padding_counts = true; ///< not if the padding is zero as it is staged: its taps are left out
 
     /// Of the filters from `first` on.
     [[nodiscard]] integer_epilogue from(std::size_t first) const {
         const std::size_t bytes = first * sizeof(std::int32_t);
-        return {starts + bytes, factors + bytes, added + bytes, range};
+        return {starts + bytes, factors + bytes, added + bytes, range, padding_counts};
     }
+};
+
+/// The rows under the taps of a register block that are multiplied.
+struct rows_under_taps {
+    std::size_t first, last;
 };
 
 /// One register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of filters.
@@ -143,7 +149,7 @@ template <class Plan, frame_convolution C, std::size_t Vectors, std::size_t Rows
           class Output>
 [[gnu::flatten, gnu::noinline]] void
 convolve_integer_block(const typename Plan::staged* input, const typename Plan::weight* weights,
-                       const integer_epilogue& epilogue, Output* output) {
+                       const integer_epilogue& epilogue, Output* output, rows_under_taps multiplied) {
     constexpr std::size_t width = Plan::width;
     using sum = integers<width>;
     register_block<sum, Rows * Columns, Vectors> sums;
@@ -170,6 +176,8 @@ convolve_integer_block(const typename Plan::staged* input, const typename Plan::
     for (std::size_t in_pixel = 0; in_pixel < Plan::groups_of_pixel; ++in_pixel) {
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < under_rows; ++r) {
+            if (r < multiplied.first || r >= multiplied.last)
+                continue;
             typename Plan::products::inputs x[under_columns];
 #pragma GCC unroll 64
             for (std::size_t c = 0; c < under_columns; ++c)
@@ -232,13 +240,18 @@ void convolve_integer(const typename Plan::staged* input, const typename Plan::w
         const auto* const of_block = weights + first_vector * (Plan::weights / Plan::vectors);
         const integer_epilogue here = epilogue.from(first);
         blocked<C.rows(), C.block_rows()>([&](auto rows, std::size_t y) {
+            const std::size_t above = y * C.window.stride.rows; // row under the first tap, with the padding
+            rows_under_taps multiplied{0, (rows - 1) * C.window.stride.rows + C.window.kernel.rows};
+            if (!epilogue.padding_counts)
+                multiplied = {
+                    C.window.top - std::min(C.window.top, above),
+                    std::min(multiplied.last, std::max(C.window.top + C.window.input.rows, above) - above)};
             blocked<C.columns(), C.block_columns()>([&](auto columns, std::size_t x) {
                 convolve_integer_block<Plan, C, vectors, rows, columns>(
-                    input + y * C.window.stride.rows * Plan::pitch +
-                        x * C.window.stride.columns * Plan::stride,
-                    of_block, here,
+                    input + above * Plan::pitch + x * C.window.stride.columns * Plan::stride, of_block, here,
                     output + (y / C.pool.rows * C.output_columns() + x / C.pool.columns) * C.output_stride() +
-                        first);
+                        first,
+                    multiplied);
             });
         });
     });

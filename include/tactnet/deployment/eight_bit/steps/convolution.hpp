@@ -117,7 +117,8 @@ public:
         const kernels::integer_epilogue epilogue{packed_values + starts,
                                                  packed_values + factors,
                                                  packed_values + added,
-                                                 {byte(lowest), 255, byte(zero)}};
+                                                 {byte(lowest), 255, byte(zero)},
+                                                 plan::offset != 0 || byte(padding) != 0};
         auto* const to = reinterpret_cast<Output*>(out) + Kernel.map_offset;
         if constexpr (tiled) {
             kernels::convolve_integer_tiles<all>(in, packed_values, epilogue, to, memory, byte(padding));
