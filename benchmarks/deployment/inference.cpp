@@ -77,6 +77,36 @@ void print_table(const collector& all, std::size_t batch, double peak, std::FILE
                     std::exp(logarithms / static_cast<double>(count)), smallest);
 }
 
+/// In 8 bits, beside oneDNN's own and beside single precision.
+void print_8bit_table(const collector& all, std::size_t batch) {
+    std::printf("\nin 8 bits, batch %zu, microseconds a frame (median, half the quartiles' distance)\n"
+                "%-20s %18s %18s %8s %12s\n",
+                batch, "network", "tactnet_8bit", "onednn_8bit", "ratio", "÷ tactnet");
+    double logarithms = 0, of_floats = 0, smallest = 1e9;
+    std::size_t count = 0;
+    for (const auto& c : benchmark::inference_cases()) {
+        const std::string end = c.name + "/batch" + std::to_string(batch);
+        const auto ours = all.of("tactnet_8bit/" + end), theirs = all.of("onednn_8bit/" + end),
+                   floats = all.of("tactnet/" + end);
+        const double ratio = theirs.median / ours.median, frames = static_cast<double>(batch),
+                     to_floats = floats.median / ours.median;
+        std::printf("%-20s %9.2f ± %4.1f %% %9.2f ± %4.1f %% %8.2f %11.2f\n", c.name.c_str(),
+                    1e6 * ours.median / frames, 100 * ours.spread, 1e6 * theirs.median / frames,
+                    100 * theirs.spread, ratio, to_floats);
+        if (std::isfinite(ratio) && std::isfinite(to_floats)) {
+            logarithms += std::log(ratio), of_floats += std::log(to_floats);
+            smallest = std::min(smallest, ratio);
+            ++count;
+        }
+    }
+    if (count > 0)
+        std::printf(
+            "geometric means of %zu: %.2f times as fast as oneDNN in 8 bits (smallest %.2f), %.2f times as "
+            "fast as single precision\n",
+            count, std::exp(logarithms / static_cast<double>(count)), smallest,
+            std::exp(of_floats / static_cast<double>(count)));
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -118,6 +148,8 @@ int main(int argc, char** argv) {
                  "ratio,share_of_peak\n");
     for (const std::size_t batch : {std::size_t{1}, std::size_t{64}})
         print_table(all, batch, peak, csv);
+    for (const std::size_t batch : {std::size_t{1}, std::size_t{64}})
+        print_8bit_table(all, batch);
     if (csv && std::fclose(csv) != 0)
         return std::perror("--table"), EXIT_FAILURE;
     return all.failed() ? EXIT_FAILURE : EXIT_SUCCESS;

@@ -3,6 +3,7 @@
 #include "../peers/peer.hpp"
 #include "../support/described_network.hpp"
 
+#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/training/initialise.hpp>
 
 #include <benchmark/benchmark.h>
@@ -11,8 +12,9 @@
 #include <string>
 #include <vector>
 
-// Deployed inference beside its peers: one network at one size, in batches of 1 and 64. Every implementation
-// must give the logits of the network in double precision before it is timed, and the same bits afterwards.
+// Deployed inference beside its peers: one network at one size, in batches of 1 and 64, in single precision
+// and in 8 bits. Every implementation must give the logits of the network in double precision before it is
+// timed, in 8 bits as nearly as bytes can, and the same bits afterwards.
 
 namespace benchmark {
 
@@ -64,16 +66,21 @@ std::vector<double> exact_logits(const Network& network, const std::vector<float
     return logits;
 }
 
+/// Largest errors of logits, as shares of the largest logit. In 8 bits: an order of magnitude above what is
+/// seen, and below what one wrong weight in a hundred makes.
+inline constexpr double float_tolerance = 1e-4, byte_tolerance = 0.1;
+
 /// Times body(), which fills `logits`, and refuses wrong ones.
 template <class Body>
-void time_checked(State& state, std::vector<float>& logits, const std::vector<double>& expected, Body body) {
+void time_checked(State& state, std::vector<float>& logits, const std::vector<double>& expected,
+                  double tolerance, Body body) {
     body();
     double error = 0, largest = 0;
     for (std::size_t i = 0; i < logits.size(); ++i) {
         error = std::max(error, std::abs(static_cast<double>(logits[i]) - expected[i]));
         largest = std::max(largest, std::abs(expected[i]));
     }
-    if (!(error < 1e-4 * largest)) {
+    if (!(error < tolerance * largest)) {
         state.SkipWithError("wrong logits");
         return;
     }
@@ -85,6 +92,49 @@ void time_checked(State& state, std::vector<float>& logits, const std::vector<do
     if (first != logits)
         state.SkipWithError("logits differ from run to run");
     state.counters["error"] = error / largest;
+}
+
+template <class Network>
+void register_8bit_inference(const std::string& end, std::size_t batch) {
+    const auto make_frames = [batch] {
+        std::vector<std::uint8_t> frames(batch * Network::input_shape.size());
+        tactnet::random_stream random(3, tactnet::draw::order);
+        for (std::uint8_t& f : frames)
+            f = static_cast<std::uint8_t>(std::max(random.uniform(-200, 255), 0.0));
+        return frames;
+    };
+    RegisterBenchmark(("tactnet_8bit/" + end).c_str(), [=](State& state) {
+        const auto network = trained_network<Network>();
+        const std::vector<std::uint8_t> frames = make_frames();
+        std::vector<float> logits(batch * Network::outputs);
+        const std::vector<float> mean(Network::input_shape.size());
+        const auto deployed = tactnet::deploy<tactnet::eight_bit>(
+            network, std::span(mean).template first<Network::input_shape.size()>(), 1.0f,
+            std::span<const std::uint8_t>(frames));
+        typename decltype(deployed)::scratch memory;
+        tactnet::thread_pool one(1);
+        time_checked(state, logits, exact_logits(network, std::vector<float>(frames.begin(), frames.end())),
+                     byte_tolerance, [&] {
+                         const auto status =
+                             batch == 1
+                                 ? deployed(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(
+                                                frames.data()),
+                                            std::span(logits).template first<Network::outputs>(), memory)
+                                 : deployed(one, std::span(frames), std::span(logits));
+                         if (status != tactnet::frame_status::recognised)
+                             state.SkipWithError("a frame was not recognised");
+                     });
+    });
+#ifdef TACTNET_BENCHMARK_ONEDNN
+    RegisterBenchmark(("onednn_8bit/" + end).c_str(), [=](State& state) {
+        const auto network = trained_network<Network>();
+        const std::vector<std::uint8_t> frames = make_frames();
+        std::vector<float> logits(batch * Network::outputs);
+        const auto onednn = make_onednn_8bit(described_network::of(network), batch, frames);
+        time_checked(state, logits, exact_logits(network, std::vector<float>(frames.begin(), frames.end())),
+                     byte_tolerance, [&] { onednn->run(frames, logits); });
+    });
+#endif
 }
 
 template <class Network>
@@ -106,7 +156,7 @@ void register_inference(const std::string& name) {
             const auto deployed = tactnet::deploy(network);
             typename decltype(deployed)::scratch memory;
             tactnet::thread_pool one(1);
-            time_checked(state, logits, exact_logits(network, frames), [&] {
+            time_checked(state, logits, exact_logits(network, frames), float_tolerance, [&] {
                 const auto status =
                     batch == 1
                         ? deployed(tactnet::tensor_view<const float, Network::input_shape>(frames.data()),
@@ -122,9 +172,11 @@ void register_inference(const std::string& name) {
             const std::vector<float> frames = make_frames();
             std::vector<float> logits(batch * Network::outputs);
             const auto onednn = make_onednn(described_network::of(network), batch);
-            time_checked(state, logits, exact_logits(network, frames), [&] { onednn->run(frames, logits); });
+            time_checked(state, logits, exact_logits(network, frames), float_tolerance,
+                         [&] { onednn->run(frames, logits); });
         });
 #endif
+        register_8bit_inference<Network>(end, batch);
     }
 }
 

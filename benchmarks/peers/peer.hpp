@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -18,8 +19,18 @@ public:
     virtual void run(std::span<const float> frames, std::span<float> logits) = 0;
 };
 
+/// The same in 8 bits: frames are bytes.
+class byte_peer {
+public:
+    virtual ~byte_peer() = default;
+    virtual void run(std::span<const std::uint8_t> frames, std::span<float> logits) = 0;
+};
+
 /// oneDNN, primitives called one after the other, in the layouts that it prefers.
 [[nodiscard]] std::unique_ptr<peer> make_onednn(const described_network& network, std::size_t batch,
                                                 std::size_t threads = 1);
+/// oneDNN in 8 bits on one thread. `frames`, as many as it will run, tell which numbers the maps hold.
+[[nodiscard]] std::unique_ptr<byte_peer> make_onednn_8bit(const described_network& network, std::size_t batch,
+                                                          std::span<const std::uint8_t> frames);
 
 } // namespace benchmark

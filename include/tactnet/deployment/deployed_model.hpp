@@ -11,6 +11,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tactnet {
@@ -24,9 +26,9 @@ inline namespace TACTNET_ARCH {
 ///         show(found->name);
 ///
 /// These calls too are `const` and `noexcept`, use no heap and may come from any number of threads.
-template <class Network>
-class deployed_model : public deployed<Network> {
-    using base = deployed<Network>;
+template <class Network, class Format = single_precision>
+class deployed_model : public deployed<Network, Format> {
+    using base = deployed<Network, Format>;
 
 public:
     using base::input_shape, base::outputs;
@@ -36,8 +38,13 @@ public:
 
     /// Throws std::invalid_argument as the constructor of `deployed`, and unless the model names 1 to
     /// `outputs` classes.
-    explicit deployed_model(const model<Network>& m)
-        : base(m.network, m.normalise.mean.view().elements(), m.normalise.scale), classes_(m.classes) {
+    explicit deployed_model(const model<Network>& m) requires std::is_same_v<Format, single_precision>
+        : deployed_model(base(m.network, m.normalise.mean.view().elements(), m.normalise.scale), m.classes) {
+    }
+    /// Of a network that is deployed already. Throws std::invalid_argument unless there are 1 to `outputs`
+    /// classes.
+    deployed_model(base network, std::vector<std::string> classes)
+        : base(std::move(network)), classes_(std::move(classes)) {
         if (classes_.empty() || classes_.size() > outputs)
             throw std::invalid_argument("deploy: expected a model that names 1 to " +
                                         std::to_string(outputs) + " classes, found " +

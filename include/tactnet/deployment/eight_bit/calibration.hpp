@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -167,16 +168,6 @@ private:
     map_range input_;
     double error_ = 0;
 };
-
-/// In 8 bits: `deploy<eight_bit>(network, mean, scale, images)`. As eight_bit_calibration.
-template <class Format, class Network, class Count>
-    requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] deployed<Network, eight_bit> deploy(const Network& network,
-                                                  std::span<const float, Network::input_shape.size()> mean,
-                                                  float scale, std::span<const Count> images) {
-    return deployed<Network, eight_bit>(
-        eight_bit_calibration<Network>(network, mean, scale, images).folded());
-}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -29,10 +29,11 @@ inline namespace TACTNET_ARCH {
 ///                   largest
 /// A network that needs more scratch memory than a stack should hold takes it as a last argument, in calls of
 /// both. Throws std::invalid_argument for names that cannot be and for a frame that is not recognised.
-template <class Network>
-[[nodiscard]] std::string deployed_header(const deployed<Network>& network, const header_description& says,
+template <class Network, class Format>
+[[nodiscard]] std::string deployed_header(const deployed<Network, Format>& network,
+                                          const header_description& says,
                                           std::span<const std::uint8_t, Network::input_shape.size()> frame) {
-    using deployed_type = deployed<Network>;
+    using deployed_type = deployed<Network, Format>;
     using view = typename deployed_type::view_type;
     constexpr shape input = Network::input_shape;
     if (!is_namespace_name(says.namespace_name))
@@ -53,6 +54,8 @@ template <class Network>
     const std::string chain =
         steps.template define<typename view::steps>(input, std::to_string(input.channels));
     std::string includes, classes;
+    if constexpr (requires { detail::format_header<Format>::name; })
+        steps.include(detail::format_header<Format>::name);
     for (const std::string& header : steps.includes())
         includes += "#include <" + header + ">\n";
     for (const std::string& name : says.classes)

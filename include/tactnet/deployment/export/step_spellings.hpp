@@ -23,6 +23,9 @@ template <class Format>
 inline constexpr const char* format_name = nullptr;
 template <>
 inline constexpr const char* format_name<single_precision> = "tactnet::single_precision";
+/// `name`: the header that declares the steps of a format other than single precision.
+template <class Format>
+struct format_header;
 
 /// An axis of average windows, and all of them, as C++.
 [[nodiscard]] inline std::string spelling_of(const kernels::average_axis& a) {

@@ -6,6 +6,7 @@
 #include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -52,8 +53,10 @@ struct integer_convolution {
                                  groups_of_row =
                                      (C.window.kernel.columns + columns_of_group - 1) / columns_of_group;
     static constexpr std::size_t weights_of_group = width * group;
+    using weight = typename products::weight;
     static constexpr std::size_t weights =
         vectors * groups_of_pixel * C.window.kernel.rows * groups_of_row * weights_of_group;
+    static constexpr std::size_t weight_bytes = weights * sizeof(weight);
 };
 
 /// Weights in the order of use: blocks of vectors of filters, then [group of the pixel][kernel row][group of
@@ -75,8 +78,12 @@ constexpr void pack_integer_weights(std::int8_t* packed, Weight&& weight) {
             for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
                 for (std::size_t in_row = 0; in_row < Plan::groups_of_row; ++in_row)
                     for (std::size_t filter = first * Plan::width; filter < last * Plan::width; ++filter)
-                        for (std::size_t element = 0; element < Plan::group; ++element)
-                            *packed++ = of_tap(filter, in_pixel, row, in_row, element);
+                        for (std::size_t element = 0; element < Plan::group; ++element) {
+                            const auto bytes =
+                                std::bit_cast<std::array<std::int8_t, sizeof(typename Plan::weight)>>(
+                                    typename Plan::weight{of_tap(filter, in_pixel, row, in_row, element)});
+                            packed = std::copy(bytes.begin(), bytes.end(), packed);
+                        }
     }
 }
 
@@ -122,6 +129,18 @@ struct integer_epilogue {
     const std::int8_t* factors; ///< in single precision
     const std::int8_t* added;   ///< whole numbers of 32 bits
     byte_range range;
+    bool padding_counts = true; ///< not if the padding is zero as it is staged: its taps are left out
+
+    /// Of the filters from `first` on.
+    [[nodiscard]] integer_epilogue from(std::size_t first) const {
+        const std::size_t bytes = first * sizeof(std::int32_t);
+        return {starts + bytes, factors + bytes, added + bytes, range, padding_counts};
+    }
+};
+
+/// The rows under the taps of a register block that are multiplied.
+struct rows_under_taps {
+    std::size_t first, last;
 };
 
 /// One register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of filters.
@@ -129,8 +148,8 @@ struct integer_epilogue {
 template <class Plan, frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_t Columns,
           class Output>
 [[gnu::flatten, gnu::noinline]] void
-convolve_integer_block(const typename Plan::staged* input, const std::int8_t* weights,
-                       const integer_epilogue& epilogue, Output* output) {
+convolve_integer_block(const typename Plan::staged* input, const typename Plan::weight* weights,
+                       const integer_epilogue& epilogue, Output* output, rows_under_taps multiplied) {
     constexpr std::size_t width = Plan::width;
     using sum = integers<width>;
     register_block<sum, Rows * Columns, Vectors> sums;
@@ -157,6 +176,8 @@ convolve_integer_block(const typename Plan::staged* input, const std::int8_t* we
     for (std::size_t in_pixel = 0; in_pixel < Plan::groups_of_pixel; ++in_pixel) {
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < under_rows; ++r) {
+            if (r < multiplied.first || r >= multiplied.last)
+                continue;
             typename Plan::products::inputs x[under_columns];
 #pragma GCC unroll 64
             for (std::size_t c = 0; c < under_columns; ++c)
@@ -215,22 +236,25 @@ convolve_integer_block(const typename Plan::staged* input, const std::int8_t* we
 
 /// output = the fused step, of a staged input. Maps lie pixel by pixel.
 template <class Plan, frame_convolution C, class Output>
-void convolve_integer(const typename Plan::staged* input, const std::int8_t* weights,
+void convolve_integer(const typename Plan::staged* input, const typename Plan::weight* weights,
                       const integer_epilogue& epilogue, Output* output) {
     blocked<Plan::vectors, Plan::block_vectors>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first = first_vector * Plan::width;
-        const std::int8_t* const of_block = weights + first_vector * (Plan::weights / Plan::vectors);
-        const integer_epilogue here{epilogue.starts + first * sizeof(std::int32_t),
-                                    epilogue.factors + first * sizeof(float),
-                                    epilogue.added + first * sizeof(std::int32_t), epilogue.range};
+        const auto* const of_block = weights + first_vector * (Plan::weights / Plan::vectors);
+        const integer_epilogue here = epilogue.from(first);
         blocked<C.rows(), C.block_rows()>([&](auto rows, std::size_t y) {
+            const std::size_t above = y * C.window.stride.rows; // row under the first tap, with the padding
+            rows_under_taps multiplied{0, (rows - 1) * C.window.stride.rows + C.window.kernel.rows};
+            if (!epilogue.padding_counts)
+                multiplied = {
+                    C.window.top - std::min(C.window.top, above),
+                    std::min(multiplied.last, std::max(C.window.top + C.window.input.rows, above) - above)};
             blocked<C.columns(), C.block_columns()>([&](auto columns, std::size_t x) {
                 convolve_integer_block<Plan, C, vectors, rows, columns>(
-                    input + y * C.window.stride.rows * Plan::pitch +
-                        x * C.window.stride.columns * Plan::stride,
-                    of_block, here,
+                    input + above * Plan::pitch + x * C.window.stride.columns * Plan::stride, of_block, here,
                     output + (y / C.pool.rows * C.output_columns() + x / C.pool.columns) * C.output_stride() +
-                        first);
+                        first,
+                    multiplied);
             });
         });
     });

@@ -22,8 +22,9 @@
 //
 // A kind of product says
 //   staged    the type in which inputs lie in memory while they are multiplied
-//   group     inputs multiplied at once
-//   offset    what is subtracted from an input of 8 bits when it is staged
+//   weight    that of the weights: of 16 bits where inputs are, since widening them takes as long as a
+//   product group     inputs multiplied at once offset    what is subtracted from an input of 8 bits when it
+//   is staged
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -39,12 +40,29 @@ template <class Group>
     return bits;
 }
 
+/// Keeps a sum of whole numbers where it is in the order of the program: compilers, which may add them in any
+/// order, would take all products first and keep them in memory.
+template <class Register>
+[[nodiscard]] [[gnu::always_inline]] inline Register in_order(Register sum) {
+#if defined(__SSE2__)
+#ifdef __AVX512F__
+    asm("" : "+v"(sum));
+#else
+    asm("" : "+x"(sum));
+#endif
+#elif defined(__aarch64__)
+    asm("" : "+w"(sum));
+#endif
+    return sum;
+}
+
 } // namespace detail
 
 /// Inputs of 16 bits. As it stands: without vector instructions.
 template <std::size_t Lanes>
 struct word_products {
     using staged = std::int16_t;
+    using weight = std::int8_t;
     using weights = integers<Lanes>;
     using inputs = std::int32_t;
     static constexpr std::size_t group = 1;
@@ -68,19 +86,13 @@ struct word_products {
 template <>
 struct word_products<4> {
     using staged = std::int16_t;
+    using weight = std::int16_t;
     using weights = __m128i;
     using inputs = __m128i;
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
-        const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
-#ifdef __SSE4_1__
-        return _mm_cvtepi8_epi16(bytes);
-#else
-        return _mm_srai_epi16(_mm_unpacklo_epi8(bytes, bytes), 8);
-#endif
-    }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m128i>(from); }
     [[gnu::always_inline]] static inputs spread(const staged* from) {
         return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -92,7 +104,7 @@ struct word_products<4> {
 #elif defined(__AVXVNNI__)
         return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(s, w, x));
 #else
-        return reinterpret_cast<integers<4>>(_mm_add_epi32(s, _mm_madd_epi16(w, x)));
+        return reinterpret_cast<integers<4>>(detail::in_order(_mm_add_epi32(s, _mm_madd_epi16(w, x))));
 #endif
     }
 };
@@ -101,14 +113,13 @@ struct word_products<4> {
 template <>
 struct word_products<8> {
     using staged = std::int16_t;
+    using weight = std::int16_t;
     using weights = __m256i;
     using inputs = __m256i;
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
-        return _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
-    }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m256i>(from); }
     [[gnu::always_inline]] static inputs spread(const staged* from) {
         return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -120,7 +131,7 @@ struct word_products<8> {
 #elif defined(__AVXVNNI__)
         return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(s, w, x));
 #else
-        return reinterpret_cast<integers<8>>(_mm256_add_epi32(s, _mm256_madd_epi16(w, x)));
+        return reinterpret_cast<integers<8>>(detail::in_order(_mm256_add_epi32(s, _mm256_madd_epi16(w, x))));
 #endif
     }
 };
@@ -130,14 +141,13 @@ struct word_products<8> {
 template <>
 struct word_products<16> {
     using staged = std::int16_t;
+    using weight = std::int16_t;
     using weights = __m512i;
     using inputs = __m512i;
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
-        return _mm512_cvtepi8_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)));
-    }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m512i>(from); }
     [[gnu::always_inline]] static inputs spread(const staged* from) {
         return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -147,7 +157,7 @@ struct word_products<16> {
 #ifdef __AVX512VNNI__
         return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(s, w, x));
 #else
-        return reinterpret_cast<integers<16>>(_mm512_add_epi32(s, _mm512_madd_epi16(w, x)));
+        return reinterpret_cast<integers<16>>(detail::in_order(_mm512_add_epi32(s, _mm512_madd_epi16(w, x))));
 #endif
     }
 };
@@ -158,19 +168,17 @@ struct word_products<16> {
 template <>
 struct word_products<4> {
     using staged = std::int16_t;
+    using weight = std::int16_t;
     using weights = int16x4_t;
     using inputs = std::int16_t;
     static constexpr std::size_t group = 1;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
-        const std::int32_t four = detail::group_at<std::int32_t>(from);
-        return vget_low_s16(vmovl_s8(vreinterpret_s8_s32(vdup_n_s32(four))));
-    }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return vld1_s16(from); }
     [[gnu::always_inline]] static inputs spread(const staged* from) { return *from; }
     [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
                                                   const inputs& x) {
-        return vmlal_n_s16(sums, w, x);
+        return detail::in_order(vmlal_n_s16(sums, w, x));
     }
 };
 
@@ -179,12 +187,13 @@ struct word_products<4> {
 template <>
 struct word_products<4> {
     using staged = std::int16_t;
+    using weight = std::int16_t;
     using weights = v128_t;
     using inputs = v128_t;
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return wasm_i16x8_load8x8(from); }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return wasm_v128_load(from); }
     [[gnu::always_inline]] static inputs spread(const staged* from) {
         return wasm_i32x4_splat(detail::group_at<std::int32_t>(from));
     }
@@ -205,6 +214,7 @@ struct byte_products : word_products<Lanes> {};
 template <>
 struct byte_products<4> {
     using staged = std::uint8_t;
+    using weight = std::int8_t;
     using weights = __m128i;
     using inputs = __m128i;
     static constexpr std::size_t group = 4;
@@ -227,6 +237,7 @@ struct byte_products<4> {
 template <>
 struct byte_products<8> {
     using staged = std::uint8_t;
+    using weight = std::int8_t;
     using weights = __m256i;
     using inputs = __m256i;
     static constexpr std::size_t group = 4;
@@ -250,6 +261,7 @@ struct byte_products<8> {
 template <>
 struct byte_products<16> {
     using staged = std::uint8_t;
+    using weight = std::int8_t;
     using weights = __m512i;
     using inputs = __m512i;
     static constexpr std::size_t group = 4;
@@ -271,6 +283,7 @@ struct byte_products<16> {
 template <>
 struct byte_products<4> {
     using staged = std::int8_t;
+    using weight = std::int8_t;
     using weights = int8x16_t;
     using inputs = int8x16_t;
     static constexpr std::size_t group = 4;

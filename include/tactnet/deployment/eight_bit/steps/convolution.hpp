@@ -5,6 +5,7 @@
 #include <tactnet/deployment/steps/convolution.hpp>
 #include <tactnet/deployment/steps/dense.hpp>
 #include <tactnet/kernels/integer/convolution.hpp>
+#include <tactnet/kernels/integer/winograd.hpp>
 
 #include <array>
 #include <cstddef>
@@ -33,9 +34,18 @@ private:
     static_assert(all.fits_map(), "convolution_step: the output does not fit its place in the wider map: "
                                   "fits_map() says what it takes");
     using plan = kernels::integer_convolution<all, Input>;
+    using tiles = kernels::integer_tiles<all>;
     static constexpr std::size_t padded = all.padded_filters();
     static constexpr std::size_t of_filters = whole_lines<std::int8_t>(padded * sizeof(std::int32_t));
-    static constexpr std::size_t packed_weights = whole_lines<std::int8_t>(plan::weights);
+
+public:
+    /// Whether it is computed by tiles: where there are no products of bytes, and tiles take fewer of words.
+    static constexpr bool tiled = std::is_same_v<Input, std::uint8_t> &&
+                                  std::is_same_v<typename plan::staged, std::int16_t> && tiles::pays;
+
+private:
+    static constexpr std::size_t packed_weights =
+        whole_lines<std::int8_t>(tiled ? tiles::weight_bytes : plan::weight_bytes);
     // Behind the weights: starts, factors, how often the other map counts, then three bytes.
     static constexpr std::size_t starts = packed_weights, factors = starts + of_filters,
                                  added = factors + of_filters, bytes = added + (Kernel.adds ? of_filters : 0);
@@ -44,7 +54,8 @@ private:
 public:
     static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(3);
     static constexpr std::size_t scratch =
-        whole_lines<std::uint8_t>(plan::staged_elements * sizeof(typename plan::staged));
+        tiled ? tiles::scratch_bytes
+              : whole_lines<std::uint8_t>(plan::staged_elements * sizeof(typename plan::staged));
 
     static constexpr step_ranges ranges_of(const float* from) {
         const float* at = from + weights + Kernel.filters;
@@ -72,7 +83,7 @@ public:
         for (std::size_t f = 0; f < Kernel.filters; ++f) {
             scales[f] =
                 detail::scale_filter(from + f * of_one, of_one, static_cast<double>(from[weights + f]), maps,
-                                     Kernel.adds, reads_words ? 32768.0 : 255.0, plan::offset);
+                                     Kernel.adds, reads_words ? 32768.0 : 255.0, tiled ? 0 : plan::offset);
             const double factor =
                 writes_bytes ? scales[f].unit / static_cast<double>(maps.output.scale) : scales[f].unit;
             detail::store_number(to + starts + f * 4, static_cast<std::int32_t>(scales[f].start));
@@ -80,10 +91,14 @@ public:
             if constexpr (Kernel.adds)
                 detail::store_number(to + added + f * 4, static_cast<std::int32_t>(scales[f].added));
         }
-        kernels::pack_integer_weights<plan, all>(
-            to, [&](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
-                return detail::quantised(weight_of(from, filter, channel, row, column), scales[filter]);
-            });
+        const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
+                                std::size_t column) {
+            return detail::quantised(weight_of(from, filter, channel, row, column), scales[filter]);
+        };
+        if constexpr (tiled)
+            kernels::pack_integer_tiles<all>(to, weight);
+        else
+            kernels::pack_integer_weights<plan, all>(to, weight);
         const auto as_byte = [](float value) {
             return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
         };
@@ -99,15 +114,21 @@ public:
         const auto byte = [&](std::size_t which) {
             return static_cast<std::uint8_t>(packed_values[bytes + which]);
         };
-        auto* const staged = reinterpret_cast<typename plan::staged*>(memory);
-        kernels::stage<plan, all>(reinterpret_cast<const Input*>(in), staged,
-                                  static_cast<Input>(byte(padding)));
-        kernels::convolve_integer<plan, all>(staged, packed_values,
-                                             {packed_values + starts,
-                                              packed_values + factors,
-                                              packed_values + added,
-                                              {byte(lowest), 255, byte(zero)}},
-                                             reinterpret_cast<Output*>(out) + Kernel.map_offset);
+        const kernels::integer_epilogue epilogue{packed_values + starts,
+                                                 packed_values + factors,
+                                                 packed_values + added,
+                                                 {byte(lowest), 255, byte(zero)},
+                                                 plan::offset != 0 || byte(padding) != 0};
+        auto* const to = reinterpret_cast<Output*>(out) + Kernel.map_offset;
+        if constexpr (tiled) {
+            kernels::convolve_integer_tiles<all>(in, packed_values, epilogue, to, memory, byte(padding));
+        } else {
+            auto* const staged = reinterpret_cast<typename plan::staged*>(memory);
+            kernels::stage<plan, all>(reinterpret_cast<const Input*>(in), staged,
+                                      static_cast<Input>(byte(padding)));
+            kernels::convolve_integer<plan, all>(
+                staged, reinterpret_cast<const typename plan::weight*>(packed_values), epilogue, to);
+        }
     }
 
 private:

@@ -1,0 +1,298 @@
+#include "../support/described_network.hpp"
+#include "peer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <dnnl.hpp>
+#include <limits>
+#include <omp.h>
+#include <stdexcept>
+#include <unordered_map>
+
+// oneDNN's own primitives in 8 bits: bytes without a sign times bytes with one, a scale for each filter, sums
+// of 32 bits. Ranges are the largest numbers that the maps hold on the frames of the benchmark.
+
+namespace benchmark {
+
+namespace {
+
+using tag = dnnl::memory::format_tag;
+using type = dnnl::memory::data_type;
+using dims = dnnl::memory::dims;
+
+dnnl::memory::dim number(std::size_t value) {
+    return static_cast<dnnl::memory::dim>(value);
+}
+
+/// The largest magnitude of each map, by plain loops.
+class ranges {
+public:
+    ranges(const described_network& network, std::span<const std::uint8_t> frames)
+        : largest(network.maps().size()) {
+        const std::size_t size = network.maps().front().size();
+        for (std::size_t first = 0; first < frames.size(); first += size)
+            see(network, frames.subspan(first, size));
+    }
+    std::vector<float> largest;
+
+private:
+    using map = std::vector<float>;
+
+    void see(const described_network& network, std::span<const std::uint8_t> frame) {
+        std::vector<map> maps(network.maps().size());
+        maps[0].assign(frame.begin(), frame.end());
+        for (const operation& o : network.operations()) {
+            switch (o.what) {
+            case operation::kind::convolution:
+                maps[o.output] = convolved(o, maps[o.input], maps[o.output]);
+                break;
+            case operation::kind::pool:
+                maps[o.output] = pooled(o, maps[o.input]);
+                break;
+            case operation::kind::dense:
+                continue; // the last one, whose outputs are floats
+            case operation::kind::average:
+            case operation::kind::relu:
+            case operation::kind::concatenation:
+                throw std::invalid_argument("onednn_8bit: expected convolutions, max pools and dense layers");
+            }
+            for (const float value : maps[o.output])
+                largest[o.output] = std::max(largest[o.output], std::abs(value));
+        }
+    }
+    template <class Use>
+    static void each_tap(const operation& o, std::size_t y, std::size_t x, const Use& use) {
+        const tactnet::sliding_window& w = o.window;
+        for (std::size_t r = 0; r < w.kernel.rows; ++r)
+            for (std::size_t c = 0; c < w.kernel.columns; ++c) {
+                const std::size_t row = y * w.stride.rows + r, column = x * w.stride.columns + c;
+                if (row >= w.top && row - w.top < o.from.rows && column >= w.left &&
+                    column - w.left < o.from.columns)
+                    use(r * w.kernel.columns + c, (row - w.top) * o.from.columns + column - w.left);
+            }
+    }
+    static map convolved(const operation& o, const map& in, const map& other) {
+        map out(o.to.size());
+        const std::size_t area = o.window.kernel.area();
+        for (std::size_t f = 0; f < o.to.channels; ++f)
+            for (std::size_t pixel = 0; pixel < o.to.area(); ++pixel) {
+                float sum = o.bias[f] + (o.adds ? other[f * o.to.area() + pixel] : 0.0f);
+                each_tap(o, pixel / o.to.columns, pixel % o.to.columns, [&](std::size_t tap, std::size_t at) {
+                    for (std::size_t c = 0; c < o.from.channels; ++c)
+                        sum += o.weights[(f * o.from.channels + c) * area + tap] * in[c * o.from.area() + at];
+                });
+                out[f * o.to.area() + pixel] = o.rectified ? std::max(sum, 0.0f) : sum;
+            }
+        return out;
+    }
+    static map pooled(const operation& o, const map& in) {
+        map out(o.to.size(), -std::numeric_limits<float>::infinity());
+        for (std::size_t c = 0; c < o.to.channels; ++c)
+            for (std::size_t pixel = 0; pixel < o.to.area(); ++pixel)
+                each_tap(o, pixel / o.to.columns, pixel % o.to.columns, [&](std::size_t, std::size_t at) {
+                    float& most = out[c * o.to.area() + pixel];
+                    most = std::max(most, in[c * o.from.area() + at]);
+                });
+        return out;
+    }
+};
+
+class onednn_8bit final : public byte_peer {
+public:
+    onednn_8bit(const described_network& network, std::size_t batch, std::span<const std::uint8_t> frames)
+        : engine_(dnnl::engine::kind::cpu, 0), stream_(engine_) {
+        omp_set_num_threads(1);
+        const ranges seen(network, frames);
+        maps_.resize(network.maps().size());
+        scales_.resize(maps_.size(), 1);
+        const tactnet::shape in = network.maps().front();
+        maps_[0] = dnnl::memory(
+            {{number(batch), number(in.channels), number(in.rows), number(in.columns)}, type::u8, tag::nchw},
+            engine_);
+        for (const operation& o : network.operations()) {
+            const bool last = &o == &network.operations().back();
+            if (o.what == operation::kind::pool)
+                add_pool(o, batch);
+            else if (o.what == operation::kind::dense)
+                add_dense(o, batch, last);
+            else
+                add_convolution(o, batch, seen.largest[o.output]);
+        }
+        result_ = maps_[network.operations().back().output];
+        stream_.wait();
+    }
+    void run(std::span<const std::uint8_t> frames, std::span<float> logits) override {
+        std::copy(frames.begin(), frames.end(), static_cast<std::uint8_t*>(maps_[0].get_data_handle()));
+        for (auto& [primitive, arguments] : steps_)
+            primitive.execute(stream_, arguments);
+        stream_.wait();
+        std::copy_n(static_cast<const float*>(result_.get_data_handle()), logits.size(), logits.begin());
+    }
+
+private:
+    static dims shape_of(std::size_t batch, tactnet::shape s) {
+        return {number(batch), number(s.channels), number(s.rows), number(s.columns)};
+    }
+    static dims before(const tactnet::sliding_window& w) { return {number(w.top), number(w.left)}; }
+    static dims behind(const tactnet::sliding_window& w) {
+        const auto missing = [](std::size_t reach, std::size_t size) {
+            return number(reach > size ? reach - size : 0);
+        };
+        return {missing((w.output_rows() - 1) * w.stride.rows + w.kernel.rows, w.input.rows + w.top),
+                missing((w.output_columns() - 1) * w.stride.columns + w.kernel.columns,
+                        w.input.columns + w.left)};
+    }
+
+    /// Weights and biases in whole numbers, and what one of a sum of each filter is worth.
+    struct whole_numbers {
+        std::vector<std::int8_t> weights;
+        std::vector<std::int32_t> bias;
+        std::vector<float> units;
+    };
+    static whole_numbers quantised(const operation& o, float input_scale) {
+        whole_numbers whole;
+        const std::size_t of_one = o.weights.size() / o.bias.size();
+        for (std::size_t f = 0; f < o.bias.size(); ++f) {
+            const float* const weights = o.weights.data() + f * of_one;
+            float largest = 1e-20f;
+            for (std::size_t i = 0; i < of_one; ++i)
+                largest = std::max(largest, std::abs(weights[i]));
+            for (std::size_t i = 0; i < of_one; ++i)
+                whole.weights.push_back(
+                    static_cast<std::int8_t>(std::lrint(127 * static_cast<double>(weights[i] / largest))));
+            whole.units.push_back(largest / 127 * input_scale);
+            whole.bias.push_back(static_cast<std::int32_t>(
+                std::lrint(static_cast<double>(o.bias[f]) / static_cast<double>(whole.units.back()))));
+        }
+        return whole;
+    }
+
+    void add_convolution(const operation& o, std::size_t batch, float largest) {
+        const dims kernel{number(o.to.channels), number(o.from.channels), number(o.window.kernel.rows),
+                          number(o.window.kernel.columns)};
+        const type output = o.rectified ? type::u8 : type::s8;
+        const float output_scale = largest / (o.rectified ? 255.0f : 127.0f);
+        const whole_numbers whole = quantised(o, scales_[o.input]);
+        std::vector<float> factors = whole.units;
+        for (float& factor : factors)
+            factor /= output_scale;
+        dnnl::post_ops after;
+        if (o.adds)
+            after.append_sum(scales_[o.output] / output_scale, maps_[o.output].get_desc().data_type());
+        if (o.rectified)
+            after.append_eltwise(1.0f, dnnl::algorithm::eltwise_relu, 0.0f, 0.0f);
+        dnnl::primitive_attr attributes;
+        attributes.set_post_ops(after);
+        attributes.set_output_scales(1 << 1, factors);
+        const dnnl::convolution_forward::desc description(
+            dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_auto,
+            {shape_of(batch, o.from), maps_[o.input].get_desc().data_type(), tag::any},
+            {kernel, type::s8, tag::any}, {{number(o.to.channels)}, type::s32, tag::a},
+            {shape_of(batch, o.to), output, tag::any},
+            {number(o.window.stride.rows), number(o.window.stride.columns)}, before(o.window),
+            behind(o.window));
+        const dnnl::convolution_forward::primitive_desc chosen(description, attributes, engine_);
+        const dnnl::memory in = as(o.input, chosen.src_desc());
+        const dnnl::memory weights =
+            packed({kernel, type::s8, tag::oihw}, whole.weights, chosen.weights_desc());
+        const dnnl::memory bias =
+            packed({{number(o.to.channels)}, type::s32, tag::a}, whole.bias, chosen.bias_desc());
+        if (o.adds) {
+            // Taken in place, in the layout of the output; its bytes may have another sign.
+            dnnl::memory term = maps_[o.output];
+            dnnl::memory::desc wanted = chosen.dst_desc();
+            wanted.data.data_type = static_cast<dnnl_data_type_t>(term.get_desc().data_type());
+            if (term.get_desc() != wanted) {
+                const dnnl::memory sum(wanted, engine_);
+                add(dnnl::reorder(term, sum), {{DNNL_ARG_FROM, term}, {DNNL_ARG_TO, sum}});
+                term = sum;
+            }
+            maps_[o.output] = dnnl::memory(chosen.dst_desc(), engine_, term.get_data_handle());
+            kept_.push_back(term);
+        } else {
+            maps_[o.output] = dnnl::memory(chosen.dst_desc(), engine_);
+        }
+        scales_[o.output] = output_scale;
+        add(dnnl::convolution_forward(chosen), {{DNNL_ARG_SRC, in},
+                                                {DNNL_ARG_WEIGHTS, weights},
+                                                {DNNL_ARG_BIAS, bias},
+                                                {DNNL_ARG_DST, maps_[o.output]}});
+    }
+    void add_pool(const operation& o, std::size_t batch) {
+        const dnnl::pooling_forward::desc description(
+            dnnl::prop_kind::forward_inference, dnnl::algorithm::pooling_max, maps_[o.input].get_desc(),
+            {shape_of(batch, o.to), maps_[o.input].get_desc().data_type(), tag::any},
+            {number(o.window.stride.rows), number(o.window.stride.columns)},
+            {number(o.window.kernel.rows), number(o.window.kernel.columns)}, before(o.window),
+            behind(o.window));
+        const dnnl::pooling_forward::primitive_desc chosen(description, engine_);
+        maps_[o.output] = dnnl::memory(chosen.dst_desc(), engine_);
+        scales_[o.output] = scales_[o.input];
+        add(dnnl::pooling_forward(chosen), {{DNNL_ARG_SRC, maps_[o.input]}, {DNNL_ARG_DST, maps_[o.output]}});
+    }
+    void add_dense(const operation& o, std::size_t batch, bool last) {
+        if (!last)
+            throw std::invalid_argument("onednn_8bit: expected one dense layer, the last");
+        const dims kernel{number(o.to.channels), number(o.from.channels), number(o.from.rows),
+                          number(o.from.columns)};
+        dims from = kernel;
+        from[0] = number(batch);
+        const whole_numbers whole = quantised(o, scales_[o.input]);
+        dnnl::primitive_attr attributes;
+        attributes.set_output_scales(1 << 1, whole.units);
+        const dnnl::inner_product_forward::desc description(
+            dnnl::prop_kind::forward_inference, {from, maps_[o.input].get_desc().data_type(), tag::any},
+            {kernel, type::s8, tag::any}, {{number(o.to.channels)}, type::s32, tag::a},
+            {{number(batch), number(o.to.channels)}, type::f32, tag::nc});
+        const dnnl::inner_product_forward::primitive_desc chosen(description, attributes, engine_);
+        const dnnl::memory in = as(o.input, chosen.src_desc());
+        const dnnl::memory weights =
+            packed({kernel, type::s8, tag::oihw}, whole.weights, chosen.weights_desc());
+        const dnnl::memory bias =
+            packed({{number(o.to.channels)}, type::s32, tag::a}, whole.bias, chosen.bias_desc());
+        maps_[o.output] = dnnl::memory(chosen.dst_desc(), engine_);
+        add(dnnl::inner_product_forward(chosen), {{DNNL_ARG_SRC, in},
+                                                  {DNNL_ARG_WEIGHTS, weights},
+                                                  {DNNL_ARG_BIAS, bias},
+                                                  {DNNL_ARG_DST, maps_[o.output]}});
+    }
+
+    dnnl::memory as(std::size_t map, const dnnl::memory::desc& wanted) {
+        const dnnl::memory have = maps_[map];
+        if (have.get_desc() == wanted)
+            return have;
+        const dnnl::memory copy(wanted, engine_);
+        add(dnnl::reorder(have, copy), {{DNNL_ARG_FROM, have}, {DNNL_ARG_TO, copy}});
+        return copy;
+    }
+    template <class Number>
+    dnnl::memory packed(const dnnl::memory::desc& plain, const std::vector<Number>& values,
+                        const dnnl::memory::desc& wanted) {
+        const dnnl::memory from(plain, engine_);
+        std::copy(values.begin(), values.end(), static_cast<Number*>(from.get_data_handle()));
+        const dnnl::memory to(wanted, engine_);
+        dnnl::reorder(from, to).execute(stream_, {{DNNL_ARG_FROM, from}, {DNNL_ARG_TO, to}});
+        stream_.wait();
+        return to;
+    }
+    void add(dnnl::primitive primitive, std::unordered_map<int, dnnl::memory> arguments) {
+        steps_.emplace_back(std::move(primitive), std::move(arguments));
+    }
+
+    dnnl::engine engine_;
+    dnnl::stream stream_;
+    std::vector<dnnl::memory> maps_, kept_;
+    std::vector<float> scales_; ///< what one step of each map's bytes is worth
+    std::vector<std::pair<dnnl::primitive, std::unordered_map<int, dnnl::memory>>> steps_;
+    dnnl::memory result_;
+};
+
+} // namespace
+
+std::unique_ptr<byte_peer> make_onednn_8bit(const described_network& network, std::size_t batch,
+                                            std::span<const std::uint8_t> frames) {
+    return std::make_unique<onednn_8bit>(network, batch, frames);
+}
+
+} // namespace benchmark

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/integer/products.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+// Winograd's convolutions of kernels/frame/winograd_tiles.hpp in whole numbers, for instruction sets that
+// multiply words of 16 bits and not bytes. The transforms of an input have sums of four bytes; those of a 3 ×
+// 3 kernel are taken twice in each direction, so that ½ becomes 1, and the outputs, four times too large, are
+// divided by 4 without a rest. The sums are the very ones of taps.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// How a convolution of bytes is cut into tiles.
+template <frame_convolution C>
+struct integer_tiles {
+    static constexpr std::size_t width = std::min(C.width(), most_integer_lanes);
+    using products = word_products<width>;
+    static constexpr std::size_t group = products::group;
+    static constexpr std::size_t vectors = C.padded_filters() / width, block_vectors = C.block_vectors();
+
+    /// Rows and columns of an input tile, and of the transformed kernel.
+    static constexpr std::size_t side = C.window.kernel.rows + 1, elements = side * side;
+    static constexpr std::size_t rows = (C.rows() + 1) / 2, columns = (C.columns() + 1) / 2;
+    static constexpr std::size_t count = rows * columns;
+    /// By which the outputs are too large, as a power of two.
+    static constexpr int excess = C.window.kernel.rows == 3 ? 2 : 0;
+
+    /// Channels of the transformed input, and how many of them a vector of words takes.
+    static constexpr std::size_t input_width = [] {
+        std::size_t w = std::max<std::size_t>(2 * most_integer_lanes, group);
+        while (C.input_stride % w != 0)
+            w /= 2;
+        return w;
+    }();
+    static constexpr std::size_t channels =
+        (C.window.input.channels + input_width - 1) / input_width * input_width;
+    static constexpr std::size_t groups = (C.window.input.channels + group - 1) / group;
+    static constexpr std::size_t block_stride = block_vectors * width;
+
+    /// Tiles from the first transform to the last: as many as the first level of cache holds, where the
+    /// kernels are small enough to be read for each of these bands; else all.
+    static constexpr std::size_t band = [] {
+        constexpr std::size_t cache = 24 * 1024, small_kernels = 64 * 1024;
+        constexpr std::size_t of_a_tile =
+            elements * (channels * sizeof(std::int16_t) + block_stride * sizeof(std::int32_t));
+        if (elements * groups * group * C.padded_filters() * sizeof(std::int16_t) > small_kernels)
+            return count;
+        constexpr std::size_t most = std::max<std::size_t>(cache / of_a_tile, 8);
+        const std::size_t bands = (count + most - 1) / most;
+        return (count + bands - 1) / bands;
+    }();
+    /// Tiles in a register block: as many as registers allow, evenly spread.
+    static constexpr std::size_t block = [] {
+        constexpr std::size_t most =
+            std::max<std::size_t>((vector_registers == 32 ? 24 : 12) / block_vectors, 1);
+        return (band + (band + most - 1) / most - 1) / ((band + most - 1) / most);
+    }();
+
+    /// Bytes of scratch memory: transformed inputs, then products.
+    static constexpr std::size_t transformed_bytes =
+        whole_lines<std::uint8_t>(elements * band * channels * sizeof(std::int16_t));
+    static constexpr std::size_t scratch_bytes =
+        transformed_bytes + whole_lines<std::uint8_t>(elements * band * block_stride * sizeof(std::int32_t));
+    /// Bytes of the transformed, packed kernels.
+    static constexpr std::size_t weight_bytes =
+        elements * groups * group * C.padded_filters() * sizeof(std::int16_t);
+
+    /// Beyond a thousand channels sums might pass 31 bits.
+    static constexpr bool possible = (C.window.kernel == extent(3) || C.window.kernel == extent(2)) &&
+                                     C.window.stride == extent(1) &&
+                                     (C.pool == extent(1) || C.pool == extent(2)) && C.groups == 1 &&
+                                     input_width % group == 0 && C.window.input.channels <= 1024;
+    /// Whether fewer operations are needed than with taps. A product counts twice, since its sum is another
+    /// operation; transforms count with their loads and stores.
+    static constexpr bool pays = [] {
+        if (!possible || most_integer_lanes == 1 || block * block_vectors < 8)
+            return false;
+        const std::size_t direct = 2 * C.rows() * C.columns() * C.window.kernel.area() * groups * vectors;
+        const std::size_t tiled = 2 * elements * count * groups * vectors +
+                                  5 * elements * count * (channels / input_width) +
+                                  3 * elements * count * vectors;
+        return tiled < direct;
+    }();
+};
+
+/// Kernels in the order of use: blocks of vectors of filters, then [element][group of channels][filter of the
+/// block][channel of the group], words of 16 bits. `weight(filter, channel, row, column)`.
+template <frame_convolution C, class Weight>
+constexpr void pack_integer_tiles(std::int8_t* packed, Weight&& weight) {
+    using tiles = integer_tiles<C>;
+    constexpr std::size_t kernel = tiles::side - 1;
+    // A line of G, twice for kernels of three, times three or two numbers.
+    const auto transformed = [](std::size_t line, const std::array<int, kernel>& g) {
+        constexpr int times = kernel == 3 ? 2 : 1;
+        if (line == 0)
+            return times * g[0];
+        if (line == kernel)
+            return times * g[kernel - 1];
+        if constexpr (kernel == 2)
+            return g[0] + g[1];
+        else
+            return g[0] + (line == 1 ? g[1] : -g[1]) + g[2];
+    };
+    for (std::size_t first = 0; first < tiles::vectors; first += tiles::block_vectors) {
+        const std::size_t filters = std::min(tiles::block_vectors, tiles::vectors - first) * tiles::width;
+        for (std::size_t channel = 0; channel < tiles::groups * tiles::group; ++channel)
+            for (std::size_t f = 0; f < filters; ++f) {
+                const std::size_t filter = first * tiles::width + f;
+                std::array<std::array<int, kernel>, tiles::side> half{};
+                for (std::size_t column = 0;
+                     column < kernel && filter < C.filters && channel < C.window.input.channels; ++column) {
+                    std::array<int, kernel> g{};
+                    for (std::size_t row = 0; row < kernel; ++row)
+                        g[row] = weight(filter, channel, row, column);
+                    for (std::size_t line = 0; line < tiles::side; ++line)
+                        half[line][column] = transformed(line, g);
+                }
+                for (std::size_t e = 0; e < tiles::elements; ++e) {
+                    const auto word =
+                        static_cast<std::int16_t>(transformed(e % tiles::side, half[e / tiles::side]));
+                    const auto bytes = std::bit_cast<std::array<std::int8_t, 2>>(word);
+                    std::int8_t* const to =
+                        packed +
+                        2 * (((e * tiles::groups + channel / tiles::group) * filters + f) * tiles::group +
+                             channel % tiles::group);
+                    to[0] = bytes[0], to[1] = bytes[1];
+                }
+            }
+        packed += 2 * tiles::elements * tiles::groups * tiles::group * filters;
+    }
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
