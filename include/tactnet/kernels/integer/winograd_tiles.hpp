@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/frame/fused_convolution.hpp>
-#include <tactnet/kernels/integer/products.hpp>
+#include <tactnet/kernels/integer/word_products.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <tactnet/kernels/integer/word_products.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+// Products of bytes without a sign and signed weights of 8 bits, where an instruction set has them: four
+// inputs at once. word_products.hpp says what a kind of product is.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Inputs of 8 bits without a sign. As it stands: by products of 16 bits.
+template <std::size_t Lanes>
+struct byte_products : word_products<Lanes> {};
+
+#if !defined(TACTNET_NO_SIMD) && ((defined(__AVX512VNNI__) && defined(__AVX512VL__)) || defined(__AVXVNNI__))
+
+template <>
+struct byte_products<4> {
+    using staged = std::uint8_t;
+    using weight = std::int8_t;
+    using weights = __m128i;
+    using inputs = __m128i;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m128i>(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
+                                                  const inputs& x) {
+        const auto s = reinterpret_cast<__m128i>(sums);
+#ifdef __AVX512VNNI__
+        return reinterpret_cast<integers<4>>(_mm_dpbusd_epi32(s, x, w));
+#else
+        return reinterpret_cast<integers<4>>(_mm_dpbusd_avx_epi32(s, x, w));
+#endif
+    }
+};
+template <>
+struct byte_products<8> {
+    using staged = std::uint8_t;
+    using weight = std::int8_t;
+    using weights = __m256i;
+    using inputs = __m256i;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m256i>(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<8> add(const integers<8>& sums, const weights& w,
+                                                  const inputs& x) {
+        const auto s = reinterpret_cast<__m256i>(sums);
+#ifdef __AVX512VNNI__
+        return reinterpret_cast<integers<8>>(_mm256_dpbusd_epi32(s, x, w));
+#else
+        return reinterpret_cast<integers<8>>(_mm256_dpbusd_avx_epi32(s, x, w));
+#endif
+    }
+};
+#ifdef __AVX512VNNI__
+template <>
+struct byte_products<16> {
+    using staged = std::uint8_t;
+    using weight = std::int8_t;
+    using weights = __m512i;
+    using inputs = __m512i;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 0;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m512i>(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
+    }
+    [[gnu::always_inline]] static integers<16> add(const integers<16>& sums, const weights& w,
+                                                   const inputs& x) {
+        return reinterpret_cast<integers<16>>(_mm512_dpbusd_epi32(reinterpret_cast<__m512i>(sums), x, w));
+    }
+};
+#endif
+
+#elif !defined(TACTNET_NO_SIMD) && defined(__ARM_FEATURE_DOTPROD)
+
+template <>
+struct byte_products<4> {
+    using staged = std::int8_t;
+    using weight = std::int8_t;
+    using weights = int8x16_t;
+    using inputs = int8x16_t;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 128; // this instruction knows no bytes without a sign times bytes with one
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return vld1q_s8(from); }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return vreinterpretq_s8_s32(vdupq_n_s32(detail::group_at<std::int32_t>(from)));
+    }
+    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
+                                                  const inputs& x) {
+        return vdotq_s32(sums, w, x);
+    }
+};
+
+#endif
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/integer/byte_products.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+// How inputs and weights lie in memory while they are multiplied. The input is staged: laid out once more
+// with its padding around it, in the type that the instruction set multiplies, so that a group of inputs that
+// it multiplies at once lies side by side: channels of one pixel, or, where a pixel has fewer, those of
+// neighbours in a row.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// How a fused convolution `C` is computed in whole numbers from inputs of type `Input`, bytes or words of 16
+/// bits. Groups of filters must have been joined.
+template <frame_convolution C, class Input>
+struct integer_convolution {
+    static_assert(C.groups == 1, "integer_convolution: groups of filters must have been joined");
+    static constexpr std::size_t width = std::min(C.width(), most_integer_lanes);
+    using products =
+        std::conditional_t<std::is_same_v<Input, std::uint8_t>, byte_products<width>, word_products<width>>;
+    using staged = typename products::staged;
+    static constexpr std::size_t group = products::group;
+    /// What is subtracted from inputs when they are staged.
+    static constexpr int offset = std::is_same_v<Input, std::uint8_t> ? products::offset : 0;
+
+    static constexpr std::size_t vectors = C.padded_filters() / width;
+    static constexpr std::size_t block_vectors = C.block_vectors();
+
+    /// Of the staged input: elements from one pixel to the next, a multiple of the group or a part of it;
+    /// from one row to the next; rows; all of it, with what a last group may read behind its taps.
+    static constexpr std::size_t stride =
+        C.input_stride < group ? std::bit_ceil(C.input_stride) : (C.input_stride + group - 1) / group * group;
+    static constexpr std::size_t pitch = (C.window.input.columns + C.window.left + C.window.right) * stride;
+    static constexpr std::size_t rows = C.window.input.rows + C.window.top + C.window.bottom;
+    static constexpr std::size_t staged_elements = rows * pitch + group;
+
+    /// Groups in a pixel, columns in a group, groups over the columns of the kernel.
+    static constexpr std::size_t groups_of_pixel = std::max<std::size_t>(stride / group, 1),
+                                 columns_of_group = std::max<std::size_t>(group / stride, 1),
+                                 groups_of_row =
+                                     (C.window.kernel.columns + columns_of_group - 1) / columns_of_group;
+    static constexpr std::size_t weights_of_group = width * group;
+    using weight = typename products::weight;
+    static constexpr std::size_t weights =
+        vectors * groups_of_pixel * C.window.kernel.rows * groups_of_row * weights_of_group;
+    static constexpr std::size_t weight_bytes = weights * sizeof(weight);
+};
+
+/// Weights in the order of use: blocks of vectors of filters, then [group of the pixel][kernel row][group of
+/// the row][vector][filter][input of the group]; zeros where there is no filter or no tap. `weight(filter,
+/// channel, row, column)`.
+template <class Plan, frame_convolution C, class Weight>
+constexpr void pack_integer_weights(std::int8_t* packed, Weight&& weight) {
+    const auto of_tap = [&](std::size_t filter, std::size_t in_pixel, std::size_t row, std::size_t in_row,
+                            std::size_t element) {
+        const std::size_t column = in_row * Plan::columns_of_group + element / Plan::stride;
+        const std::size_t channel = in_pixel * Plan::group + element % Plan::stride;
+        return filter < C.filters && column < C.window.kernel.columns && channel < C.window.input.channels
+                   ? weight(filter, channel, row, column)
+                   : std::int8_t{0};
+    };
+    for (std::size_t first = 0; first < Plan::vectors; first += Plan::block_vectors) {
+        const std::size_t last = std::min(first + Plan::block_vectors, Plan::vectors);
+        for (std::size_t in_pixel = 0; in_pixel < Plan::groups_of_pixel; ++in_pixel)
+            for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
+                for (std::size_t in_row = 0; in_row < Plan::groups_of_row; ++in_row)
+                    for (std::size_t filter = first * Plan::width; filter < last * Plan::width; ++filter)
+                        for (std::size_t element = 0; element < Plan::group; ++element) {
+                            const auto bytes =
+                                std::bit_cast<std::array<std::int8_t, sizeof(typename Plan::weight)>>(
+                                    typename Plan::weight{of_tap(filter, in_pixel, row, in_row, element)});
+                            packed = std::copy(bytes.begin(), bytes.end(), packed);
+                        }
+    }
+}
+
+/// The input with its padding around it. `padding` stands for zero.
+template <class Plan, frame_convolution C, class Input>
+void stage(const Input* from, typename Plan::staged* to, Input padding) {
+    using staged = typename Plan::staged;
+    constexpr std::size_t stride = C.input_stride, columns = C.window.input.columns;
+    const auto convert = [](Input x) { return static_cast<staged>(x - Plan::offset); };
+    const auto fill = [&](std::size_t pixels) {
+        std::fill_n(to, pixels * Plan::stride, convert(padding));
+        to += pixels * Plan::stride;
+    };
+    const auto copy = [&](std::size_t pixels) {
+        if constexpr (std::is_same_v<Input, staged>)
+            std::memcpy(to, from, pixels * stride * sizeof(staged));
+        else
+            for (std::size_t e = 0; e < pixels * stride; ++e)
+                to[e] = convert(from[e]);
+        from += pixels * stride, to += pixels * Plan::stride;
+    };
+    fill(C.window.top * (Plan::pitch / Plan::stride) + C.window.left);
+    for (std::size_t row = 0; row < C.window.input.rows; ++row) {
+        if (row > 0)
+            fill(C.window.left + C.window.right);
+        if constexpr (Plan::stride == stride) {
+            copy(columns);
+        } else {
+            for (std::size_t x = 0; x < columns; ++x) {
+                std::fill_n(to + stride, Plan::stride - stride, staged{});
+                copy(1);
+            }
+        }
+    }
+    fill(C.window.right + C.window.bottom * (Plan::pitch / Plan::stride));
+    std::fill_n(to, Plan::group, staged{});
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
