@@ -76,6 +76,21 @@ TEST_CASE("eight_bit_calibration: outputs differ little from single precision, o
     CHECK(calibration.output_error() > 0);
 }
 
+TEST_CASE("eight_bit_calibration: sums and branches know what their maps stand for") {
+    using branches =
+        network<shape{9, 8, 2}, conv2d<8, 3>, relu, residual<sequence<conv2d<8, 3>>>,
+                concatenation<sequence<conv2d<4, 1>>, sequence<conv2d<16, 3>, relu>>,
+                residual<sequence<conv2d<12, 3>>, sequence<conv2d<12, 1>>>, relu, batch_norm, dense<5>>;
+    branches n;
+    support::fill(n, 70);
+    const std::vector<float> mean_frame = support::mean_for<branches>(70);
+    const support::byte_network<branches> bytes(support::calibrated(n, 70, 20).folded());
+    const sizes found = sizes_of(n, std::span(mean_frame).first<branches::input_shape.size()>(), bytes);
+    MESSAGE("root of the mean square: " << found.differences << " of " << found.outputs);
+    // As above, of eight layers.
+    CHECK(found.differences < 0.04 * found.outputs);
+}
+
 TEST_CASE(
     "eight_bit_calibration: the error that it tells is the error on its images, and no range does worse") {
     const std::vector<float> frames = support::frames_for<net>(5, 62);

@@ -46,7 +46,10 @@ struct given {
             x = static_cast<Input>(extreme ? std::clamp(largest, words ? -widest : 0, widest)
                                    : words ? below(static_cast<unsigned>(2 * widest + 1)) - widest
                                            : below(256));
-        padding = static_cast<Input>(words ? 0 : extreme ? 255 : below(256));
+        padding = static_cast<Input>(words           ? 0
+                                     : extreme       ? 255
+                                     : below(2) == 0 ? kernels::integer_convolution<C, Input>::offset
+                                                     : below(256));
         for (std::size_t i = 0; i < weights.size(); ++i)
             weights[i] = static_cast<std::int8_t>(!extreme                ? below(255) - 127
                                                   : i / C.taps() % 2 == 0 ? 127
@@ -97,40 +100,18 @@ struct given {
     }
 };
 
-/// Outputs that are not as plain loops say; `saturated` counts those at an end of the range.
-template <frame_convolution C, class Input, class Output = std::uint8_t>
-std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* saturated = nullptr) {
-    using plan = kernels::integer_convolution<C, Input>;
+/// Outputs that are not as plain loops say, where `run(to, padding_counts)` computes them; `saturated` counts
+/// those at an end of the range.
+template <frame_convolution C, class Input, class Output, class Run>
+std::size_t outputs_differing(const given<C, Input>& numbers, const Run& run, bool padding_counts,
+                              std::size_t* saturated = nullptr) {
     constexpr std::size_t pixels = C.output_rows() * C.output_columns(), stride = C.output_stride();
-    constexpr std::size_t guard = 64;
-    const given<C, Input> numbers(kind);
-
-    aligned_vector<std::int8_t> packed(plan::weights + guard, std::int8_t{99});
-    kernels::pack_integer_weights<plan, C>(packed.data(),
-                                           [&](auto... place) { return numbers.weight(place...); });
-    std::size_t wrong = static_cast<std::size_t>(
-        std::count_if(packed.end() - guard, packed.end(), [](std::int8_t g) { return g != 99; }));
-
-    std::vector<std::int32_t> starts = numbers.starts;
-    for (std::size_t f = 0; f < C.filters; ++f)
-        for (std::size_t i = 0; i < C.taps(); ++i)
-            starts[f] += plan::offset * numbers.weights[f * C.taps() + i];
-    // What is read before it is written shows.
-    using staged = typename plan::staged;
-    aligned_vector<staged> memory(plan::staged_elements + guard, static_cast<staged>(0x5a));
-    kernels::stage<plan, C>(numbers.input.data(), memory.data(), numbers.padding);
-    wrong += static_cast<std::size_t>(std::count_if(memory.end() - guard, memory.end(),
-                                                    [](staged s) { return s != static_cast<staged>(0x5a); }));
-
-    std::vector<Output> map(pixels * stride + guard, Output{77});
+    std::vector<Output> map(pixels * stride + 64, Output{77});
     if (C.adds)
         std::copy(numbers.other.begin(), numbers.other.end(), map.begin());
-    const auto bytes = [](const auto& v) { return reinterpret_cast<const std::int8_t*>(v.data()); };
-    kernels::convolve_integer<plan, C>(
-        memory.data(), packed.data(),
-        {bytes(starts), bytes(numbers.factors), bytes(numbers.added), numbers.range},
-        map.data() + C.map_offset);
+    run(map.data() + C.map_offset, padding_counts);
 
+    std::size_t wrong = 0;
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
         for (std::size_t f = 0; f < C.filters; ++f) {
             const float product =
@@ -141,10 +122,8 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
                 const float expected = C.rectified && product < 0 ? 0.0f : product;
                 wrong += std::memcmp(&found, &expected, sizeof(float)) != 0;
             } else {
-                const double byte =
-                    std::clamp<double>(std::nearbyint(static_cast<double>(product)) + numbers.range.zero,
-                                       numbers.range.lowest, 255);
-                wrong += found != byte;
+                const double nearest = std::nearbyint(static_cast<double>(product));
+                wrong += found != std::clamp<double>(nearest + numbers.range.zero, numbers.range.lowest, 255);
                 if (saturated != nullptr)
                     *saturated += found == 0 || found == 255;
             }
@@ -156,6 +135,51 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
     }
     for (std::size_t i = pixels * stride; i < map.size(); ++i)
         wrong += map[i] != Output{77};
+    return wrong;
+}
+template <class Numbers>
+const std::int8_t* as_bytes(const Numbers& numbers) {
+    return reinterpret_cast<const std::int8_t*>(numbers.data());
+}
+template <class Numbers>
+std::size_t guard_touched(const Numbers& numbers, std::size_t used, typename Numbers::value_type guard) {
+    return static_cast<std::size_t>(std::count_if(numbers.begin() + static_cast<std::ptrdiff_t>(used),
+                                                  numbers.end(), [&](auto n) { return n != guard; }));
+}
+
+/// By taps.
+template <frame_convolution C, class Input, class Output = std::uint8_t>
+std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* saturated = nullptr) {
+    using plan = kernels::integer_convolution<C, Input>;
+    constexpr std::size_t guard = 64;
+    const given<C, Input> numbers(kind);
+
+    aligned_vector<std::int8_t> packed(plan::weight_bytes + guard, std::int8_t{99});
+    kernels::pack_integer_weights<plan, C>(packed.data(),
+                                           [&](auto... place) { return numbers.weight(place...); });
+    std::size_t wrong = guard_touched(packed, plan::weight_bytes, 99);
+
+    std::vector<std::int32_t> starts = numbers.starts;
+    for (std::size_t f = 0; f < C.filters; ++f)
+        for (std::size_t i = 0; i < C.taps(); ++i)
+            starts[f] += plan::offset * numbers.weights[f * C.taps() + i];
+    // What is read before it is written shows.
+    using staged = typename plan::staged;
+    aligned_vector<staged> memory(plan::staged_elements + guard, static_cast<staged>(0x5a));
+    kernels::stage<plan, C>(numbers.input.data(), memory.data(), numbers.padding);
+    wrong += guard_touched(memory, plan::staged_elements, static_cast<staged>(0x5a));
+
+    const auto run = [&](Output* to, bool padding_counts) {
+        kernels::convolve_integer<plan, C>(memory.data(),
+                                           reinterpret_cast<const typename plan::weight*>(packed.data()),
+                                           {as_bytes(starts), as_bytes(numbers.factors),
+                                            as_bytes(numbers.added), numbers.range, padding_counts},
+                                           to);
+    };
+    wrong += outputs_differing<C, Input, Output>(numbers, run, true, saturated);
+    // Padding that is zero as it is staged may be left out.
+    if (numbers.padding == plan::offset)
+        wrong += outputs_differing<C, Input, Output>(numbers, run, false);
     return wrong;
 }
 

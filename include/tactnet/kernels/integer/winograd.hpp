@@ -138,7 +138,9 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
     const auto finish = [&](Output * to, const sum& value, std::size_t v) __attribute__((always_inline)) {
         const auto factors = load_any<numbers<width>>(epilogue.factors + v * width * sizeof(float));
         if constexpr (std::is_same_v<Output, float>)
-            store_any(to, __builtin_convertvector(value, numbers<width>) * factors);
+            store_any(to, __builtin_convertvector(C.rectified ? sum(value > 0 ? value : sum{}) : value,
+                                                  numbers<width>) *
+                              factors);
         else
             store_rounded<width>(to, value, factors, epilogue.range);
     };
