@@ -3,5 +3,4 @@
 // at-most: 1
 #include <tactnet/networks.hpp>
 
-using net = tactnet::tactnet4<tactnet::shape{4, 9}, 22>;
-constexpr auto parameters = net::parameters;
+extern tactnet::tactnet4<tactnet::shape{4, 9}, 22> net;
