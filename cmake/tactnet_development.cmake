@@ -40,3 +40,25 @@ function(tactnet_use target)
     target_link_libraries(${target} PRIVATE tactnet::tactnet tactnet_warnings tactnet_native)
     set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
 endfunction()
+
+# tactnet_name_instruction_set(variable): as the library names what its programs are compiled for (detail/config.hpp).
+function(tactnet_name_instruction_set variable)
+    set(source "${PROJECT_BINARY_DIR}/CMakeFiles/name_of_instruction_set.cpp")
+    file(WRITE "${source}" "#include <tactnet/detail/config.hpp>\nname: TACTNET_ARCH\n")
+    separate_arguments(options NATIVE_COMMAND "${CMAKE_CXX_FLAGS}")
+    if(TACTNET_HAS_MARCH_NATIVE)
+        list(APPEND options -march=native)
+    endif()
+    if(NOT TACTNET_SIMD)
+        list(APPEND options -DTACTNET_NO_SIMD)
+    endif()
+    execute_process(
+        COMMAND "${CMAKE_CXX_COMPILER}" -std=c++20 ${options} "-I${PROJECT_SOURCE_DIR}/include" -E -P "${source}"
+        OUTPUT_VARIABLE output ERROR_QUIET
+    )
+    set(name "that the compiler does not tell")
+    if(output MATCHES "name: ([a-z0-9_]+)")
+        set(name "${CMAKE_MATCH_1}")
+    endif()
+    set(${variable} "${name}" PARENT_SCOPE)
+endfunction()

@@ -20,9 +20,7 @@ int main(int count, char** arguments) {
                     recording.description.columns);
         if (!recording.damage)
             return 0;
-        std::fprintf(stderr, "%s: %s: expected %s, found %s\n", arguments[1],
-                     recording.damage->place().c_str(), recording.damage->expected.c_str(),
-                     recording.damage->found.c_str());
+        std::fprintf(stderr, "%s\n", recording.damage->message(arguments[1]).c_str());
     } catch (const std::exception& error) {
         std::fprintf(stderr, "tactnet_own_format: %s\n", error.what());
     }

@@ -50,9 +50,7 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
     const auto note = [&](tactnet::decode_status status) {
         if (status != tactnet::decode_status::damaged)
             return;
-        const tactnet::decoding_error& error = decoder.error();
-        std::fprintf(stderr, "tactnet_stream: %s: expected %s, found %s\n", error.place().c_str(),
-                     error.expected.c_str(), error.found.c_str());
+        std::fprintf(stderr, "tactnet_stream: %s\n", decoder.error().message().c_str());
         all_well = false;
     };
     std::size_t total = 0;

@@ -8,6 +8,7 @@
 #include "commands/commands.hpp"
 #include "console/standard_streams.hpp"
 #include "console/suggestion.hpp"
+#include "methods/description.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
@@ -69,7 +70,10 @@ int explain(const CLI::App& program, const CLI::ParseError& error, const command
 }
 
 int run(int count, char** arguments) {
-    CLI::App program("Recognises touched objects from the pressure images of tactile arrays", "tactnet");
+    CLI::App program(
+        "Recognises touched objects from the pressure images of tactile arrays (instruction set: " +
+            std::string(program_instruction_set()) + ")",
+        "tactnet");
     program.require_subcommand(1);
     command_list commands;
     for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate,

@@ -15,6 +15,16 @@ static_assert(tactnet4<shape{7, 13, 1}, 22>::multiply_adds == 88728);
 static_assert(tactnet4<shape{7, 13, 1}, 22>::multiply_adds_on_pixels == 59896);
 static_assert(tactnet4<shape{14, 25, 1}, 22>::input_shape == shape{14, 25, 1});
 
+// Outside the published range: larger images take the full form, smaller ones that of 7 x 13.
+static_assert(within_published_range({7, 13}) && within_published_range({28, 50}) &&
+              within_published_range({50, 28}));
+static_assert(!within_published_range({64, 64}) && !within_published_range({29, 50}) &&
+              !within_published_range({6, 13}) && !within_published_range({12, 12}) &&
+              !within_published_range({5, 5}));
+static_assert(tactnet4<shape{64, 64}, 22>::parameters ==
+              tactnet4<shape{28, 50}, 22>::parameters + 22 * 32 * (8 * 8 - 4 * 7));
+static_assert(tactnet4<shape{5, 5}, 22>::output_shape.size() == 22);
+
 namespace {
 
 template <shape Size>

@@ -29,6 +29,7 @@ static_assert(tactnet6<shape{28, 50, 1}, 22, tactnet6_form{.kernel2 = 5}>::param
 template <std::size_t Rows, std::size_t Columns>
 constexpr std::size_t economical = tactnet6_economical<shape{Rows, Columns, 1}, 22>::multiply_adds;
 static_assert(economical<28, 50> == 2214080);
+static_assert(economical<5, 5> < economical<7, 13>); // below the published range, and the least that there is
 static_assert(std::is_same_v<tactnet6_economical<shape{28, 50, 1}, 22>, tactnet6<shape{28, 50, 1}, 22>>);
 static_assert(std::is_same_v<tactnet6_economical<shape{21, 35, 1}, 22>, tactnet6<shape{21, 35, 1}, 22>>);
 static_assert(!std::is_same_v<tactnet6_economical<shape{20, 35, 1}, 22>, tactnet6<shape{20, 35, 1}, 22>>);

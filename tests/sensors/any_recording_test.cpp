@@ -47,6 +47,23 @@ TEST_CASE("any_recording: the content tells the format, however it is split") {
     }
 }
 
+TEST_CASE("any_recording: what is wrong, in one sentence, also of a file that is not there") {
+    any_recording none;
+    CHECK(none.finish(tactnet::ignore_frames()) == decode_status::damaged);
+    const std::string sentence = "byte 0: expected a Tekscan recording or map (a line 'ASCII_DATA @@' or "
+                                 "'SENSOR_MAP @@', or bytes 0A BB "
+                                 "BA), found not a single byte, as from a file that is empty or not there";
+    CHECK(none.error().message() == sentence);
+    CHECK(none.error().message("glove.fsx") == "glove.fsx: " + sentence);
+    any_recording cut;
+    CHECK(cut.push(
+              bytes_of("ROWS 1\nCOLS 2\nSTART_FRAME 1\nEND_FRAME 2\nASCII_DATA @@\nFrame 1\n1,2\nFrame 2\n"),
+              tactnet::ignore_frames()) == decode_status::reading);
+    CHECK(cut.finish(tactnet::ignore_frames()) == decode_status::damaged);
+    CHECK(cut.error().message() == cut.error().place() + ": expected " + cut.error().expected + ", found " +
+                                       cut.error().found + " (1 announced frames are missing)");
+}
+
 TEST_CASE("any_recording: a header that nothing follows is told by its last line") {
     for (const std::string end : {"", "\n", "\r"})
         CHECK(sensors_test::decode(any_recording(), bytes_of("ROWS 1\nCOLS 2\nASCII_DATA @@" + end))

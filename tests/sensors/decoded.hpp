@@ -48,8 +48,7 @@ decoded decode(Decoder decoder, std::span<const std::byte> bytes, const std::vec
     const auto note = [&](tactnet::decode_status status) {
         result.status = status;
         if (status == tactnet::decode_status::damaged)
-            result.error = decoder.error().place() + ": expected " + decoder.error().expected + ", found " +
-                           decoder.error().outcome();
+            result.error = decoder.error().message();
     };
     std::size_t from = 0;
     for (const std::size_t cut : cuts) {
@@ -61,8 +60,7 @@ decoded decode(Decoder decoder, std::span<const std::byte> bytes, const std::vec
     result.description = decoder.description();
     result.certain_frames = decoder.certain_frames();
     for (const tactnet::decoding_warning& warning : decoder.warnings().kept())
-        result.warnings.push_back(warning.place() + ": expected " + std::string(warning.expected.view()) +
-                                  ", found " + std::string(warning.found.view()));
+        result.warnings.push_back(warning.message());
     result.warning_count = decoder.warnings().count();
     return result;
 }

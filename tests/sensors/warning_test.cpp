@@ -32,4 +32,7 @@ TEST_CASE("decoding_warnings: the first are kept, all are counted, and no heap i
           decoding_warning{15, 0, 2, warning_text("a count of at least 3"), warning_text("15")});
     CHECK(warnings.kept()[15].place() == "byte 15, frame 2");
     CHECK(decoding_warning{7, 3, 0, {}, {}}.place() == "byte 7, line 3");
+    CHECK(warnings.kept()[15].message() == "byte 15, frame 2: expected a count of at least 3, found 15");
+    CHECK(warnings.kept()[15].message("a.fsx") ==
+          "a.fsx: byte 15, frame 2: expected a count of at least 3, found 15");
 }

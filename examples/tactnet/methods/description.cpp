@@ -93,6 +93,10 @@ constexpr std::string_view instruction_set = TACTNET_PROGRAM_TEXT(TACTNET_ARCH);
 
 } // namespace
 
+std::string_view program_instruction_set() {
+    return instruction_set;
+}
+
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
     const auto& [name, epochs, batch, rate, pretrained_rate, optimiser, schedule, initialisation, input,
                  augmentation, ranges, label_smoothing, averaging, epsilon, remeasure_statistics,

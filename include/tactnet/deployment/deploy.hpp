@@ -27,7 +27,7 @@ inline namespace TACTNET_ARCH {
 /// A deployed network that keeps its weights, on the heap since they were packed: calls use none. May be
 /// copied and moved. `deployed_view` tells of the calls.
 template <class Network, class Format = single_precision>
-class deployed {
+class deployed : protected detail::refused_calls<Network::input_shape, Network::outputs> {
     using plan = deployment_plan<Network, Format>;
 
 public:
@@ -84,6 +84,7 @@ public:
         return std::span<const float, view_type::folded_elements>(folded_.data(), folded_.size());
     }
 
+    using detail::refused_calls<input_shape, outputs>::operator();
     frame_status operator()(tensor_view<const std::uint8_t, input_shape> counts, std::span<float, outputs> to,
                             scratch& memory) const noexcept {
         return view()(counts, to, memory);

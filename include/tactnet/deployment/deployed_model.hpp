@@ -73,6 +73,19 @@ public:
     [[nodiscard]] std::optional<recognition> operator()(numbers_view counts) const& noexcept {
         return recognise(counts);
     }
+    /// Says why a frame of another size or type is none.
+    template <class Frame>
+    requires base::template refuses_frame<Frame> std::optional<recognition>
+    operator()(Frame&&) const noexcept {
+        detail::refuse_frame<Frame, input_shape>();
+        return std::nullopt;
+    }
+    template <class Frame>
+    requires base::template refuses_frame<Frame> std::optional<recognition>
+    operator()(Frame&&, scratch&) const noexcept {
+        detail::refuse_frame<Frame, input_shape>();
+        return std::nullopt;
+    }
     // The name would be gone with the classes.
     std::optional<recognition> operator()(counts_view, scratch&) const&& = delete;
     std::optional<recognition> operator()(numbers_view, scratch&) const&& = delete;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <tactnet/deployment/frame.hpp>
+#include <tactnet/deployment/frame_status.hpp>
+#include <tactnet/deployment/refused_call.hpp>
 #include <tactnet/deployment/steps.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
@@ -19,13 +21,6 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What became of a frame. Not to be ignored: outputs of a broken frame look like any others.
-enum class [[nodiscard]] frame_status{
-    recognised,
-    not_finite ///< NaN or infinity in the frame or in the outputs, or a number so large that sums in the
-               ///< network might leave the range of single precision: the outputs mean nothing
-};
-
 template <std::size_t Needed, std::size_t AtMost>
 concept fits_stack = (Needed <= AtMost);
 
@@ -35,7 +30,7 @@ concept fits_stack = (Needed <= AtMost);
 ///
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
-class deployed_view {
+class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
     static_assert(
         detail::fills_map<Steps>,
         "deployed_view: the last step writes among the channels of a wider map, which nobody reads");
@@ -91,6 +86,7 @@ public:
     constexpr explicit deployed_view(const packed_weights& weights) noexcept
         : packed_(weights.elements.data()) {}
 
+    using detail::refused_calls<Input, outputs>::operator();
     /// Outputs of a frame of counts as the sensor gives them, or of numbers that are not whole, as after
     /// filtering: [row][column], for several channels one after the other. `to` gets what the trained network
     /// gives, logits or whatever its last layer makes.

@@ -2,6 +2,8 @@
 
 #include <tactnet/tensor/shape.hpp>
 
+#include <cstddef>
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
@@ -21,6 +23,35 @@ enum class resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
            : within(20, 35) ? resolution::r20x35
                             : resolution::r28x50;
 }
+
+/// Whether an image is as large as those of the paper: from 7 × 13 to 28 × 50 tactels, either way up. Of
+/// networks outside this range nobody knows how well they recognise: larger ones take the full form, smaller
+/// ones that of 7 × 13.
+[[nodiscard]] constexpr bool within_published_range(shape image) {
+    const auto within = [](std::size_t rows, std::size_t columns) {
+        return rows >= 7 && columns >= 13 && rows <= 28 && columns <= 50;
+    };
+    return within(image.rows, image.columns) || within(image.columns, image.rows);
+}
+
+template <std::size_t Rows, std::size_t Columns, std::size_t LeastRows, std::size_t LeastColumns>
+concept image_is_large_enough = (Rows >= LeastRows) && (Columns >= LeastColumns);
+
+namespace detail {
+
+/// How many classes the paper's networks tell apart on an image: as many as are asked for, if it is not
+/// smaller than the kernel with which they begin; of a smaller one, less would be seen than of padding. (A
+/// class, and not a function of the shape, with which GCC 12 does not cope in a list of layers.)
+template <std::size_t Rows, std::size_t Columns, std::size_t Classes>
+struct classes_on {
+    static_assert(
+        image_is_large_enough<Rows, Columns, 5, 5>,
+        "tactnet4, tactnet6, tactresnet: the image is smaller than the first kernel of 5 x 5 tactels; "
+        "image_is_large_enough shows its rows and columns, then the least");
+    static constexpr std::size_t count = Classes;
+};
+
+} // namespace detail
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

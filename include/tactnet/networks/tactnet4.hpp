@@ -28,7 +28,7 @@ using tactnet4 = network<Input,                                                 
                          conv2d<8, Form.kernel1>, batch_norm, relu, max_pool<2>,  //
                          conv2d<16, Form.kernel2>, batch_norm, relu, max_pool<2>, //
                          conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>, //
-                         dense<Classes>>;
+                         dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
 /// How the authors trained it.
 inline constexpr published_training tactnet4_training{.rate = 0.05, .drop_period = 200, .patience = 3};

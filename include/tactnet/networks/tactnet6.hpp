@@ -43,7 +43,7 @@ using tactnet6 = network<Input,                                                 
                          conv2d<32, 3>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,             //
                          conv2d<64, 3>, batch_norm, relu, max_pool<2, Form.other_pools_stride>,             //
                          conv2d<128, Form.kernel5>, batch_norm, relu, max_pool<2, Form.other_pools_stride>, //
-                         dense<Classes>>;
+                         dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
 /// TactNet-6 whose cost falls with the resolution. Beyond 20 × 35 it is the same type as TactNet-6.
 template <shape Input, std::size_t Classes>

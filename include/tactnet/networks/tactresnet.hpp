@@ -40,7 +40,7 @@ using tactresnet = network<Input,                                               
                            residual<two_convolutions<128>, sequence<conv2d<128, 3>, batch_norm>>, relu, //
                            residual<two_convolutions<128>>, relu,                                       //
                            max_pool<Form.last_pool, 1, valid>,                                          //
-                           dense<Classes>>;
+                           dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
 /// How the authors trained it.
 inline constexpr published_training tactresnet_training{.rate = 0.002, .drop_period = 0, .patience = 5};

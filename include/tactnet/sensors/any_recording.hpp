@@ -36,7 +36,8 @@ public:
              0,
              0,
              "a Tekscan recording or map (a line 'ASCII_DATA @@' or 'SENSOR_MAP @@', or bytes 0A BB BA)",
-             "none of it in the first " + std::to_string(bytes.size()) + " bytes",
+             bytes.empty() ? "not a single byte, as from a file that is empty or not there"
+                           : "none of it in the first " + std::to_string(bytes.size()) + " bytes",
              {}});
     }
     template <class Sink>

@@ -52,6 +52,11 @@ struct decoding_error {
                             ? " (" + std::to_string(*missing_frames) + " announced frames are missing)"
                             : "");
     }
+    /// All of it in one sentence: "byte 812, line 31, frame 1: expected …, found …". A file's name is put in
+    /// front, where one is given.
+    [[nodiscard]] std::string message(const std::string& file = {}) const {
+        return detail::sentence_text(file, place(), expected, outcome());
+    }
 };
 
 /// Takes frames and does nothing with them.

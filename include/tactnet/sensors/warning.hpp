@@ -29,6 +29,15 @@ namespace detail {
            (frame > 0 ? ", frame " + std::to_string(frame) : "");
 }
 
+/// The sentence of every error about a file: "file: place: expected …, found …"; a file without name is left
+/// out.
+[[nodiscard]] inline std::string sentence_text(const std::string& file, const std::string& place,
+                                               std::string_view expected, std::string_view found) {
+    std::string text = file;
+    (file.empty() ? text : text += ": ") += place;
+    return text.append(": expected ").append(expected).append(", found ").append(found);
+}
+
 } // namespace detail
 
 /// A short text without heap, put together from texts and numbers; what does not fit is cut off.
@@ -73,6 +82,10 @@ struct decoding_warning {
     warning_text expected{}, found{};
 
     [[nodiscard]] std::string place() const { return detail::place_text(byte, line, frame); }
+    /// Place, what was expected and what was found in one sentence, with a file's name in front if given.
+    [[nodiscard]] std::string message(const std::string& file = {}) const {
+        return detail::sentence_text(file, place(), expected.view(), found.view());
+    }
     friend bool operator==(const decoding_warning&, const decoding_warning&) = default;
 };
 

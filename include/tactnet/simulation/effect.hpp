@@ -91,10 +91,15 @@ concept reshaping_effect = requires(Bound bound, tensor_view<const float, From> 
 
 /// What every effect has: a stage, and a form bound to a shape.
 template <class Effect>
-concept effect = std::copyable<Effect> && requires {
+concept placed_effect = requires {
     { Effect::place } -> std::convertible_to<stage>;
+};
+template <class Effect>
+concept bindable_effect = std::copyable<Effect> && requires {
     typename Effect::template bound<shape{2, 2}>;
 };
+template <class Effect>
+concept effect = placed_effect<Effect> && bindable_effect<Effect>;
 
 /// The shape of what an effect makes of a shape: `Effect::output<Shape>` if it says so, else the same. (In
 /// `apply` give that shape a name of its own, as tactel_average does: signal<output<Shape>> crashes GCC 12.)

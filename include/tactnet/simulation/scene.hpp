@@ -40,6 +40,27 @@ template <class Effect>
         return 1;
 }
 
+/// Whether a type in the list is an effect. If not, a sentence says what it lacks, and nothing else is said.
+template <class Listed>
+[[nodiscard]] consteval bool is_effect() {
+    static_assert(placed_effect<Listed>,
+                  "scene: an effect says where it happens: static constexpr stage place, as in "
+                  "simulation/effect.hpp; placed_effect shows which one does not");
+    if constexpr (placed_effect<Listed>)
+        static_assert(
+            bindable_effect<Listed>,
+            "scene: an effect has a form that is bound to a shape, template <shape Shape> struct bound, "
+            "and can be copied; bindable_effect shows which one does not");
+    return effect<Listed>;
+}
+template <class Listed>
+[[nodiscard]] consteval stage place_of() {
+    if constexpr (placed_effect<Listed>)
+        return Listed::place;
+    else
+        return stage::storage;
+}
+
 /// The shape after each effect; the first is the surface's.
 template <shape Surface, class... Effects>
 struct shapes_along;
@@ -67,13 +88,15 @@ struct shapes_along<Surface, Effect, Rest...> {
 ///
 /// A frame is computed without heap memory, unless an effect says otherwise; its grids lie on the stack, 4
 /// bytes a cell of the surface. One scene serves one thread.
-template <class Array, effect... Effects>
+template <class Array, class... Effects>
 class scene {
     static constexpr std::size_t count = sizeof...(Effects);
-    static_assert(detail::begins_with_its_contact({Effects::place...}),
+    // Not as a constraint of the list, of which compilers say no more than that it is not satisfied.
+    static constexpr bool are_effects = (... && detail::is_effect<Effects>());
+    static_assert(!are_effects || detail::begins_with_its_contact({detail::place_of<Effects>()...}),
                   "scene: the first effect, and no other, must be a contact<...>");
     static_assert(
-        detail::in_order({Effects::place...}),
+        !are_effects || detail::in_order({detail::place_of<Effects>()...}),
         "scene: effects must be listed in the order of physics: contact, pad, tactel, film, circuit, "
         "converter, storage (see simulation/effect.hpp). An analogue effect cannot follow the converter.");
 
@@ -83,7 +106,7 @@ class scene {
                              Effects...>::all;
     // The first effect that is no longer mechanics: what reaches it is the clean frame.
     static constexpr std::size_t first_unclean =
-        (std::size_t{0} + ... + std::size_t{Effects::place <= stage::tactel});
+        (std::size_t{0} + ... + std::size_t{detail::place_of<Effects>() <= stage::tactel});
 
 public:
     /// Cells on which object and contact are computed: the tactels, or a finer grid if tactel_average asks.

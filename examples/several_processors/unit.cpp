@@ -1,0 +1,30 @@
+#include "network.hpp"
+#include "recogniser.hpp"
+
+#include <span>
+
+// Compiled once for each instruction set; RECOGNISER is the name under which the others find it. Everything
+// else that is defined here stays here: CMakeLists.txt makes it local.
+
+namespace {
+
+using view = tactnet::deployed<net>::view_type;
+view::packed_weights weights;
+
+void take(const float* folded) noexcept {
+    weights = {};
+    view::pack(folded, weights.elements.data());
+}
+
+bool recognise(const std::uint8_t* counts, float* logits) noexcept {
+    return view(weights)(tactnet::tensor_view<const std::uint8_t, net::input_shape>(counts),
+                         std::span<float, net::outputs>(logits, net::outputs)) ==
+           tactnet::frame_status::recognised;
+}
+
+#define TEXT_OF(name) #name
+#define TEXT(name) TEXT_OF(name)
+
+} // namespace
+
+extern "C" const recogniser RECOGNISER{TEXT(TACTNET_ARCH), take, recognise};

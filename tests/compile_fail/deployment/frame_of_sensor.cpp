@@ -1,0 +1,12 @@
+// expect: deployed: the size of this frame is known when running only: compare it by frame.as<network::input_shape>.., which is nothing if it is another
+// at-most: 1
+#include <tactnet/sensors.hpp>
+#include <tactnet/tactnet.hpp>
+
+using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
+
+std::size_t recognise(const tactnet::deployed_model<net>& model, const tactnet::frame_view& frame) {
+    if (const auto found = model(frame))
+        return found->index;
+    return 0;
+}

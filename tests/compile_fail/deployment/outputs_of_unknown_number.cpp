@@ -1,0 +1,13 @@
+// expect: deployed: the type of these outputs does not tell their number: compare it, then name it, as in std::span<float, network::outputs>.outputs.
+// at-most: 1
+#include <tactnet/tactnet.hpp>
+
+#include <array>
+#include <vector>
+
+using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
+
+bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint8_t, 28 * 50>& frame) {
+    std::vector<float> outputs(22);
+    return fast(frame, outputs) == tactnet::frame_status::recognised;
+}
