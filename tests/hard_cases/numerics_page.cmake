@@ -1,8 +1,10 @@
 # Writes the tables of docs/numerics.md from what the hard cases measured.
 #
-# cmake -DRESULTS=<file of JSON lines;…> -DPAGE=<page with both marks> -DTO=<page to write> -P numerics_page.cmake
+# cmake -DRECORDS=<folder of JSON lines> [-DRECORD=<one more file>] -DPAGE=<page with both marks> -DTO=<page to write>
+#       -P numerics_page.cmake
 #
-# Each file is one instruction set, a column of the tables; what all of them have comes from the first.
+# Each file is one instruction set, a column of the tables; what all of them have comes from the first that has it. Where
+# a record is older than a case, its column has a dash.
 cmake_minimum_required(VERSION 3.22)
 
 set(begin "<!-- What follows is written by the target numerics_page. -->")
@@ -21,14 +23,29 @@ function(table_key result topic case)
     set(${result} "${key}" PARENT_SCOPE)
 endfunction()
 
+# The widest vectors first, then what else there is.
+set(RESULTS "")
+foreach(set IN ITEMS avx512 avx2 sse4.1 no_simd)
+    if(EXISTS "${RECORDS}/${set}.jsonl")
+        list(APPEND RESULTS "${RECORDS}/${set}.jsonl")
+    endif()
+endforeach()
+file(GLOB others "${RECORDS}/*.jsonl")
+list(SORT others)
+list(APPEND RESULTS ${others} ${RECORD})
+list(REMOVE_DUPLICATES RESULTS)
+if(NOT RESULTS)
+    message(FATAL_ERROR "There are no records in '${RECORDS}'.")
+endif()
+
 set(sets "")
+set(known "")
 set(built "")
 set(topics "")
 foreach(file IN LISTS RESULTS)
     get_filename_component(set "${file}" NAME)
     string(REGEX REPLACE "\\.jsonl$" "" set "${set}")
     list(APPEND sets "${set}")
-    list(LENGTH sets number)
     file(STRINGS "${file}" lines ENCODING UTF-8)
     foreach(line IN LISTS lines)
         string(JSON arch ERROR_VARIABLE none GET "${line}" instruction_set)
@@ -42,7 +59,8 @@ foreach(file IN LISTS RESULTS)
         endforeach()
         table_key(key "${topic}" "${case}")
         set(error_${set}_${key} "${error}")
-        if(number EQUAL 1)
+        if(NOT key IN_LIST known)
+            list(APPEND known "${key}")
             if(NOT bound STREQUAL "limit" AND NOT topic IN_LIST topics)
                 list(APPEND topics "${topic}")
             endif()
@@ -62,7 +80,11 @@ endforeach()
 function(measured result key)
     set(row "")
     foreach(set IN LISTS sets)
-        string(APPEND row " ${error_${set}_${key}} |")
+        if(DEFINED error_${set}_${key})
+            string(APPEND row " ${error_${set}_${key}} |")
+        else()
+            string(APPEND row " – |")
+        endif()
     endforeach()
     set(${result} "${row}" PARENT_SCOPE)
 endfunction()
@@ -100,4 +122,5 @@ math(EXPR from "${from} + ${length}")
 string(SUBSTRING "${page}" 0 ${from} before)
 string(SUBSTRING "${page}" ${to} -1 behind)
 file(WRITE "${TO}" "${before}\n\n${text}\n${behind}")
-message("${count} cases, ${limit_count} limits")
+list(LENGTH sets columns)
+message("${count} cases, ${limit_count} limits, ${columns} columns")
