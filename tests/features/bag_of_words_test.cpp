@@ -65,6 +65,28 @@ void compare(std::size_t word_count, std::size_t descriptor_count) {
 
 } // namespace
 
+// Words of ±16 at 65536, each descriptor a quarter beside its own: the squares are 2e10, the distances 1.
+TEST_CASE("bag_of_words: words far from zero, against the nearest by force") {
+    auto words = random_rows(37, 5, 1);
+    for (float& v : words)
+        v += 65536;
+    std::vector<float> descriptors(500 * 5);
+    for (std::size_t e = 0; e < descriptors.size(); ++e)
+        descriptors[e] = words[e % words.size()] + (e % 3 == 0 ? 0.25f : -0.25f);
+    std::vector<double> counts(40);
+    for (std::size_t d = 0; d < 500; ++d)
+        ++counts[nearest_by_force<5>(words, descriptors.data() + d * 5)];
+    double squares = 0;
+    for (const double n : counts)
+        squares += n * n;
+    const bag_of_words<5, 40> bag(words);
+    std::array<float, 40> histogram;
+    bag(descriptors, histogram);
+    for (std::size_t w = 0; w < 40; ++w)
+        CHECK(std::abs(static_cast<double>(histogram[w]) - counts[w] / std::sqrt(squares)) <=
+              support::accumulated(support::unit_roundoff<float>, 4) * counts[w]);
+}
+
 TEST_CASE("bag_of_words: against the nearest words by force") {
     compare<64, 500>(500, 340);
     compare<64, 500>(37, 701);

@@ -7,11 +7,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <features/images.hpp>
 #include <memory>
+#include <span>
 #include <string>
 #include <support/tolerance.hpp>
 #include <vector>
@@ -84,8 +86,8 @@ TEST_CASE("k_means: clusters far from zero, and of any size") {
 
 TEST_CASE("k_means: points that are all the same, and more centres than points") {
     thread_pool threads(1);
-    const std::vector<float> same(100 * values, 0.1f);
-    const clusters one = k_means<values>(same, {.centres = 10}, threads);
+    const std::vector<float> alike(100 * values, 0.1f);
+    const clusters one = k_means<values>(alike, {.centres = 10}, threads);
     hold("features", "100 equal points, 10 clusters: centres", unit::absolute,
          {1, 10, static_cast<double>(one.centres.size() / values), 0});
     hold("features", "100 equal points, 10 clusters: objective", unit::absolute, {0, 0, one.objective, 0});
@@ -102,6 +104,39 @@ TEST_CASE("k_means: points that are all the same, and more centres than points")
     const float nothing = 0;
     hold("features", "a cluster without points: its centre", unit::absolute,
          {0, static_cast<double>(nothing / nothing), std::isfinite(filled.centres[values]) ? 0.0 : NAN, 0});
+}
+
+// Each cluster is a word. Counts divided by their length: 100 ÷ √(2 · 100²), rounded four times.
+TEST_CASE("bag_of_words: words far from zero, descriptors that are all the same, and none") {
+    const auto histogram = [](const std::vector<float>& words, std::span<const float> descriptors) {
+        std::array<float, 2> counts{};
+        bag_of_words<values, 2>{words}(descriptors, counts);
+        return counts;
+    };
+    for (const float middle : {0.0f, 1e4f}) {
+        const std::vector<float> points = two_clusters(200, middle, 1);
+        std::vector<float> words(2 * values);
+        for (std::size_t v = 0; v < values; ++v)
+            words[v] = middle + 1, words[values + v] = middle;
+        std::array<double, 2> plainly{};
+        for (std::size_t i = 0; i < 200; ++i)
+            ++plainly[nearest(points.data() + i * values, words.data(), 2, true)];
+        const double length = std::hypot(plainly[0], plainly[1]);
+        const auto ours = histogram(words, points);
+        std::vector<outcome> all;
+        for (std::size_t w = 0; w < 2; ++w)
+            all.push_back({std::sqrt(0.5), plainly[w] / length, static_cast<double>(ours[w]), 4 * u});
+        hold("features",
+             middle > 0 ? "words at 1e4, 1 apart: a histogram" : "words at 0, 1 apart: a histogram",
+             unit::absolute, all);
+    }
+    const std::vector<float> words = two_clusters(2, 0, 1), alike(100 * values, 1.0f);
+    hold("features", "100 equal descriptors: their word", unit::absolute,
+         {1, 1, static_cast<double>(histogram(words, alike)[0]), 0});
+    const auto none = histogram(words, {});
+    const float nothing = 0;
+    hold("features", "a histogram of no descriptors (plain: 0 ÷ 0)", unit::absolute,
+         {0, static_cast<double>(nothing / nothing), static_cast<double>(none[0] + none[1]), 0});
 }
 
 // Sums of real numbers that are no larger than their rounding count as zero: no descriptor inside.
@@ -152,7 +187,30 @@ void check_vast(const std::string& name, Texture&& texture) {
         all.push_back({exact, static_cast<double>(row[c + 1] - row[c] - above[c + 1] + above[c]),
                        integral->box(3199, static_cast<std::ptrdiff_t>(c), 1, 1), 4 * integral->rounding()});
     }
-    hold("features", name, unit::absolute, all);
+    hold("features", name + ": one pixel", unit::absolute, all);
+    // A square of 64 × 64: many pixels of the texture, all of their offset.
+    std::vector<float> top(3201), bottom(3201);
+    std::fill(row.begin(), row.end(), 0.0f);
+    for (std::size_t r = 0; r < 3200; ++r) {
+        float sum = 0;
+        if (r == 3200 - 64)
+            top = row;
+        for (std::size_t c = 0; c < 3200; ++c)
+            sum += (*image)(r, c), row[c + 1] += sum;
+    }
+    bottom = row;
+    all.clear();
+    for (std::size_t c = 3000; c + 64 <= 3200; c += 8) {
+        long double exact = 0;
+        for (std::size_t y = 3200 - 64; y < 3200; ++y)
+            for (std::size_t x = c; x < c + 64; ++x)
+                exact += (*image)(y, x);
+        all.push_back({static_cast<double>(exact),
+                       static_cast<double>(bottom[c + 64] - bottom[c] - top[c + 64] + top[c]),
+                       integral->box(3200 - 64, static_cast<std::ptrdiff_t>(c), 64, 64),
+                       4 * integral->rounding()});
+    }
+    hold("features", name + ": a square of 64 × 64", unit::absolute, all);
 }
 
 } // namespace
@@ -160,8 +218,8 @@ void check_vast(const std::string& name, Texture&& texture) {
 // A corner is off by at most as many roundings of 2^-52 as there are rows and columns, of the sum of all
 // pixels.
 TEST_CASE("integral_image: ten million pixels of a large offset and a weak texture") {
-    check_vast("integral image, 10⁷ pixels of 1000 ± 0.1: one pixel",
+    check_vast("integral image, 10⁷ pixels of 1000 ± 0.1",
                [](std::size_t i) { return 1000.0f + 0.002f * static_cast<float>(i * 37 % 101); });
-    check_vast("integral image, 10⁷ pixels of 1 ± 1e-6: one pixel",
+    check_vast("integral image, 10⁷ pixels of 1 ± 1e-6",
                [](std::size_t i) { return 1.0f + 2e-8f * static_cast<float>(i * 37 % 101); });
 }

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -48,6 +49,15 @@ std::string compiler() {
 #endif
 }
 
+/// As the system calls it: what denormal numbers cost depends on it.
+std::string processor() {
+    std::ifstream info("/proc/cpuinfo");
+    for (std::string line; std::getline(info, line);)
+        if (line.starts_with("model name"))
+            return line.substr(std::min(line.find(':') + 2, line.size()));
+    return "not known";
+}
+
 void write(std::initializer_list<std::pair<std::string_view, std::string>> fields) {
     static const char* const path = std::getenv("TACTNET_HARD_CASES");
     if (path == nullptr)
@@ -64,7 +74,9 @@ void write_case(std::string_view topic, std::string_view name, const std::string
                 const std::string& ours, const std::string& plain_error, const std::string& bound,
                 const std::string& error) {
     static const bool begun = [] {
-        write({{"instruction_set", TACTNET_HARD_CASES_TEXT(TACTNET_ARCH)}, {"compiler", compiler()}});
+        write({{"instruction_set", TACTNET_HARD_CASES_TEXT(TACTNET_ARCH)},
+               {"compiler", compiler()},
+               {"processor", processor()}});
         return true;
     }();
     static_cast<void>(begun);

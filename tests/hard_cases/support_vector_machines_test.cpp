@@ -274,6 +274,130 @@ TEST_CASE("sigmoid: separable values, and values of any size") {
          {std::exp(-700.0), static_cast<double>(1 / (1 + std::exp(700.0f))), steep(700), 5 * 0x1p-53});
 }
 
+namespace {
+
+/// What a linear machine minimises, ½ ‖w‖² + ½ b² + C Σ max(0, 1 − y f)², of weights in double.
+double objective(const support::samples& s, double cost, const std::vector<double>& weights, double offset) {
+    double sum = offset * offset / 2;
+    for (const double w : weights)
+        sum += w * w / 2;
+    for (std::size_t i = 0; i < s.labels.size(); ++i) {
+        double value = offset;
+        for (std::size_t f = 0; f < s.features; ++f)
+            value += weights[f] * static_cast<double>(s.values[i * s.features + f]);
+        sum += cost * std::pow(std::max(0.0, 1 - side(s.labels[i]) * value), 2);
+    }
+    return sum;
+}
+
+/// The optimum by Newton's method in long double: of samples that are inside their margin.
+std::vector<double> optimum(const support::samples& s, double cost) {
+    const std::size_t n = s.features + 1;
+    std::vector<long double> w(n);
+    for (int step = 0; step < 100; ++step) {
+        std::vector<std::vector<long double>> a(n, std::vector<long double>(n + 1));
+        for (std::size_t f = 0; f < n; ++f)
+            a[f][f] = 1;
+        for (std::size_t i = 0; i < s.labels.size(); ++i) {
+            std::vector<long double> x(n, 1);
+            long double value = 0;
+            for (std::size_t f = 0; f + 1 < n; ++f)
+                x[f] = s.values[i * s.features + f];
+            for (std::size_t f = 0; f < n; ++f)
+                value += w[f] * x[f];
+            const long double y = side(s.labels[i]);
+            for (std::size_t f = 0; y * value < 1 && f < n; ++f) {
+                for (std::size_t g = 0; g < n; ++g)
+                    a[f][g] += 2 * static_cast<long double>(cost) * x[f] * x[g];
+                a[f][n] += 2 * static_cast<long double>(cost) * y * x[f];
+            }
+        }
+        for (std::size_t k = 0; k < n; ++k)
+            for (std::size_t f = 0; f < n; ++f)
+                if (const long double factor = a[f][k] / a[k][k]; f != k)
+                    for (std::size_t g = k; g <= n; ++g)
+                        a[f][g] -= factor * a[k][g];
+        for (std::size_t f = 0; f < n; ++f)
+            w[f] = a[f][n] / a[f][f];
+    }
+    return {w.begin(), w.end()};
+}
+
+/// Coordinate descent as it is first written: single precision, a thousand passes in order.
+std::vector<double> plain_descent(const support::samples& s, float cost) {
+    const std::size_t n = s.features + 1;
+    std::vector<float> w(n), alpha(s.labels.size());
+    for (int pass = 0; pass < 1000; ++pass)
+        for (std::size_t i = 0; i < s.labels.size(); ++i) {
+            const auto x = [&](std::size_t f) { return f + 1 < n ? s.values[i * s.features + f] : 1.0f; };
+            const auto y = static_cast<float>(side(s.labels[i]));
+            float value = 0, norm = 0.5f / cost;
+            for (std::size_t f = 0; f < n; ++f)
+                value += w[f] * x(f), norm += x(f) * x(f);
+            const float before = alpha[i];
+            alpha[i] = std::max(0.0f, before - (y * value - 1 + before * 0.5f / cost) / norm);
+            for (std::size_t f = 0; f < n; ++f)
+                w[f] += (alpha[i] - before) * y * x(f);
+        }
+    return {w.begin(), w.end()};
+}
+
+enum class end { at_optimum, may_be_out_of_passes };
+
+/// The dual ends where projected gradients differ by at most ε: with α of the optimum that is a gap of at
+/// most ε Σ (α + its own), where α = 2 C max(0, 1 − y f). Weights are rounded to single precision: their
+/// share of the objective's slope, which is none at the optimum, and 2 u of each loss.
+void check_linear(const std::string& name, const support::samples& s, double cost,
+                  end ends = end::at_optimum) {
+    thread_pool threads(1);
+    linear_training_options options{.cost = cost};
+    const auto trained = train_linear_machine(s.rows(), s.labels, options, threads);
+    const auto& parts = trained.machine.parameters();
+    const std::vector<double> exact = optimum(s, cost), plain = plain_descent(s, static_cast<float>(cost));
+    const auto value = [&](std::vector<double> w) {
+        const double offset = w.back();
+        w.pop_back();
+        return objective(s, cost, w, offset);
+    };
+    std::vector<double> ours(parts.weights.begin(),
+                             parts.weights.begin() + static_cast<std::ptrdiff_t>(s.features));
+    ours.push_back(parts.offsets[0]);
+    // A thousand passes may not be enough.
+    if (!trained.converged() && ends == end::may_be_out_of_passes)
+        return tell("support vector machines", "linear, " + name + ": objective", value(plain), true,
+                    "report.converged is false");
+    CHECK(trained.converged());
+    double alphas = 0, rounding = 0;
+    for (std::size_t i = 0; i < s.labels.size(); ++i) {
+        double f = exact.back(), sizes = std::abs(exact.back());
+        for (std::size_t k = 0; k < s.features; ++k) {
+            const double term = exact[k] * static_cast<double>(s.values[i * s.features + k]);
+            f += term, sizes += std::abs(term);
+        }
+        const double slack = std::max(0.0, 1 - side(s.labels[i]) * f);
+        alphas += 2 * cost * slack;
+        rounding += cost * (2 * slack * u * sizes + u * u * sizes * sizes);
+    }
+    hold("support vector machines", "linear, " + name + ": objective", unit::absolute,
+         {value(exact), value(plain), value(ours), 2 * options.solver.tolerance * alphas + rounding});
+}
+
+} // namespace
+
+TEST_CASE("linear_machine: the objective of degenerate samples and extreme costs") {
+    const support::samples two{1, {-1, 1}, {0, 1}};
+    check_linear("two points in all", two, 1);
+    check_linear("two points, C 1e-12", two, 1e-12);
+    check_linear("two points, C 1e6", two, 1e6);
+    check_linear("40 points on a line", on_a_line(40), 1, end::may_be_out_of_passes);
+    support::samples rare = support::blobs(1000, 2, 1, 0.3), uneven = support::blobs(60, 3, 2, 0.2);
+    rare.values.insert(rare.values.end(), {0.2f, 0.1f}), rare.labels.push_back(1);
+    check_linear("1 sample against 1000", rare, 1);
+    for (std::size_t i = 0; i < uneven.labels.size(); ++i)
+        uneven.values[i * 3] *= 1e-6f, uneven.values[i * 3 + 2] *= 1e3f;
+    check_linear("features of 1e-6, 1 and 1000", uneven, 1);
+}
+
 // Contradicting samples at a cost of 1e12 have no machine that is found in a thousand passes: that is told.
 TEST_CASE("linear_machine: what does not converge says so") {
     support::samples both = on_a_line(40);

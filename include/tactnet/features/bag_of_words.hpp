@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/features/check_points.hpp>
+#include <tactnet/features/far_origin.hpp>
 #include <tactnet/kernels/rows/nearest.hpp>
 
 #include <algorithm>
@@ -40,7 +41,10 @@ public:
     /// `words`: one after the other, as k_means finds them. Throws std::invalid_argument for none, more than
     /// `Words`, or numbers that are not finite.
     explicit bag_of_words(std::span<const float> words, histogram_form form = histogram_form::counts)
-        : words_(words.begin(), words.end()), search_(words), form_(form) {
+        : words_(words.begin(), words.end()),
+          origin_(detail::far_origin<Values>(words)),
+          search_(moved(words)),
+          form_(form) {
         check_points("bag_of_words", words, Values);
         if (count() > Words)
             throw std::invalid_argument("bag_of_words: expected at most " + std::to_string(Words) +
@@ -55,11 +59,14 @@ public:
     /// The histogram of any number of descriptors, one after the other; of unit length, or all 0 for none.
     void operator()(std::span<const float> descriptors, histogram out) const noexcept {
         std::fill(out.begin(), out.end(), 0.0f);
-        std::array<std::uint32_t, 4 * kernels::nearest_row<Values>::group> nearest;
+        std::array<std::uint32_t, at_once> nearest;
         const std::size_t descriptor_count = descriptors.size() / Values;
         for (std::size_t first = 0; first < descriptor_count; first += nearest.size()) {
             const std::size_t n = std::min(nearest.size(), descriptor_count - first);
-            search_(descriptors.data() + first * Values, n, nearest.data());
+            if (origin_.empty())
+                search_(descriptors.data() + first * Values, n, nearest.data());
+            else
+                search_far(descriptors.subspan(first * Values, n * Values), nearest.data());
             for (std::size_t i = 0; i < n; ++i)
                 ++out[nearest[i]];
         }
@@ -68,6 +75,29 @@ public:
     }
 
 private:
+    static constexpr std::size_t at_once = 4 * kernels::nearest_row<Values>::group;
+
+    /// Of a word or a descriptor: the number without the words' middle, where that is far from zero.
+    [[nodiscard]] float moved(float number, std::size_t place) const noexcept {
+        return static_cast<float>(static_cast<double>(number) - origin_[place % Values]);
+    }
+    [[nodiscard]] std::vector<float> moved(std::span<const float> words) const {
+        std::vector<float> result(words.begin(), words.end());
+        for (std::size_t e = 0; !origin_.empty() && e < result.size(); ++e)
+            result[e] = moved(result[e], e);
+        return result;
+    }
+    void search_far(std::span<const float> descriptors, std::uint32_t* nearest) const noexcept {
+        constexpr std::size_t group = kernels::nearest_row<Values>::group;
+        std::array<float, group * Values> near_zero;
+        for (; !descriptors.empty(); nearest += group) {
+            const std::size_t size = std::min(near_zero.size(), descriptors.size());
+            for (std::size_t e = 0; e < size; ++e)
+                near_zero[e] = moved(descriptors[e], e);
+            search_(near_zero.data(), size / Values, nearest);
+            descriptors = descriptors.subspan(size);
+        }
+    }
     void normalise(histogram counts) const noexcept {
         double squares = 0;
         for (float& n : counts) {
@@ -81,6 +111,7 @@ private:
     }
 
     std::vector<float> words_;
+    std::vector<double> origin_; ///< what is taken from words and descriptors for the search; mostly none
     kernels::nearest_row<Values> search_;
     histogram_form form_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/features/check_points.hpp>
+#include <tactnet/features/far_origin.hpp>
 #include <tactnet/kernels/rows/nearest.hpp>
 #include <tactnet/kernels/rows/squared_distance.hpp>
 #include <tactnet/runtime/random.hpp>
@@ -144,27 +145,11 @@ private:
             --chosen;
         return chosen;
     }
-    /// Where the points lie far from zero against their extent, the search gets them with their middle there:
-    /// its squares would swallow their distances.
+    /// Where the points lie far from zero, the search gets them with their middle there.
     void move_near_zero() {
-        constexpr double far = 32; // deviations; nearer, 1/1000 of the squares remains
-        std::array<double, Values> middle{};
-        double extent = 0, offset = 0;
-        const double count = static_cast<double>(count_);
-        for (std::size_t i = 0; i < count_; ++i)
-            for (std::size_t v = 0; v < Values; ++v)
-                middle[v] += static_cast<double>(point(i)[v]) / count;
-        for (std::size_t i = 0; i < count_; ++i)
-            for (std::size_t v = 0; v < Values; ++v) {
-                const double d = static_cast<double>(point(i)[v]) - middle[v];
-                extent += d * d / count;
-            }
-        for (const double m : middle)
-            offset += m * m;
-        if (!(offset > far * far * extent))
-            return;
-        origin_.assign(middle.begin(), middle.end());
-        moved_ = moved(points_);
+        origin_ = far_origin<Values>(points_);
+        if (!origin_.empty())
+            moved_ = moved(points_);
     }
     [[nodiscard]] aligned_vector<float> moved(std::span<const float> rows) const {
         aligned_vector<float> result(rows.begin(), rows.end());

@@ -33,15 +33,14 @@ struct winkler {
                 1 / (thickness_ / modulus_ + press.object_thickness * press.object_softness());
             const double lowest = lowest_of(heights);
             contact_report report;
-            double level = lowest; // of the object's lowest point below the untouched surface
             if (!(lowest < no_object) || !(press.amount < no_object))
                 report.converged = !(press.amount > 0); // nothing there to press, or no end to it
             else if (press.until == pressing::goal::depth)
-                level += std::max(press.amount, 0.0);
+                report.depth = std::max(press.amount, 0.0);
             else
-                level = level_for(heights, lowest, press.amount / (stiffness * area_), report);
-            report.depth = lowest < no_object ? level - lowest : 0;
-            report.force = press_to(heights, lowest, level, stiffness, pressures, report.cells) * area_;
+                report.depth = depth_for(heights, lowest, press.amount / (stiffness * area_), report);
+            report.force =
+                press_to(heights, lowest, report.depth, stiffness, pressures, report.cells) * area_;
             return report;
         }
 
@@ -60,17 +59,19 @@ struct winkler {
             return static_cast<double>(*std::min_element(lowest.begin(), lowest.end()));
         }
 
-        /// The level at which all depths add up to `sum`. The springs that touch at a level are no fewer than
-        /// those that touch at the answer, so that each step drops some of them until none is dropped.
-        static double level_for(tensor_view<const float, Shape> heights, double lowest, double sum,
+        /// How deep the lowest point lies when all depths add up to `sum`; above that point, not above where
+        /// heights are told from, a faint touch keeps its digits. The springs that touch at a level are no
+        /// fewer than those that touch at the answer, so that each step drops some of them until none is
+        /// dropped.
+        static double depth_for(tensor_view<const float, Shape> heights, double lowest, double sum,
                                 contact_report& report) {
-            double level = no_object;
+            double level = no_object - lowest;
             for (std::size_t touching = Shape.size() + 1; sum > 0;) {
                 std::array<double, lanes> relative{}, counts{};
                 for_lanes([&](std::size_t i, std::size_t lane) {
-                    const double height = static_cast<double>(heights.data()[i]);
-                    const bool touches = height < level && height >= lowest;
-                    relative[lane] += touches ? height - lowest : 0;
+                    const double above = static_cast<double>(heights.data()[i]) - lowest;
+                    const bool touches = above < level && above >= 0;
+                    relative[lane] += touches ? above : 0;
                     counts[lane] += touches ? 1 : 0;
                 });
                 double total = 0, count = 0;
@@ -80,18 +81,18 @@ struct winkler {
                 if (static_cast<std::size_t>(count) >= touching || !(count > 0))
                     return level;
                 touching = static_cast<std::size_t>(count);
-                level = lowest + (sum + total) / count;
+                level = (sum + total) / count;
             }
-            return lowest;
+            return 0;
         }
 
         /// Returns the sum of the pressures.
-        static double press_to(tensor_view<const float, Shape> heights, double lowest, double level,
+        static double press_to(tensor_view<const float, Shape> heights, double lowest, double deepest,
                                double stiffness, signal<Shape> pressures, std::size_t& cells) {
             std::array<double, lanes> sums{}, counts{};
             for_lanes([&](std::size_t i, std::size_t lane) {
-                const double height = static_cast<double>(heights.data()[i]), depth = level - height;
-                const double pressure = depth > 0 && height >= lowest ? stiffness * depth : 0;
+                const double above = static_cast<double>(heights.data()[i]) - lowest, depth = deepest - above;
+                const double pressure = depth > 0 && above >= 0 ? stiffness * depth : 0;
                 pressures.data()[i] = static_cast<float>(pressure);
                 sums[lane] += pressure;
                 counts[lane] += pressure > 0 ? 1 : 0;
