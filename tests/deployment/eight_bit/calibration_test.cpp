@@ -188,6 +188,27 @@ TEST_CASE("eight_bit_calibration: of many images some in even distances are take
     CHECK(support::same_bits(a.folded(), b.folded()));
 }
 
+TEST_CASE("eight_bit_calibration: words hold whatever counts there are, in as many steps as fit") {
+    using small = network<shape{2, 3}, conv2d<2, 2>, relu, dense<2>>;
+    small n;
+    support::fill(n, 5);
+    const std::array<float, 6> mean_frame{0, 10, 20.5f, 0, 0, 250};
+    for (const auto& [largest, expected] :
+         {std::pair{200.0f, 128.0f}, {300.0f, 64.0f}, {4000.0f, 8.0f}, {3e5f, 0x1p-4f}, {1e20f, 0x1p-52f}}) {
+        std::vector<float> frames = support::frames_for<small>(4, 3);
+        frames[8] = largest;
+        const eight_bit_calibration<small> calibration(n, mean_frame, 1, std::span<const float>(frames));
+        const float steps = calibration.folded()[6], most = calibration.folded()[7];
+        CHECK(steps == expected);
+        CHECK(most * steps <= 32767);
+        CHECK(most >= largest - 21);
+        std::array<float, 2> out{};
+        CHECK(support::byte_network<small>(calibration.folded())(
+                  tensor_view<const float, small::input_shape>(frames.data() + 6), out) ==
+              frame_status::recognised);
+    }
+}
+
 TEST_CASE("eight_bit_calibration: no images, parts of one and broken ones are refused") {
     std::vector<float> frames = support::frames_for<net>(3, 64);
     const auto refused = [&](std::size_t counts, const char* text) {
