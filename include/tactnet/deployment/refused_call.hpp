@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/frame_status.hpp>
-#include <tactnet/forward.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <array>
@@ -16,6 +15,8 @@
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
+class thread_pool; // calls with one are no frames: see deploy.hpp
 
 namespace detail {
 template <class Element>
