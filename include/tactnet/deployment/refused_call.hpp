@@ -16,7 +16,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-class thread_pool; // a target without threads does without its header
+class thread_pool; // calls with one are no frames: see deploy.hpp
 
 namespace detail {
 template <class Element>

@@ -188,7 +188,9 @@ TEST_SUITE("program") {
         const auto refuses = [&](const std::vector<std::string>& more, const std::string& sentence) {
             shop.refuses(shop.train_arguments(more), sentence);
         };
-        CHECK(shop.run({"--help"}).status == 0);
+        const outcome help = shop.run({"--help"});
+        CHECK(help.status == 0);
+        CHECK_MESSAGE(help.out.find("(instruction set: s") != std::string::npos, help.out);
         CHECK(shop.run({"train", "--help"}).status == 0);
         CHECK(shop.run({}).status == 2);
         shop.refuses({"train", "--output", "net"}, "--data is required");
