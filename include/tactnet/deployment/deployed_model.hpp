@@ -39,8 +39,7 @@ public:
     /// Throws std::invalid_argument as the constructor of `deployed`, and unless the model names 1 to
     /// `outputs` classes.
     explicit deployed_model(const model<Network>& m) requires std::is_same_v<Format, single_precision>
-        : deployed_model(base(m.network, m.normalise.mean.view().elements(), m.normalise.scale), m.classes) {
-    }
+        : deployed_model(base(m.network, m.normalise.mean.view().elements(), m.normalise.scale), m.classes) {}
     /// Of a network that is deployed already. Throws std::invalid_argument unless there are 1 to `outputs`
     /// classes.
     deployed_model(base network, std::vector<std::string> classes)

@@ -10,8 +10,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A trained network in 8 bits, for inputs (count − mean) × scale. `images` are training images one behind the
-/// other, [channel][row][column], bytes or floats: they tell which numbers its maps hold. Throws
+/// A trained network in 8 bits, for inputs (count − mean) × scale. `images` are training images one behind
+/// the other, [channel][row][column], bytes or floats: they tell which numbers its maps hold. Throws
 /// std::invalid_argument as eight_bit_calibration.
 template <class Format, class Network, class Count>
     requires std::is_same_v<Format, eight_bit>
