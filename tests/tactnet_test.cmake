@@ -1,14 +1,15 @@
 find_package(doctest REQUIRED)
 
-# tactnet_test(room SOURCES file... [LIBRARIES target...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED])
+# tactnet_test(room SOURCES file... [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED])
 #
-# One program test_<room> and one entry in CTest. A program in which no test case is left fails, rather than passing
+# One program test_<room> and one entry in CTest, or, for one that takes minutes, an entry <room>.<word> for the cases
+# in files with each of these words in their names, and <room> for all others, so that they run side by side. A program in which no test case is left fails, rather than passing
 # because nothing was wrong.
 #
 # FULLY_OPTIMISED is for rooms whose subject is the optimised code itself: the kernels, and what is built of them as
 # users build it. COST is about what the test takes, so that CTest starts the longest first.
 function(tactnet_test room)
-    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED" "TIMEOUT;COST" "SOURCES;LIBRARIES")
+    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED" "TIMEOUT;COST" "SOURCES;LIBRARIES;PARTS")
     if(test_UNPARSED_ARGUMENTS OR NOT test_SOURCES)
         message(FATAL_ERROR "tactnet_test(${room}): expected SOURCES file..., found '${ARGN}'.")
     endif()
@@ -31,8 +32,22 @@ function(tactnet_test room)
     if(TARGET tactnet_precompiled_${kind})
         target_precompile_headers(test_${room} REUSE_FROM tactnet_precompiled_${kind})
     endif()
-    add_test(NAME ${room} COMMAND test_${room})
+    set(entries ${room})
+    set(others "")
+    # Not where the checkout lies, which may have such a word in its path.
+    cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE folder)
+    foreach(word IN LISTS test_PARTS)
+        add_test(NAME ${room}.${word} COMMAND test_${room} "--source-file=*/${folder}/*${word}*")
+        list(APPEND entries ${room}.${word})
+        list(APPEND others "*/${folder}/*${word}*")
+    endforeach()
+    list(JOIN others "," others)
+    set(all_but "")
+    if(others)
+        set(all_but "--source-file-exclude=${others}")
+    endif()
+    add_test(NAME ${room} COMMAND test_${room} ${all_but})
     set_tests_properties(
-        ${room} PROPERTIES TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
+        ${entries} PROPERTIES TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
     )
 endfunction()
