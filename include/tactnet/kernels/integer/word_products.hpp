@@ -20,11 +20,13 @@
 // lanes, with the weights of as many inputs, of one filter a lane: [filter][input of the group]. No step on
 // the way has fewer than 32 bits for a sum of products, so that none of them can saturate.
 //
+// clang-format off
 // A kind of product says
-//   staged    the type in which inputs lie in memory while they are multiplied
-//   weight    that of the weights: of 16 bits where inputs are, since widening them takes as long as a
-//   product group     inputs multiplied at once offset    what is subtracted from an input of 8 bits when it
-//   is staged
+//   staged   the type in which inputs lie in memory while they are multiplied
+//   weight   that of the weights: of 16 bits where inputs are, since widening them takes as long as a product
+//   group    inputs multiplied at once
+//   offset   what is subtracted from an input of 8 bits when it is staged
+// clang-format on
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
