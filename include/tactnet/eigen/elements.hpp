@@ -28,9 +28,9 @@ concept has_elements = (Found == Expected);
 namespace detail {
 
 template <class M>
-inline constexpr std::size_t elements_of = M::SizeAtCompileTime == Eigen::Dynamic
-                                               ? std::dynamic_extent
-                                               : static_cast<std::size_t>(M::SizeAtCompileTime);
+inline constexpr std::size_t matrix_elements = M::SizeAtCompileTime == Eigen::Dynamic
+                                                   ? std::dynamic_extent
+                                                   : static_cast<std::size_t>(M::SizeAtCompileTime);
 
 template <std::size_t Found, std::size_t Expected>
 constexpr void check_elements() {
@@ -47,7 +47,7 @@ template <std::size_t Count, eigen_dense M>
 [[nodiscard]] auto try_view_elements(M&& matrix) noexcept
     -> std::optional<std::span<detail::coefficient<M>, Count>> {
     detail::check_viewable<M>();
-    constexpr std::size_t known = detail::elements_of<std::remove_cvref_t<M>>;
+    constexpr std::size_t known = detail::matrix_elements<std::remove_cvref_t<M>>;
     if constexpr (Count != std::dynamic_extent && known != std::dynamic_extent)
         detail::check_elements<known, Count>();
     if constexpr (detail::is_in_memory<M>) {
@@ -61,11 +61,12 @@ template <std::size_t Count, eigen_dense M>
 /// The same; throws std::invalid_argument in place of nothing. For a matrix whose type tells all, it never
 /// throws.
 template <std::size_t Count, eigen_dense M>
-[[nodiscard]] auto view_elements(M&& matrix) noexcept(detail::elements_of<std::remove_cvref_t<M>> == Count &&
+[[nodiscard]] auto view_elements(M&& matrix) noexcept(detail::matrix_elements<std::remove_cvref_t<M>> ==
+                                                          Count &&
                                                       detail::strides_are_known<std::remove_cvref_t<M>>)
     -> std::span<detail::coefficient<M>, Count> {
     const auto view = try_view_elements<Count>(std::forward<M>(matrix));
-    if constexpr (detail::elements_of<std::remove_cvref_t<M>> != Count ||
+    if constexpr (detail::matrix_elements<std::remove_cvref_t<M>> != Count ||
                   !detail::strides_are_known<std::remove_cvref_t<M>>)
         if (!view)
             throw std::invalid_argument("elements: expected " +
@@ -79,8 +80,8 @@ template <std::size_t Count, eigen_dense M>
 /// As many as the matrix has: known when compiling if its size is.
 template <eigen_dense M>
 [[nodiscard]] auto view_elements(M&& matrix) noexcept(
-    noexcept(view_elements<detail::elements_of<std::remove_cvref_t<M>>>(std::forward<M>(matrix)))) {
-    return view_elements<detail::elements_of<std::remove_cvref_t<M>>>(std::forward<M>(matrix));
+    noexcept(view_elements<detail::matrix_elements<std::remove_cvref_t<M>>>(std::forward<M>(matrix)))) {
+    return view_elements<detail::matrix_elements<std::remove_cvref_t<M>>>(std::forward<M>(matrix));
 }
 
 /// Numbers in memory (a std::span, a std::array, a std::vector, which must outlive it) as a column vector.
