@@ -22,7 +22,7 @@ template <class Network>
 class trainer;
 template <class Network, class Format>
 class deployed;
-template <class Network>
+template <class Network, class Format>
 class deployed_model;
 
 } // namespace TACTNET_ARCH
