@@ -21,11 +21,16 @@ struct leaky_relu {
     static constexpr std::string_view name = "leaky_relu";
     static constexpr bool numbered = true;
 
+    /// What it gives and costs for an input of any size. The way back needs the output alone, which has the
+    /// input's sign.
+    static constexpr tactnet::layer_costs costs(const tactnet::shape& input) {
+        return {.output = input, .in_place = true, .keeps_output = true};
+    }
+
     /// Bound to a number type and an input shape.
     template <class T, tactnet::shape Input>
-    struct layer : tactnet::layer_without_parameters<T, Input, Input> {
-        // The way back needs the output alone: it has the input's sign.
-        static constexpr bool in_place = true, keeps_output = true, by_parts = true;
+    struct layer : tactnet::layer_base<T, Input, leaky_relu> {
+        static constexpr bool by_parts = true;
         static constexpr T slope = static_cast<T>(Percent) / 100;
 
         static void infer(const tactnet::pass& p, const T*, const T*, tactnet::no_memory&,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/networks/costs.hpp>
 #include <tactnet/networks/imagenet/alexnet.hpp>
 #include <tactnet/networks/imagenet/resnet.hpp>
 #include <tactnet/networks/imagenet/squeezenet.hpp>

@@ -17,10 +17,10 @@ enum class average_over { pixels, pixels_and_padding };
 namespace detail {
 
 /// Averages over windows that are known.
-template <class T, shape Input, kernels::average_windows Windows>
-struct average_layer : layer_without_parameters<T, Input, shape{}> {
+template <class Spec, class T, shape Input, kernels::average_windows Windows>
+struct average_layer : layer_base<T, Input, Spec> {
     static constexpr kernels::average_windows windows = Windows;
-    static constexpr shape output{Windows.rows.outputs, Windows.columns.outputs, Input.channels};
+    using layer_base<T, Input, Spec>::output;
     static constexpr bool by_parts = true;
 
     static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
@@ -72,9 +72,14 @@ struct average_pool {
 
     template <class T, shape Input>
     static constexpr sliding_window window = detail::pool_window<Input, Window, Stride, Padding>();
+    static constexpr layer_costs costs(const shape& input) {
+        const auto windows = sliding_window::over(input, Window, Stride, Padding);
+        return {.output = {windows.output_rows(), windows.output_columns(), input.channels}};
+    }
+
     template <class T, shape Input>
-    using layer =
-        detail::average_layer<T, Input, detail::average_windows_of(window<T, Input>, Padding, Over)>;
+    using layer = detail::average_layer<average_pool, T, Input,
+                                        detail::average_windows_of(window<T, Input>, Padding, Over)>;
 };
 
 /// Average pooling to a map of that size, whatever the input: bins as equal as can be. PyTorch's
@@ -84,9 +89,13 @@ struct adaptive_average_pool {
     static constexpr std::string_view name = "pool";
     static constexpr bool numbered = true;
 
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = {Output.rows, Output.columns, input.channels}};
+    }
+
     template <class T, shape Input>
-    using layer =
-        detail::average_layer<T, Input, detail::adaptive_windows<Output.rows, Output.columns>(Input)>;
+    using layer = detail::average_layer<adaptive_average_pool, T, Input,
+                                        detail::adaptive_windows<Output.rows, Output.columns>(Input)>;
 };
 
 /// The mean of each channel (Lin, Chen, Yan, "Network in network", 2014).

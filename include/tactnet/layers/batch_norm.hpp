@@ -16,10 +16,13 @@ struct batch_norm {
     static constexpr std::string_view name = "bn";
     static constexpr bool numbered = true;
 
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .parameters = 2 * input.channels, .statistics = 2 * input.channels};
+    }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, Input> {
+    struct layer : layer_base<T, Input, batch_norm> {
         static constexpr std::size_t channels = Input.channels;
-        static constexpr std::size_t parameters = 2 * channels, statistics = 2 * channels;
         static constexpr bool by_parts = true, observes = true;
 
         struct memory {

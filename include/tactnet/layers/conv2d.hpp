@@ -61,24 +61,35 @@ struct conv2d {
     static constexpr std::string_view name = "conv";
     static constexpr bool numbered = true;
 
+    /// None is refused by the layer.
+    static constexpr std::size_t groups = Options.groups > 0 ? Options.groups : 1;
+
+    static constexpr layer_costs costs(const shape& input) {
+        const auto window = sliding_window::over(input, Kernel, Stride, Padding);
+        const shape output{window.output_rows(), window.output_columns(), Filters};
+        const std::size_t channels = input.channels / groups;
+        const std::size_t weights = Filters * channels * Kernel.area();
+        return {.output = output,
+                .parameters = weights + (Options.bias ? Filters : 0),
+                .multiply_adds = output.area() * weights,
+                .multiply_adds_on_pixels = window.taps_on_pixels() * channels * Filters};
+    }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, shape{}> {
+    struct layer : layer_base<T, Input, conv2d> {
         static constexpr sliding_window window = sliding_window::over(Input, Kernel, Stride, Padding);
         static constexpr shape output =
             detail::conv2d_output<Filters, Kernel.area(), Stride.area(), Kernel.rows, Kernel.columns,
                                   Input.rows + window.top + window.bottom,
                                   Input.columns + window.left + window.right, Options.groups, Input.channels>(
                 {window.output_rows(), window.output_columns(), Filters});
-        static constexpr std::size_t groups = Options.groups > 0 ? Options.groups : 1;
+        static constexpr std::size_t groups = conv2d::groups;
         /// Of one group.
         static constexpr std::size_t channels = Input.channels / groups, filters = Filters / groups;
         static constexpr bool has_bias = Options.bias;
         static constexpr std::size_t fan_in = channels * Kernel.area();
         static constexpr std::size_t weights = Filters * fan_in;
-        static constexpr std::size_t parameters = weights + (has_bias ? Filters : 0);
         static constexpr bool by_parts = true;
-        static constexpr std::size_t multiply_adds = output.area() * weights;
-        static constexpr std::size_t multiply_adds_on_pixels = window.taps_on_pixels() * channels * Filters;
 
         struct memory {
             aligned_vector<T> forward_weights, backward_weights;

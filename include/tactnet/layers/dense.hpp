@@ -28,12 +28,18 @@ struct dense {
     static constexpr std::string_view name = "fc";
     static constexpr bool numbered = false;
 
+    static constexpr layer_costs costs(const shape& input) {
+        const std::size_t weights = Outputs * input.size();
+        return {.output = {1, 1, Outputs},
+                .parameters = weights + Outputs,
+                .multiply_adds = weights,
+                .multiply_adds_on_pixels = weights};
+    }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, shape{1, 1, Outputs}> {
+    struct layer : layer_base<T, Input, dense> {
         static constexpr shape output = detail::dense_output<Outputs>();
         static constexpr std::size_t inputs = Input.size(), weights = Outputs * inputs;
-        static constexpr std::size_t parameters = weights + Outputs;
-        static constexpr std::size_t multiply_adds = weights, multiply_adds_on_pixels = weights;
         // Not by parts: totals of all weights would be too large to keep while other layers pass.
 
         struct memory {

@@ -30,10 +30,12 @@ struct dropout {
     static constexpr std::string_view name = "dropout";
     static constexpr bool numbered = true;
 
+    static constexpr layer_costs costs(const shape& input) { return {.output = input, .in_place = true}; }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, Input> {
+    struct layer : layer_base<T, Input, dropout> {
         static constexpr shape output = detail::dropout_output<Percent>(Input);
-        static constexpr bool in_place = true, by_parts = true;
+        static constexpr bool by_parts = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {

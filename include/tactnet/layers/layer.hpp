@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/layers/costs.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/batch.hpp>
@@ -139,16 +140,22 @@ struct no_memory {
     void resize(std::size_t) {}
 };
 
-/// What most layers are, so that each says only what differs.
-template <class T, shape Input, shape Output>
-struct layer_without_parameters {
+/// What most layers are, so that each says only what differs. The constants are what the specification says
+/// of its costs.
+template <class T, shape Input, class Spec>
+struct layer_base {
+private:
+    static constexpr layer_costs own = Spec::costs(Input);
+
+public:
     using value_type = T;
     using memory = no_memory;
-    static constexpr shape input = Input, output = Output;
-    static constexpr std::size_t parameters = 0, statistics = 0;
-    static constexpr std::size_t multiply_adds = 0, multiply_adds_on_pixels = 0;
-    static constexpr std::size_t inner_activations = 0;
-    static constexpr bool in_place = false, keeps_output = false;
+    static constexpr shape input = Input, output = own.output;
+    static constexpr std::size_t parameters = own.parameters, statistics = own.statistics;
+    static constexpr std::size_t multiply_adds = own.multiply_adds,
+                                 multiply_adds_on_pixels = own.multiply_adds_on_pixels;
+    static constexpr std::size_t inner_activations = own.inner_activations;
+    static constexpr bool in_place = own.in_place, keeps_output = own.keeps_output;
     static constexpr bool by_parts = false, observes = false;
 
     static void describe(const std::string&, std::vector<parameter>&) {}

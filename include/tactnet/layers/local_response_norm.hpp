@@ -32,8 +32,10 @@ struct local_response_norm {
     static constexpr bool numbered = true;
     using rule = kernels::response_rule<Size, Alpha, Beta, K>;
 
+    static constexpr layer_costs costs(const shape& input) { return {.output = input}; }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, Input> {
+    struct layer : layer_base<T, Input, local_response_norm> {
         static constexpr shape output = detail::local_response_output<Size, K>(Input);
         static constexpr bool by_parts = true;
 

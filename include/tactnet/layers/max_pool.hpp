@@ -16,11 +16,17 @@ struct max_pool {
     static constexpr std::string_view name = "pool";
     static constexpr bool numbered = true;
 
+    static constexpr layer_costs costs(const shape& input) {
+        const auto window = sliding_window::over(input, Window, Stride, Padding);
+        return {.output = {window.output_rows(), window.output_columns(), input.channels},
+                .keeps_output = true};
+    }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, shape{}> {
+    struct layer : layer_base<T, Input, max_pool> {
         static constexpr sliding_window window = detail::pool_window<Input, Window, Stride, Padding>();
-        static constexpr shape output{window.output_rows(), window.output_columns(), Input.channels};
-        static constexpr bool keeps_output = true, by_parts = true;
+        static constexpr shape output = costs(Input).output;
+        static constexpr bool by_parts = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, output> out) {

@@ -15,9 +15,13 @@ struct softmax {
     static constexpr std::string_view name = "softmax";
     static constexpr bool numbered = false;
 
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .in_place = true, .keeps_output = true};
+    }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, Input> {
-        static constexpr bool in_place = true, keeps_output = true, by_parts = true;
+    struct layer : layer_base<T, Input, softmax> {
+        static constexpr bool by_parts = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {

@@ -22,9 +22,13 @@ struct square_root {
     static_assert(std::ratio_greater_v<Offset, std::ratio<0>>, "square_root: the offset must be above zero");
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
 
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .in_place = true, .keeps_output = true};
+    }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, Input> {
-        static constexpr bool in_place = true, keeps_output = true, by_parts = true;
+    struct layer : layer_base<T, Input, square_root> {
+        static constexpr bool by_parts = true;
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {

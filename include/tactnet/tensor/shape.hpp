@@ -131,9 +131,12 @@ private:
     static constexpr std::size_t count(std::size_t outputs, std::size_t kernel, std::size_t stride,
                                        std::size_t before, std::size_t size) {
         std::size_t taps = 0;
-        for (std::size_t o = 0; o < outputs; ++o)
-            for (std::size_t k = 0; k < kernel; ++k)
-                taps += o * stride + k >= before && o * stride + k - before < size;
+        for (std::size_t k = 0; k < kernel; ++k) {
+            // Outputs o with before <= o * stride + k < before + size.
+            const std::size_t first = k >= before ? 0 : (before - k + stride - 1) / stride;
+            const std::size_t end = k >= before + size ? 0 : (before + size - k + stride - 1) / stride;
+            taps += end > first ? (end < outputs ? end : outputs) - (first < outputs ? first : outputs) : 0;
+        }
         return taps;
     }
 };

@@ -35,12 +35,13 @@ struct as_photograph {
     static constexpr std::string_view name = "photograph";
     static constexpr bool numbered = false;
 
+    static constexpr layer_costs costs(const shape&) {
+        return {.output = {Size.rows, Size.columns, 3}, .statistics = 6};
+    }
+
     template <class T, shape Input>
-    struct layer
-        : layer_without_parameters<T, Input,
-                                   detail::photograph_output<Input.channels, Size.rows, Size.columns>()> {
+    struct layer : layer_base<T, Input, as_photograph> {
         static constexpr shape output = detail::photograph_output<Input.channels, Size.rows, Size.columns>();
-        static constexpr std::size_t statistics = 6;
         static constexpr bool by_parts = true;
         using down = resize_axis<keys<>, Input.rows, Size.rows>;
         using along = resize_axis<keys<>, Input.columns, Size.columns>;

@@ -33,6 +33,22 @@ template <class First, class... Branches>
             (First::output.channels + ... + Branches::output.channels)};
 }
 
+/// Of branches side by side, each with memory of its own for what it makes.
+template <std::size_t Size>
+[[nodiscard]] constexpr layer_costs costs_side_by_side(const std::array<layer_costs, Size>& branches) {
+    layer_costs all{.output = {branches[0].output.rows, branches[0].output.columns, 0}};
+    for (const layer_costs& branch : branches) {
+        all.output.channels += branch.output.channels;
+        all.parameters += branch.parameters;
+        all.statistics += branch.statistics;
+        all.multiply_adds += branch.multiply_adds;
+        all.multiply_adds_on_pixels += branch.multiply_adds_on_pixels;
+        all.inner_activations = std::max(all.inner_activations, branch.inner_activations);
+    }
+    all.inner_activations += all.output.size();
+    return all;
+}
+
 } // namespace detail
 
 /// The channels of several branches over the same input, one branch behind the other (Szegedy et al., 2015).
@@ -45,6 +61,10 @@ struct concatenation {
     static constexpr bool numbered = true;
     static constexpr std::size_t size = sizeof...(Branches);
 
+    static constexpr layer_costs costs(const shape& input) {
+        return detail::costs_side_by_side(std::array{as_sequence<Branches>::costs(input)...});
+    }
+
     template <class T, shape Input>
     struct layer {
         template <std::size_t I>
@@ -56,16 +76,16 @@ struct concatenation {
         static constexpr shape input = Input;
         static constexpr shape output =
             detail::concatenation_output<typename as_sequence<Branches>::template layer<T, Input>...>();
-        static constexpr std::size_t parameters =
-            (as_sequence<Branches>::template layer<T, Input>::parameters + ...);
-        static constexpr std::size_t statistics =
-            (as_sequence<Branches>::template layer<T, Input>::statistics + ...);
-        static constexpr std::size_t multiply_adds =
-            (as_sequence<Branches>::template layer<T, Input>::multiply_adds + ...);
-        static constexpr std::size_t multiply_adds_on_pixels =
-            (as_sequence<Branches>::template layer<T, Input>::multiply_adds_on_pixels + ...);
-        static constexpr std::size_t inner_activations =
-            output.size() + std::max({as_sequence<Branches>::template layer<T, Input>::inner_activations...});
+
+    private:
+        static constexpr layer_costs all = detail::costs_side_by_side(
+            std::array{costs_of_layer<typename as_sequence<Branches>::template layer<T, Input>>...});
+
+    public:
+        static constexpr std::size_t parameters = all.parameters, statistics = all.statistics;
+        static constexpr std::size_t multiply_adds = all.multiply_adds,
+                                     multiply_adds_on_pixels = all.multiply_adds_on_pixels;
+        static constexpr std::size_t inner_activations = all.inner_activations;
         static constexpr bool in_place = false, keeps_output = false;
         static constexpr bool by_parts = false, observes = false; // branches have stages of their own
 

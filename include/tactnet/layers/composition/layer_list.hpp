@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -56,6 +57,14 @@ class layer_list {
     using chained = detail::chain<T, Input, detail::indexed_leaves<>, Specs...>;
     template <std::size_t I>
     using place = decltype(detail::type_at<I>(std::declval<typename chained::layers>()));
+    template <class... Placed>
+    static constexpr std::array<layer_costs, sizeof...(Placed)>
+    costs_of_all(std::type_identity<detail::indexed_leaves<Placed...>>) {
+        return {costs_of_layer<typename Placed::type>...};
+    }
+    static constexpr std::array<layer_costs, sizeof...(Specs)> of_each =
+        costs_of_all(std::type_identity<typename chained::layers>{});
+    static constexpr layer_costs all = detail::costs_of_list(Input, of_each);
 
 public:
     static constexpr std::size_t size = sizeof...(Specs);
@@ -69,20 +78,12 @@ public:
 
     using value_type = T;
     static constexpr shape input = Input, output = chained::output;
-    static constexpr bool keeps_output = [] {
-        if constexpr (size > 0)
-            return at<size - 1>::keeps_output;
-        else
-            return false;
-    }();
+    static constexpr bool keeps_output = all.keeps_output;
 
-    /// Whether layer I may write over its input: it must be the list's own, and not needed behind it.
+    /// Whether layer I may write over its input.
     template <std::size_t I>
     static constexpr bool overwrites() {
-        if constexpr (I == 0)
-            return false;
-        else
-            return at<I>::in_place && !at<I - 1>::keeps_output;
+        return detail::overwriting(of_each)[I];
     }
     template <std::size_t I>
     static constexpr std::size_t source() { // the layer whose buffer holds the output of layer I
@@ -97,31 +98,12 @@ public:
         return source<I>() == source<size - 1>();
     }
 
-private:
-    template <class Value>
-    static constexpr std::size_t sum_of(Value value) {
-        std::size_t sum = 0;
-        kernels::unroll<size>([&](auto i) { sum += value(i); });
-        return sum;
-    }
-
-public:
-    static constexpr std::size_t parameters = sum_of([](auto i) { return at<i>::parameters; });
-    static constexpr std::size_t statistics = sum_of([](auto i) { return at<i>::statistics; });
-    static constexpr std::size_t multiply_adds = sum_of([](auto i) { return at<i>::multiply_adds; });
-    static constexpr std::size_t multiply_adds_on_pixels =
-        sum_of([](auto i) { return at<i>::multiply_adds_on_pixels; });
+    static constexpr std::size_t parameters = all.parameters, statistics = all.statistics;
+    static constexpr std::size_t multiply_adds = all.multiply_adds,
+                                 multiply_adds_on_pixels = all.multiply_adds_on_pixels;
     /// Elements that must be held at once while one sample passes layer by layer, beside input and
     /// output.
-    static constexpr std::size_t inner_activations = [] {
-        std::size_t most = 0;
-        kernels::unroll<size>([&](auto i) {
-            const std::size_t before = i == 0 ? 0 : at<i>::input.size();
-            const std::size_t after = is_last<i>() ? 0 : overwrites<i>() ? 0 : at<i>::output.size();
-            most = std::max(most, before + after + at<i>::inner_activations);
-        });
-        return most;
-    }();
+    static constexpr std::size_t inner_activations = all.inner_activations;
 
     /// Appends the arrays of all layers: each under the name that it was given, or that of its kind, with a
     /// number where there are many.

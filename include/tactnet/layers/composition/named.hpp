@@ -31,6 +31,8 @@ struct named {
     static constexpr std::string_view name = Name.view();
     static constexpr bool numbered = false, has_given_name = true;
 
+    static constexpr layer_costs costs(const shape& input) { return Spec::costs(input); }
+
     template <class T, shape Input>
     using layer = typename Spec::template layer<T, Input>;
 };

@@ -14,13 +14,19 @@ struct norm_relu_pool {
     static constexpr std::string_view name = batch_norm::name;
     static constexpr bool numbered = batch_norm::numbered;
 
+    static constexpr layer_costs costs(const shape& input) {
+        layer_costs all = batch_norm::costs(input);
+        all.output = max_pool<Window, Stride, Padding>::costs(input).output;
+        all.keeps_output = true;
+        return all;
+    }
+
     template <class T, shape Input>
-    struct layer : layer_without_parameters<T, Input, shape{}> {
+    struct layer : layer_base<T, Input, norm_relu_pool> {
         using norm = typename batch_norm::layer<T, Input>;
         using pool = typename max_pool<Window, Stride, Padding>::template layer<T, Input>;
-        static constexpr shape output = pool::output;
-        static constexpr std::size_t parameters = norm::parameters, statistics = norm::statistics;
-        static constexpr bool keeps_output = true, by_parts = true, observes = true;
+        static constexpr shape output = pool::output; // which refuses a window that does not fit
+        static constexpr bool by_parts = true, observes = true;
         static constexpr bool pools = Window.area() > 1 || Stride.area() > 1;
 
         struct memory : norm::memory {

@@ -3,6 +3,11 @@
 #include <tactnet/kernels/batch/elementwise.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
 
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
@@ -23,6 +28,20 @@ template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannel
     return {MainRows, MainColumns, MainChannels};
 }
 
+/// Of the sum of two branches; a skip that is a projection has memory of its own.
+[[nodiscard]] constexpr layer_costs costs_of_sum(const layer_costs& main, const layer_costs& skip,
+                                                 bool projects) {
+    const std::size_t map = main.output.size();
+    return {.output = main.output,
+            .parameters = main.parameters + skip.parameters,
+            .statistics = main.statistics + skip.statistics,
+            .multiply_adds = main.multiply_adds + skip.multiply_adds,
+            .multiply_adds_on_pixels = main.multiply_adds_on_pixels + skip.multiply_adds_on_pixels,
+            .inner_activations =
+                (main.keeps_output ? map : 0) +
+                std::max(main.inner_activations, projects ? map + skip.inner_activations : 0)};
+}
+
 } // namespace detail
 
 /// The skip of a residual block that passes its input on as it is.
@@ -36,6 +55,11 @@ struct residual {
     static constexpr std::string_view name = "block";
     static constexpr bool numbered = true;
 
+    static constexpr layer_costs costs(const shape& input) {
+        return detail::costs_of_sum(as_sequence<Main>::costs(input), as_sequence<Skip>::costs(input),
+                                    as_sequence<Skip>::size > 0);
+    }
+
     template <class T, shape Input>
     struct layer {
         using value_type = T;
@@ -46,15 +70,16 @@ struct residual {
             detail::residual_output<main::output.rows, main::output.columns, main::output.channels,
                                     skip::output.rows, skip::output.columns, skip::output.channels>();
 
-        static constexpr std::size_t parameters = main::parameters + skip::parameters;
-        static constexpr std::size_t statistics = main::statistics + skip::statistics;
-        static constexpr std::size_t multiply_adds = main::multiply_adds + skip::multiply_adds;
-        static constexpr std::size_t multiply_adds_on_pixels =
-            main::multiply_adds_on_pixels + skip::multiply_adds_on_pixels;
+    private:
+        static constexpr layer_costs all =
+            detail::costs_of_sum(costs_of_layer<main>, costs_of_layer<skip>, as_sequence<Skip>::size > 0);
+
+    public:
+        static constexpr std::size_t parameters = all.parameters, statistics = all.statistics;
+        static constexpr std::size_t multiply_adds = all.multiply_adds,
+                                     multiply_adds_on_pixels = all.multiply_adds_on_pixels;
+        static constexpr std::size_t inner_activations = all.inner_activations;
         static constexpr bool projects = as_sequence<Skip>::size > 0;
-        static constexpr std::size_t inner_activations =
-            (main::keeps_output ? output.size() : 0) +
-            std::max(main::inner_activations, projects ? output.size() + skip::inner_activations : 0);
         static constexpr bool in_place = false, keeps_output = false;
         static constexpr bool by_parts = false, observes = false; // has stages of its own
 

@@ -18,6 +18,8 @@ struct sequence {
     static constexpr bool numbered = true;
     static constexpr std::size_t size = sizeof...(Specs);
 
+    static constexpr layer_costs costs(const shape& input) { return detail::costs_in_order<Specs...>(input); }
+
     template <class T, shape Input>
     class layer : public layer_list<T, Input, Specs...> {
         using list = layer_list<T, Input, Specs...>;
