@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstddef>
 
 namespace tactnet {
@@ -22,6 +23,12 @@ struct layer_costs {
     bool in_place = false;                   ///< may write over its input
     bool keeps_output = false;               ///< needs the output on the way back
     friend constexpr bool operator==(const layer_costs&, const layer_costs&) = default;
+};
+
+/// A specification that tells what its layer costs.
+template <class Spec>
+concept tells_costs = requires(const shape& input) {
+    { Spec::costs(input) } -> std::same_as<layer_costs>;
 };
 
 /// Of a layer that is bound to its input.
@@ -76,6 +83,9 @@ template <std::size_t Size>
 /// Of specifications one after the other.
 template <class... Specs>
 [[nodiscard]] constexpr layer_costs costs_in_order(shape input) {
+    static_assert((tells_costs<Specs> && ...),
+                  "costs: each specification must tell what it costs for an input of "
+                  "any size, costs(const shape&); tells_costs shows it");
     const shape first = input;
     std::array<layer_costs, sizeof...(Specs)> layers{};
     std::size_t i = 0;

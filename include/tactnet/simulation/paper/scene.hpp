@@ -28,6 +28,12 @@ using paper_scene = scene<paper_array, contact<winkler>, elastic_pad, film_textu
 using layered_scene = scene<paper_array, contact<bonded_layer>, elastic_pad, film_texture, saturation,
                             quantisation<8>, jpeg_storage>;
 
+/// On a sensor whose give is known: the layer is all that is soft, from the skin to what is behind the film.
+/// rigid_sensor, semi_rigid_sensor and flexible_sensor (simulation/contact/sensor_compliance.hpp) are such
+/// layers: compliant_scene({}, {}, contact<bonded_layer>{flexible_sensor}).
+using compliant_scene =
+    scene<paper_array, contact<bonded_layer>, film_texture, saturation, quantisation<8>, jpeg_storage>;
+
 /// The same touches as an ideal array would show them.
 using ideal_scene = scene<paper_array, contact<winkler>, saturation, quantisation<8>>;
 
