@@ -5,3 +5,4 @@
 // Deployed networks: see deployment/deploy.hpp and deployment/deployed_model.hpp.
 
 #include <tactnet/deployment/deployed_model.hpp>
+#include <tactnet/deployment/reflection_average.hpp>

@@ -105,6 +105,21 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
     CHECK(typed.recognised == any.recognised);
     CHECK(typed.confusion.total() == split.test.size());
 
+    // The mean over reflections is the same whichever way round the images come, and not that of one way.
+    const evaluation reflected =
+        evaluate(best, normalise, task.images(), split.test, threads, seen::in_all_reflections);
+    CHECK(reflected.loss != typed.loss);
+    std::vector<std::uint8_t> turned(task.pixels.size());
+    for (std::size_t image = 0; image < task.labels.size(); ++image)
+        reflect_image(net::input_shape, {.rows = true, .columns = true},
+                      task.pixels.data() + image * net::input_shape.size(),
+                      turned.data() + image * net::input_shape.size());
+    const labelled_images other_way{turned, task.labels, 3};
+    const evaluation again = evaluate(loop.best(), loop.mean(), loop.scale(), other_way, split.test, threads,
+                                      seen::in_all_reflections);
+    CHECK(again.loss == reflected.loss);
+    CHECK(again.recognised == reflected.recognised);
+
     // A copy is another network.
     const std::unique_ptr<trainable> copy = loop.best().copy();
     CHECK(std::ranges::equal(copy->learnable_values(), best.learnable_values()));

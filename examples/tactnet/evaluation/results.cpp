@@ -33,6 +33,7 @@ std::string line_of(const training_result& r) {
     line["accuracy"] = r.confusion.accuracy();
     line["validation_accuracy"] = number_or_null(r.validation_accuracy);
     line["training_accuracy"] = number_or_null(r.training_accuracy);
+    line["reflected_accuracy"] = number_or_null(r.reflected_accuracy);
     line["epochs"] = r.epochs;
     line["seconds"] = r.seconds;
     line["images_per_second"] = r.images_per_second;
@@ -76,6 +77,8 @@ training_result result_of(const std::string& text) {
     r.validation_accuracy = number_in(line.at("validation_accuracy"));
     r.training_accuracy =
         line.contains("training_accuracy") ? number_in(line["training_accuracy"]) : std::nan("");
+    r.reflected_accuracy =
+        line.contains("reflected_accuracy") ? number_in(line["reflected_accuracy"]) : std::nan("");
     r.epochs = count_in(line.at("epochs"));
     r.seconds = line.at("seconds");
     r.images_per_second = line.at("images_per_second");

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <span>
 #include <vector>
@@ -20,6 +21,9 @@ struct training_result {
     tactnet::confusion_matrix confusion;
     double validation_accuracy = 0; ///< NaN without such images
     double training_accuracy = 0;   ///< of images as they are; NaN in files made before
+    /// On test images, averaged over their reflections; NaN for what does not do that, and in files made
+    /// before.
+    double reflected_accuracy = std::numeric_limits<double>::quiet_NaN();
     double seconds = 0;
     std::size_t epochs = 0;
     double images_per_second = 0;

@@ -47,6 +47,8 @@ std::optional<training_result> run(const task& t) {
     const auto best = training->best(classes);
     result.settings = t.settings;
     result.confusion = best->evaluate(data.view(), training->split().test, alone).confusion;
+    if (const auto reflected = best->evaluate_reflections(data.view(), training->split().test, alone))
+        result.reflected_accuracy = reflected->confusion.accuracy();
     result.validation_accuracy =
         best->evaluate(data.view(), training->split().validation, alone).confusion.accuracy();
     result.training_accuracy =

@@ -70,6 +70,12 @@ public:
     virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
                                          std::span<const std::size_t> chosen,
                                          tactnet::thread_pool& threads) const = 0;
+    /// With the answers to an image and its reflections averaged; nothing for a method that does not do that.
+    virtual std::optional<tactnet::evaluation> evaluate_reflections(const tactnet::labelled_images&,
+                                                                    std::span<const std::size_t>,
+                                                                    tactnet::thread_pool&) const {
+        return std::nullopt;
+    }
     /// Of images that are stored one after the other.
     virtual std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                                 tactnet::thread_pool& threads) const = 0;

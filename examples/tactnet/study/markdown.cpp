@@ -27,6 +27,12 @@ std::string accuracy_of(const split_accuracies* a) {
                ? ""
                : fmt::format("{:.2f} ± {:.2f} ({})", 100 * a->test.mean, 100 * a->test.deviation, a->splits);
 }
+std::string reflected_of(const split_accuracies* a) {
+    return a == nullptr || a->reflected_splits == 0
+               ? ""
+               : fmt::format("{:.2f} ± {:.2f} ({})", 100 * a->reflected.mean, 100 * a->reflected.deviation,
+                             a->reflected_splits);
+}
 std::string microseconds_of(const study_row& row) {
     return row.latency ? fmt::format("{:.1f}", row.latency->median) : "";
 }
@@ -61,15 +67,17 @@ std::string front(const std::vector<study_row>& rows) {
 
 std::string methods(const std::vector<study_row>& rows) {
     std::string text =
-        line_of({"method", "tactels", "recipe", "random splits, %", "blocked splits, %", "paper, random, %",
-                 "µs a frame", "p99", "paper, ms", "parameters", "multiply-adds", "training, s"}) +
-        line_of(std::vector<std::string>(12, "---"));
+        line_of({"method", "tactels", "recipe", "random splits, %", "the same, reflections averaged, %",
+                 "blocked splits, %", "paper, random, %", "µs a frame", "p99", "paper, ms", "parameters",
+                 "multiply-adds", "training, s"}) +
+        line_of(std::vector<std::string>(13, "---"));
     std::string reasons;
     for (const study_row& row : rows) {
         const published_result* paper = row.published;
         text += line_of(
             {plain(row.method), fmt::format("{} × {}", row.rows, row.columns),
              row.accuracies.empty() ? "" : row.recipe, accuracy_of(find_accuracy(row, split_rule::random)),
+             reflected_of(find_accuracy(row, split_rule::random)),
              accuracy_of(find_accuracy(row, split_rule::blocked)),
              paper == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", paper->accuracy, paper->deviation),
              microseconds_of(row), row.latency ? fmt::format("{:.1f}", row.latency->p99) : "",

@@ -19,7 +19,7 @@ namespace {
 split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
                                const result_list& results, std::size_t wanted, study_row& row,
                                std::vector<double>& seconds) {
-    std::vector<double> test, validation, training;
+    std::vector<double> test, validation, training, reflected;
     std::vector<std::vector<tactnet::epoch_report>> curves;
     const auto keep = [](std::vector<double>& list, double value) {
         if (std::isfinite(value))
@@ -38,6 +38,7 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
         keep(test, r->confusion.accuracy());
         keep(validation, r->validation_accuracy);
         keep(training, r->training_accuracy);
+        keep(reflected, r->reflected_accuracy);
         seconds.push_back(r->seconds);
         if (row.accuracies.empty()) // of the first rule that has any
             row.confusion.add(r->confusion);
@@ -53,7 +54,9 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
             wanted,
             tactnet::mean_and_deviation::of(test),
             mean_of(validation),
-            mean_of(training)};
+            mean_of(training),
+            tactnet::mean_and_deviation::of(reflected),
+            reflected.size()};
 }
 
 nlohmann::ordered_json json_of(const study_row& row) {
@@ -72,6 +75,12 @@ nlohmann::ordered_json json_of(const study_row& row) {
         put("deviation", [](const auto& a) { return a.test.deviation; });
         put("validation_accuracy", [](const auto& a) { return a.validation; });
         put("training_accuracy", [](const auto& a) { return a.training; });
+        const auto if_reflected = [](const split_accuracies& a, double value) {
+            return a.reflected_splits > 0 ? value : std::nan("");
+        };
+        put("reflected_splits", [](const auto& a) { return a.reflected_splits; });
+        put("reflected_accuracy", [&](const auto& a) { return if_reflected(a, a.reflected.mean); });
+        put("reflected_deviation", [&](const auto& a) { return if_reflected(a, a.reflected.deviation); });
     }
     const auto number = [&](const char* name, bool known, auto value) {
         object[name] = known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);

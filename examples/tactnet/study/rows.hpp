@@ -18,6 +18,9 @@ struct split_accuracies {
     std::size_t splits, wanted; ///< that were trained and tested, of how many
     tactnet::mean_and_deviation test;
     double validation, training; ///< means; NaN where nothing is known
+    /// On test images, averaged over their reflections, of as many splits.
+    tactnet::mean_and_deviation reflected;
+    std::size_t reflected_splits;
 };
 
 struct study_row {

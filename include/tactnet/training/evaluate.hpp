@@ -3,12 +3,14 @@
 #include <tactnet/networks/normalisation.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/tensor/reflection.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/loss.hpp>
 #include <tactnet/training/metrics.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -24,28 +26,56 @@ struct evaluation {
     std::vector<std::size_t> recognised; ///< class of each chosen sample
 };
 
+/// What is put through a network of each sample.
+enum class seen {
+    as_it_is,
+    in_all_reflections ///< of images: the logits are the mean over all_reflections
+};
+
 namespace detail {
 
 /// `logits` puts a batch of inputs through a network.
-inline evaluation evaluate(std::span<const float> mean, float scale, std::size_t outputs,
-                           const labelled_samples& samples, std::span<const std::size_t> chosen,
-                           const std::function<void(const sample_batch&, sample_batch&)>& logits) {
+using logits_of_batch = std::function<void(const sample_batch&, sample_batch&)>;
+
+/// Of the samples `chosen`, normalised, as they are or reflected.
+inline void logits_of_samples(shape input, std::span<const float> mean, float scale,
+                              const labelled_samples& samples, std::span<const std::size_t> chosen,
+                              reflection how, const logits_of_batch& logits, sample_batch& out) {
+    std::vector<float> sample(mean.size()), reflected(mean.size());
+    sample_batch in(mean.size(), chosen.size());
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        samples.copy(chosen[i], sample);
+        reflect_image(input, how, sample.data(), reflected.data());
+        for (std::size_t e = 0; e < mean.size(); ++e)
+            reflected[e] = (reflected[e] - mean[e]) * scale;
+        in.set(i, reflected);
+    }
+    logits(in, out);
+}
+
+inline evaluation evaluate(shape input, std::span<const float> mean, float scale, std::size_t outputs,
+                           const labelled_samples& samples, std::span<const std::size_t> chosen, seen how,
+                           const logits_of_batch& logits) {
     constexpr std::size_t at_once = 64;
     evaluation result{0, confusion_matrix(samples.classes()), {}};
-    std::vector<float> sample(mean.size()), of_classes(samples.classes());
+    std::vector<float> of_classes(samples.classes());
     for (std::size_t first = 0; first < chosen.size(); first += at_once) {
         const std::size_t count = std::min(at_once, chosen.size() - first);
-        sample_batch in(mean.size(), count), out(outputs, count), gradient(outputs, count);
-        std::vector<std::size_t> labels(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t index = chosen[first + i];
-            samples.copy(index, sample);
-            for (std::size_t e = 0; e < mean.size(); ++e)
-                sample[e] = (sample[e] - mean[e]) * scale;
-            in.set(i, sample);
-            labels[i] = samples.label(index);
+        const auto part = chosen.subspan(first, count);
+        sample_batch out(outputs, count), gradient(outputs, count);
+        logits_of_samples(input, mean, scale, samples, part, all_reflections[0], logits, out);
+        if (how == seen::in_all_reflections) {
+            std::array<sample_batch, 3> others{out, out, out};
+            for (std::size_t r = 0; r < others.size(); ++r)
+                logits_of_samples(input, mean, scale, samples, part, all_reflections[r + 1], logits,
+                                  others[r]);
+            for (std::size_t e = 0; e < out.elements().size(); ++e)
+                out.data()[e] = mean_of_reflections(out.data()[e], others[0].data()[e], others[1].data()[e],
+                                                    others[2].data()[e]);
         }
-        logits(in, out);
+        std::vector<std::size_t> labels(count);
+        for (std::size_t i = 0; i < count; ++i)
+            labels[i] = samples.label(part[i]);
         const double loss = softmax_cross_entropy<float>({count, outputs, sample_batch::lanes}, out.data(),
                                                          labels, samples.classes(), 0.0, gradient.data());
         result.loss += loss * static_cast<double>(count) / static_cast<double>(chosen.size());
@@ -63,18 +93,19 @@ inline evaluation evaluate(std::span<const float> mean, float scale, std::size_t
 } // namespace detail
 
 /// Puts chosen images, or features, through a network. Only as many outputs count as there are classes. Where
-/// logits are not finite, neither is the loss, and the recognised classes mean nothing. Throws as
-/// `labelled_samples::check`.
+/// logits are not finite, neither is the loss, and the recognised classes mean nothing. Features are only
+/// seen as they are. Throws as `labelled_samples::check`.
 template <class Network>
-[[nodiscard]] evaluation
-evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,
-         const labelled_samples& samples, std::span<const std::size_t> chosen, thread_pool& threads) {
+[[nodiscard]] evaluation evaluate(const Network& network,
+                                  const normalisation<Network::input_shape>& normalise,
+                                  const labelled_samples& samples, std::span<const std::size_t> chosen,
+                                  thread_pool& threads, seen how = seen::as_it_is) {
     samples.check(Network::input_shape, Network::outputs);
     typename Network::workspace space;
     network.prepare(threads, space);
     return detail::evaluate(
-        normalise.mean.view().elements(), normalise.scale, Network::outputs, samples, chosen,
-        [&](const sample_batch& in, sample_batch& out) {
+        Network::input_shape, normalise.mean.view().elements(), normalise.scale, Network::outputs, samples,
+        chosen, how, [&](const sample_batch& in, sample_batch& out) {
             network.logits(threads, space, {in.data(), in.samples()}, {out.data(), out.samples()});
         });
 }

@@ -70,6 +70,12 @@ public:
                                  tactnet::thread_pool& threads) const override {
         return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads);
     }
+    std::optional<tactnet::evaluation> evaluate_reflections(const tactnet::labelled_images& images,
+                                                            std::span<const std::size_t> chosen,
+                                                            tactnet::thread_pool& threads) const override {
+        return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads,
+                                 tactnet::seen::in_all_reflections);
+    }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const override {
         const auto deployed = code_.deploy(model_);

@@ -26,6 +26,8 @@ public:
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] float* data() { return elements_.data(); }
     [[nodiscard]] const float* data() const { return elements_.data(); }
+    /// All of them, those of no sample too.
+    [[nodiscard]] std::span<const float> elements() const { return elements_; }
     [[nodiscard]] float operator()(std::size_t sample, std::size_t element) const {
         return elements_[(sample / lanes * size_ + element) * lanes + sample % lanes];
     }

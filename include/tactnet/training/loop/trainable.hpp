@@ -83,12 +83,12 @@ protected:
 /// sample.
 [[nodiscard]] inline evaluation evaluate(const trainable& network, std::span<const float> mean, float scale,
                                          const labelled_samples& samples, std::span<const std::size_t> chosen,
-                                         thread_pool& threads) {
+                                         thread_pool& threads, seen how = seen::as_it_is) {
     samples.check(network.input_shape(), network.outputs());
     const auto space = network.make_workspace();
     network.prepare(threads, *space);
     return detail::evaluate(
-        mean, scale, network.outputs(), samples, chosen,
+        network.input_shape(), mean, scale, network.outputs(), samples, chosen, how,
         [&](const sample_batch& in, sample_batch& out) { network.logits(threads, *space, in, out); });
 }
 
