@@ -99,12 +99,19 @@ std::string percent_cell(const split_accuracies* a) {
         a->splits == a->wanted ? "" : fmt::format("<br>{} of {} splits", a->splits, a->wanted));
 }
 
-/// On validation and training images.
+/// On validation and training images, and on test images averaged over their reflections.
 std::string other_percent_cells(const split_accuracies* a) {
     const auto text = [](double share) {
         return cell(std::isfinite(share) ? fmt::format("{:.2f}", 100 * share) : "");
     };
-    return a == nullptr ? "<td></td><td></td>" : text(a->validation) + text(a->training);
+    if (a == nullptr)
+        return "<td></td><td></td><td></td>";
+    const std::string reflected =
+        a->reflected_splits > 0
+            ? fmt::format("<td title=\"{} splits\">{:.2f} ± {:.2f}</td>", a->reflected_splits,
+                          100 * a->reflected.mean, 100 * a->reflected.deviation)
+            : cell("");
+    return text(a->validation) + text(a->training) + reflected;
 }
 
 std::string published_percent_cell(const published_result* p) {
@@ -119,7 +126,7 @@ std::string methods_table(const std::vector<study_row>& rows) {
     std::string text =
         "<h2>All methods</h2>\n<div class=\"wide\"><table>\n<tr><th>method</th><th>size</th>"
         "<th>recipe</th><th>random, %</th><th>blocked, %</th><th>paper, %</th><th>validation, %</th>"
-        "<th>training, %</th>"
+        "<th>training, %</th><th>reflections, %</th>"
         "<th>µs a frame</th><th>p99, µs</th><th>jitter</th><th>in batch, µs</th>"
         "<th>paper, ms</th><th>parameters</th><th>multiply-adds</th><th>training, s</th></tr>\n";
     for (const study_row& row : rows) {
@@ -127,7 +134,7 @@ std::string methods_table(const std::vector<study_row>& rows) {
                 cell(fmt::format("{}×{}", row.rows, row.columns));
         if (row.accuracies.empty() && !row.latency) {
             text += "<td></td><td class=\"text\" colspan=\"2\">" + escaped(row.missing) + "</td>" +
-                    published_percent_cell(row.published) + "<td colspan=\"6\"></td>" +
+                    published_percent_cell(row.published) + "<td colspan=\"7\"></td>" +
                     published_time_cell(row.published) + "<td colspan=\"3\"></td></tr>\n";
             continue;
         }
@@ -146,7 +153,9 @@ std::string methods_table(const std::vector<study_row>& rows) {
     }
     return text + fmt::format(
                       "</table></div>\n<p>Mean ± standard deviation of the accuracy on test images; the mean "
-                      "on validation and training images is of {} splits. Jitter: p99 ÷ median of a loop in "
+                      "on validation and training images, and that over an image and its three reflections, "
+                      "is of {} "
+                      "splits. Jitter: p99 ÷ median of a loop in "
                       "registers that takes as long as the frame; that much of p99 is the machine's.</p>\n",
                       name_of(rule));
 }

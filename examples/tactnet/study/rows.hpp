@@ -19,8 +19,8 @@ struct split_accuracies {
     tactnet::mean_and_deviation test;
     double validation, training; ///< means; NaN where nothing is known
     /// On test images, averaged over their reflections, of as many splits.
-    tactnet::mean_and_deviation reflected;
-    std::size_t reflected_splits;
+    tactnet::mean_and_deviation reflected{};
+    std::size_t reflected_splits = 0;
 };
 
 struct study_row {

@@ -16,6 +16,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <study/markdown.hpp>
 #include <study/page.hpp>
 #include <study/rows.hpp>
 #include <support/files/data_folder.hpp>
@@ -122,6 +123,7 @@ TEST_SUITE("program") {
         CHECK(read[0].at("random_splits") == 20);
         CHECK(read[0].at("random_training_accuracy") == 1);
         CHECK(read[0].at("random_validation_accuracy").is_null());
+        CHECK(read[0].at("random_reflected_accuracy").is_null());
         CHECK(read[0].at("blocked_accuracy").is_null());
         CHECK(read[0].at("microseconds") == 10);
         CHECK(read[0].at("parameters") == 1234);
@@ -147,8 +149,9 @@ TEST_SUITE("program") {
         CHECK(!std::getline(text, rest));
         CHECK(head.starts_with("method,rows,columns,recipe,random_splits,random_splits_wanted,"
                                "random_accuracy,random_deviation,random_validation_accuracy,"
-                               "random_training_accuracy,blocked_splits,"));
-        CHECK_MESSAGE(first.starts_with("net,7,13,default,20,20,0.875,0.01,,1.0,,"), first);
+                               "random_training_accuracy,random_reflected_splits,random_reflected_accuracy,"
+                               "random_reflected_deviation,blocked_splits,"));
+        CHECK_MESSAGE(first.starts_with("net,7,13,default,20,20,0.875,0.01,,1.0,0,,,,"), first);
         CHECK_MESSAGE(second.starts_with("lost,28,50,default,,,"), second);
         CHECK_MESSAGE(second.ends_with(",\"needs a file, which is \"\"away\"\"\""), second);
     }
@@ -180,6 +183,16 @@ TEST_SUITE("program") {
         CHECK(has(page, "<figure><svg>drawn</svg><figcaption>caption"));
         CHECK(!has(page, "none</figcaption>"));
         CHECK(page.ends_with("</html>\n"));
+    }
+
+    TEST_CASE("study_rows: the mean over reflections stands beside that of images as they are") {
+        std::vector<study_row> rows{studied("net", 0.875, 10)};
+        CHECK(!has(study_page(rows, {}, ""), "90.50 ± 0.75"));
+        rows[0].accuracies.front().reflected = {0.905, 0.0075};
+        rows[0].accuracies.front().reflected_splits = 12;
+        CHECK(has(study_page(rows, {}, ""), "<td title=\"12 splits\">90.50 ± 0.75</td>"));
+        CHECK(has(study_markdown(rows, ""), "| 87.50 ± 1.00 (20) | 90.50 ± 0.75 (12) |"));
+        CHECK(has(study_csv(rows), ",12,0.905,0.0075,"));
     }
 
     TEST_CASE("study_page: says over which splits its figures are") {

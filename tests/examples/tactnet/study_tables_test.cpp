@@ -187,11 +187,15 @@ TEST_SUITE("program") {
         CHECK(!has(before, "curve"));
         CHECK(result_list(path).all().begin()->second.curve.empty());
 
+        CHECK(std::isnan(result_list(path).all().begin()->second.reflected_accuracy));
+
         made.settings["network"] = "other";
+        made.reflected_accuracy = 0.75;
         made.curve = {{1, 0.1, 1.0 / 3, std::nan(""), std::nan("")}, {2, 0.1, 1e-7 / 3, 2.0 / 3, 1}};
         result_list(path).add(made);
         CHECK(text_of(path).starts_with(before));
         const result_list read(path);
+        CHECK(read.find(made.settings)->reflected_accuracy == 0.75);
         const auto& curve = read.find(made.settings)->curve;
         REQUIRE(curve.size() == 2);
         CHECK(curve[0].epoch == 1);
