@@ -189,7 +189,7 @@ int train(const train_options& o) {
     tactnet::data_split split =
         tactnet::split_data(data.images.labels, classes.size(), rule, o.seed, o.training.shares);
     const tactnet::file_metadata settings =
-        describe_training(what, o.training, rule, o.seed, data.fingerprint);
+        describe_training(what, o.training, rule, o.seed, data);
 
     if (o.resume) // before anything is found that another training may have kept
         check_resumable(files.checkpoint, settings);

@@ -22,6 +22,22 @@ tactnet::grey_image resized(const tactnet::grey_image& image, std::size_t rows, 
     return {rows, columns, tactnet::resize_bicubic(image.pixels, image.rows, image.columns, rows, columns)};
 }
 
+/// As long as all have one size.
+void keep_as_taken(image_data& data, const tactnet::grey_image& image) {
+    const tactnet::shape size{image.rows, image.columns};
+    if (data.taken.pixels.empty())
+        data.taken.size = size;
+    if (size == data.taken.size)
+        data.taken.pixels.insert(data.taken.pixels.end(), image.pixels.begin(), image.pixels.end());
+}
+
+std::string fingerprint_of(const std::vector<std::uint8_t>& pixels) {
+    fingerprint print;
+    for (const std::uint8_t pixel : pixels)
+        print.mix(pixel);
+    return print.text();
+}
+
 } // namespace
 
 image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns,
@@ -31,10 +47,15 @@ image_data load_data(const std::filesystem::path& folder, std::size_t rows, std:
     if (resize)
         data.images =
             tactnet::load_images(list, rows, columns, decode_image, [&](const tactnet::grey_image& image) {
+                keep_as_taken(data, image);
                 return resized(image, rows, columns);
             });
     else
         data.images = tactnet::load_images(list, rows, columns, decode_image);
+    if (data.taken.pixels.size() != data.images.size() * data.taken.size.size()) // not all have that size
+        data.taken = {};
+    else
+        data.taken.fingerprint = fingerprint_of(data.taken.pixels);
     fingerprint print;
     print.add(rows);
     print.add(columns);

@@ -7,6 +7,7 @@
 #include <tactnet/training/data/labelled_images.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,7 +17,20 @@ struct image_data {
     /// Differs when any pixel, label or class name differs.
     std::string fingerprint;
 
-    tactnet::labelled_images view() const { return {images.pixels, images.labels, images.classes.size()}; }
+    /// The same before they were resized, if they had one size then.
+    struct {
+        std::vector<std::uint8_t> pixels{};
+        tactnet::shape size{};
+        std::string fingerprint{}; ///< differs when any pixel does
+    } taken{};
+
+    /// How images as taken are varied is known by methods.
+    tactnet::labelled_images view() const {
+        return {images.pixels,
+                images.labels,
+                images.classes.size(),
+                {taken.pixels, taken.size, {images.rows, images.columns}}};
+    }
 };
 
 /// Loads all images of a folder with one subfolder a class. Those of another size are resized if asked, else

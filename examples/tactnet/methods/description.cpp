@@ -99,8 +99,8 @@ std::string_view program_instruction_set() {
 
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
     const auto& [name, epochs, batch, rate, pretrained_rate, optimiser, schedule, initialisation, input,
-                 augmentation, ranges, label_smoothing, averaging, epsilon, remeasure_statistics,
-                 validate_every, patience] = recipe;
+                 augmentation, ranges, varies_as_taken, label_smoothing, averaging, epsilon,
+                 remeasure_statistics, validate_every, patience] = recipe;
     tactnet::file_metadata all{
         {"recipe", text(name)},
         {"epochs", text(epochs)},
@@ -119,7 +119,8 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
         {"validate_every", text(validate_every)},
         {"patience", text(patience)},
     };
-    if (pretrained_rate != 1) // of which descriptions made before say nothing, and mean one
+    static_cast<void>(varies_as_taken); // of images that were taken larger: see describe_training
+    if (pretrained_rate != 1)           // of which descriptions made before say nothing, and mean one
         all["pretrained_rate"] = text(pretrained_rate);
     return all;
 }
@@ -151,12 +152,12 @@ tactnet::file_metadata describe_method(const method& what, const tactnet::recipe
 
 tactnet::file_metadata describe_training(const method& what, const training_settings& s,
                                          tactnet::split_rule rule, std::uint64_t seed,
-                                         std::string_view data) {
+                                         const image_data& data) {
     tactnet::file_metadata all{
         {"network", what.name}, // of every method: as files made before say it
         {"rows", fmt::to_string(what.rows)},
         {"columns", fmt::to_string(what.columns)},
-        {"data", std::string(data)},
+        {"data", data.fingerprint},
         {"split", std::string(name_of(rule))},
         {"seed", fmt::to_string(seed)},
         {"validation_share", fmt::to_string(s.shares.validation)},
@@ -167,6 +168,11 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["start"] = file_fingerprint(s.start);
     if (!s.pretrained.empty())
         all["pretrained"] = pretrained_fingerprint(s.pretrained);
-    all.merge(describe_method(what, recipe_for(what, s)));
+    const tactnet::recipe recipe = recipe_for(what, s);
+    if (recipe.varies_as_taken && recipe.augmentation != tactnet::augmentation_rule::none &&
+        what.varies_as_taken(data.taken.size))
+        all["varied"] =
+            fmt::format("{}x{} {}", data.taken.size.rows, data.taken.size.columns, data.taken.fingerprint);
+    all.merge(describe_method(what, recipe));
     return all;
 }

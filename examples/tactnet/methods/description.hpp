@@ -3,6 +3,7 @@
 // What decides the result of a training, as text. It goes into weight files, checkpoints and lists of
 // results, and a stopped training goes on only where it is the same: so none of it may be left out.
 
+#include "data/image_data.hpp"
 #include "methods/training_settings.hpp"
 
 #include <tactnet/io/model_file.hpp>
@@ -27,4 +28,5 @@ tactnet::file_metadata describe_method(const method& what, const tactnet::recipe
 
 /// Everything that decides the result of a training: two with the same description give the same bits.
 tactnet::file_metadata describe_training(const method& what, const training_settings& settings,
-                                         tactnet::split_rule rule, std::uint64_t seed, std::string_view data);
+                                         tactnet::split_rule rule, std::uint64_t seed,
+                                         const image_data& data);

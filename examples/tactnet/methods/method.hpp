@@ -146,6 +146,8 @@ public:
     virtual method_costs costs(std::size_t classes) const = 0;
     /// Of all its parameters those that a training changes.
     virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
+    /// Whether its training varies images of that size as they were taken.
+    virtual bool varies_as_taken(const tactnet::shape&) const { return false; }
     /// With weights by chance, since none may be at hand.
     virtual frame_work make_work() const = 0;
     /// How many frames it is timed with beside a single one. Of photographs no more pass together.

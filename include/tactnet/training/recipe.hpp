@@ -43,6 +43,9 @@ struct recipe {
     input_rule input = input_rule::subtract_mean;
     augmentation_rule augmentation = augmentation_rule::each_epoch;
     augmentation_ranges ranges{};
+    /// Vary images as they were taken, where these are given, and reduce them then; else vary the small ones.
+    /// Translations are in tactels of the small ones either way.
+    bool varies_as_taken = true;
     double label_smoothing = 0.1;
     double averaging = 0;  ///< share of the past in a running average of the parameters; 0 is off
     double epsilon = 1e-5; ///< of batch norms
@@ -98,6 +101,7 @@ struct recipe {
                                          : constant_rate{};
         r.initialisation = fixed_normal{0.01};
         r.ranges = augmentation_ranges::published(rows, columns);
+        r.varies_as_taken = false;
         r.label_smoothing = 0;
         r.remeasure_statistics = true;
         r.validate_every = 10;

@@ -7,6 +7,8 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/parameters.hpp>
+#include <tactnet/sensors/tekscan_6077.hpp>
+#include <tactnet/training/data/images_as_taken.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 
 #include <utility>
@@ -34,6 +36,10 @@ template <class Network, class OneClass>
 class network_code final : public compiled_network {
     static constexpr tactnet::shape input = Network::input_shape;
     using trainable = tactnet::trainable_network<Network>;
+    /// Images of the paper's array are varied as they were taken, and reduced.
+    static constexpr tactnet::shape array = tactnet::tekscan_6077::extents;
+    static constexpr bool smaller =
+        input != array && input.channels == 1 && input.rows <= array.rows && input.columns <= array.columns;
 
 public:
     network_code()
@@ -46,6 +52,12 @@ public:
     std::unique_ptr<any_deployed> deploy(const any_model& model) const override {
         return std::make_unique<deployed_network<Network>>(tactnet::deploy(
             network_of(model), std::span(model.mean).template first<input.size()>(), model.scale));
+    }
+    tactnet::images_as_taken::variation variation_of(const tactnet::shape& taken) const override {
+        if constexpr (smaller)
+            return taken == array ? tactnet::images_as_taken::of<array, input>({}).vary : nullptr;
+        else
+            return nullptr;
     }
     std::vector<tactnet::shape> dense_inputs() const override {
         return tactnet::detail::dense_inputs<Network>::of();

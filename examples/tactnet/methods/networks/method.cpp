@@ -106,7 +106,8 @@ public:
     own_network_training(const compiled_network& code, const tactnet::recipe& recipe,
                          const tactnet::labelled_images& images, tactnet::data_split split,
                          std::uint64_t seed, tactnet::thread_pool& threads)
-        : looped_training(code.make(), recipe, images, std::move(split), seed, threads), code_(code) {}
+        : looped_training(code.make(), recipe, with_variation(code, images), std::move(split), seed, threads),
+          code_(code) {}
 
     void start_from(const trained_method& other) override {
         tactnet::trainable& from = dynamic_cast<const own_trained_network&>(other).network();
@@ -118,6 +119,12 @@ public:
     }
 
 private:
+    static tactnet::labelled_images with_variation(const compiled_network& code,
+                                                   tactnet::labelled_images images) {
+        images.taken.vary = code.variation_of(images.taken.taken);
+        return images;
+    }
+
     const compiled_network& code_;
 };
 
@@ -167,6 +174,10 @@ public:
 
     method_costs costs(std::size_t classes) const override {
         return costs_for(code_->costs, code_->costs_of_one, code_->outputs, classes);
+    }
+
+    bool varies_as_taken(const tactnet::shape& taken) const override {
+        return code_->variation_of(taken) != nullptr;
     }
 
     frame_work make_work() const override {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/tensor/shape.hpp>
+#include <tactnet/training/data/images_as_taken.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -14,6 +15,7 @@ struct labelled_images {
     std::span<const std::uint8_t> pixels;
     std::span<const std::size_t> labels;
     std::size_t classes = 0;
+    images_as_taken taken{}; ///< of which they were made, if they were
 
     template <shape Shape>
     [[nodiscard]] std::span<const std::uint8_t, Shape.size()> image(std::size_t index) const {

@@ -27,7 +27,7 @@ struct labelled_features {
 class labelled_samples {
 public:
     labelled_samples(const labelled_images& images)
-        : labels_(images.labels), classes_(images.classes), numbers_(images.pixels) {}
+        : labels_(images.labels), classes_(images.classes), numbers_(images.pixels), taken_(images.taken) {}
     labelled_samples(const labelled_features& features)
         : labels_(features.labels), classes_(features.classes), numbers_(features.values) {}
 
@@ -42,6 +42,8 @@ public:
             throw std::logic_error("labelled_samples: expected images, found features");
         return std::get<0>(numbers_);
     }
+    /// Of images, those of which they were made.
+    [[nodiscard]] const images_as_taken& taken() const { return taken_; }
     /// The numbers of one sample, as many as there is room for: counts, or features.
     void copy(std::size_t sample, std::span<float> to) const {
         std::visit(
@@ -61,6 +63,11 @@ public:
             refuse("1 to " + std::to_string(outputs) + " classes", std::to_string(classes_));
         if (found != expected)
             refuse(std::to_string(expected) + (are_images() ? " pixels" : " numbers"), std::to_string(found));
+        if (taken_.given() && taken_.seen != input)
+            refuse("images as taken that are reduced to " + text_of(input), text_of(taken_.seen));
+        if (taken_.given() && taken_.pixels.size() != size() * taken_.taken.size())
+            refuse(std::to_string(size() * taken_.taken.size()) + " pixels of images as taken",
+                   std::to_string(taken_.pixels.size()));
         for (const std::size_t label : labels_)
             if (label >= classes_)
                 refuse("labels below " + std::to_string(classes_), std::to_string(label));
@@ -84,9 +91,15 @@ private:
                                     ", found " + found);
     }
 
+    static std::string text_of(const shape& s) {
+        return std::to_string(s.rows) + " x " + std::to_string(s.columns) + " x " +
+               std::to_string(s.channels);
+    }
+
     std::span<const std::size_t> labels_;
     std::size_t classes_;
     std::variant<std::span<const std::uint8_t>, std::span<const float>> numbers_;
+    images_as_taken taken_;
 };
 
 } // namespace TACTNET_ARCH

@@ -29,16 +29,19 @@ public:
           rule_(samples.are_images() ? how.augmentation : augmentation_rule::none),
           ranges_(how.ranges),
           samples_(samples),
+          taken_(how.varies_as_taken ? samples.taken() : images_as_taken{}),
           chosen_(std::move(chosen)),
           seed_(seed),
           batch_(how.batch == 0 ? chosen_.size() : std::min(how.batch, size())) {
+        if (taken_.given())
+            ranges_.translation *= taken_.tactels_for_one();
         if (rule_ != augmentation_rule::sixfold)
             return;
         sixfold_.resize(size() * numbers_);
         threads.for_each(size(), [&](std::size_t place) {
             const std::size_t copy = place % 6;
             const image_transform t = copy == 0 ? image_transform{} : drawn(place, copy);
-            transform_(t, image(place), sixfold_.data() + place * numbers_);
+            vary(t, place, sixfold_.data() + place * numbers_);
         });
     }
 
@@ -72,14 +75,17 @@ public:
         if (rule_ == augmentation_rule::none)
             samples_.copy(sample_at(place), to);
         else
-            transform_(drawn(place, epoch), image(place), to.data());
+            vary(drawn(place, epoch), place, to.data());
     }
 
 private:
     [[nodiscard]] std::size_t copies() const { return rule_ == augmentation_rule::sixfold ? 6 : 1; }
     [[nodiscard]] std::size_t sample_at(std::size_t place) const { return chosen_[place / copies()]; }
-    [[nodiscard]] const std::uint8_t* image(std::size_t place) const {
-        return samples_.pixels().data() + sample_at(place) * numbers_;
+    void vary(const image_transform& t, std::size_t place, float* to) const {
+        if (taken_.given())
+            taken_.vary(t, taken_.pixels.data() + sample_at(place) * taken_.taken.size(), to);
+        else
+            transform_(t, samples_.pixels().data() + sample_at(place) * numbers_, to);
     }
     [[nodiscard]] image_transform drawn(std::size_t place, std::size_t time) const {
         random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(time),
@@ -92,6 +98,7 @@ private:
     augmentation_rule rule_;
     augmentation_ranges ranges_;
     labelled_samples samples_;
+    images_as_taken taken_; ///< none where the recipe does not vary them
     std::vector<std::size_t> chosen_;
     std::uint64_t seed_;
     std::size_t batch_;
