@@ -26,6 +26,15 @@ TEST_CASE("recipe::published: as in the authors' programs for pretrained network
     CHECK(r.augmentation == augmentation_rule::none);
 }
 
+TEST_CASE("recipe::default_for: small images are learnt from longer, four times as long at most") {
+    CHECK(recipe::default_for(28, 50).epochs == 110);
+    CHECK(recipe::default_for(20, 35).epochs == 220);
+    CHECK(recipe::default_for(14, 25).epochs == 440);
+    CHECK(recipe::default_for(7, 13).epochs == 440);
+    CHECK(recipe::default_for(1, 1).epochs == 440);
+    CHECK(recipe::default_for(224, 224).epochs == 110);
+}
+
 TEST_CASE("recipe::on_features: no new samples are made, and the rate falls to nothing over few epochs") {
     const recipe r = recipe::on_features();
     CHECK(r.augmentation == augmentation_rule::none);
