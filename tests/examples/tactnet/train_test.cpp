@@ -183,6 +183,37 @@ TEST_SUITE("program") {
         refuses("data: expected a folder with one subfolder a class, found nothing of that name");
     }
 
+    TEST_CASE("train: images that are resized are varied as they were taken, and the file says so") {
+        const workshop shop;
+        const fs::path large = shop / "large";
+        tactnet::random_stream random(2, tactnet::draw::order);
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t i = 0; i < images_per_class; ++i) {
+                std::vector<std::uint8_t> pixels(28 * 50);
+                for (std::size_t e = 0; e < pixels.size(); ++e)
+                    pixels[e] = static_cast<std::uint8_t>(random.below(40) + (e % 50 / 17 == c ? 150 : 0));
+                const fs::path folder = large / std::string(1, static_cast<char>('a' + c));
+                fs::create_directories(folder);
+                write_png(folder / (std::to_string(i) + ".png"), 28, 50, pixels);
+            }
+        const auto trained = [&](const char* name, std::vector<std::string> more) {
+            more.insert(more.end(), {"--data", large.string(), "--epochs", "2", "--output", name});
+            const outcome result = shop.train(more);
+            REQUIRE_MESSAGE(result.status == 0, result.error);
+            const auto metadata = tactnet::safetensors::read(shop / name).metadata();
+            const auto found = metadata.find("varied");
+            return found == metadata.end() ? std::string() : found->second;
+        };
+        CHECK(trained("taken", {"--resize"}).starts_with("28x50 "));
+        CHECK(trained("published", {"--resize", "--recipe", "published"}).empty());
+        CHECK(trained("alike", {"--resize", "--augmentation", "none"}).empty());
+        CHECK(text_of(shop / "taken") != text_of(shop / "alike"));
+
+        // Where not all have one size, nothing is known of how they were taken.
+        write_png(large / "a" / "small.png", 7, 13, std::vector<std::uint8_t>(7 * 13, 90));
+        CHECK(trained("mixed", {"--resize"}).empty());
+    }
+
     TEST_CASE("train: bad arguments") {
         const workshop shop;
         const auto refuses = [&](const std::vector<std::string>& more, const std::string& sentence) {
