@@ -1,7 +1,8 @@
 // The whole program of a Cortex-M without an operating system: it runs the self-test of an exported header,
 // counts what a frame takes, and tells both to the debugger (semihosting), which an emulator is as well.
-// TEST_HEADER names the header, TEST_REPORT says that there is a debugger to tell: without one a processor
-// would stop, and what tells takes flash.
+// TEST_HEADER names the header, TEST_SAME_BITS says that the outputs must have the bits of the machine that
+// wrote it, as those in 8 bits have, TEST_REPORT says that there is a debugger to tell: without one a
+// processor would stop, and what tells takes flash.
 
 #include TEST_HEADER
 
@@ -102,6 +103,10 @@ extern "C" void reset() {
     if (!passes)
         leave(2);
     tell("stack ", stack_of_a_frame());
+#ifdef TEST_SAME_BITS
+    if (outputs != gripper::selftest_outputs)
+        leave(3);
+#endif
     device(0xE000E014) = 0xFFFFFF;
     device(0xE000E018) = 0;
     device(0xE000E010) = 5;

@@ -23,6 +23,9 @@ function(build_firmware prefix)
         -Werror "-DTEST_HEADER=\"${arg_FORM}.hpp\"" -DNDEBUG ${OPTIONS} "-I${HEADERS}" "-I${INCLUDE}"
         -nostartfiles -Wl,--gc-sections "-T${SCRIPT}" "${SOURCE}"
     )
+    if(arg_FORM STREQUAL "eight_bit")
+        list(APPEND options -DTEST_SAME_BITS)
+    endif()
     set(program "${FOLDER}/${arg_FORM}_${arg_PROCESSOR}${arg_LEVEL}")
     # Without what counts, which no product has.
     execute_process(COMMAND "${COMPILER}" ${options} -o "${program}.elf" COMMAND_ERROR_IS_FATAL ANY)
@@ -59,7 +62,7 @@ function(build_firmware prefix)
         TIMEOUT 60
     )
     if(NOT status EQUAL 0)
-        message(FATAL_ERROR "microcontroller: ${program}_report.elf ended with ${status} (2: the self-test failed):\n${output}")
+        message(FATAL_ERROR "microcontroller: ${program}_report.elf ended with ${status} (2: the self-test failed, 3: other bits):\n${output}")
     endif()
     if(NOT output MATCHES "stack ([0-9]+)\n")
         message(FATAL_ERROR "microcontroller: expected the bytes of the stack, found:\n${output}")

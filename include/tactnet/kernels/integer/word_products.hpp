@@ -13,6 +13,8 @@
 #elif defined(__wasm_simd128__)
 #include <wasm_simd128.h>
 #endif
+#elif defined(__arm__) && defined(__ARM_FEATURE_SIMD32) && !defined(__ARM_BIG_ENDIAN)
+#include <arm_acle.h>
 #endif
 
 // sums += weights · inputs in whole numbers: signed weights of 8 bits times inputs of 8 or 16 bits, exactly,
@@ -26,6 +28,8 @@
 //   weight   that of the weights: of 16 bits where inputs are, since widening them takes as long as a product
 //   group    inputs multiplied at once
 //   offset   what is subtracted from an input of 8 bits when it is staged
+//   order    if the weights of a group lie in another order: the input that each belongs to
+//   most_sums  if fewer sums stay in registers than of floats: how many
 // clang-format on
 
 namespace tactnet {
@@ -164,6 +168,31 @@ struct word_products<16> {
     }
 };
 #endif
+
+#elif defined(__arm__) && defined(__ARM_FEATURE_SIMD32) && !defined(__ARM_BIG_ENDIAN)
+
+// No vectors, but pairs of words in the registers of a core: Cortex-M4 and M7, and 32-bit ARM since
+// version 6.
+
+template <>
+struct word_products<1> {
+    using staged = std::int16_t;
+    using weight = std::int16_t;
+    using weights = int16x2_t;
+    using inputs = int16x2_t;
+    static constexpr std::size_t group = 2;
+    static constexpr int offset = 0;
+    static constexpr std::size_t most_sums = 4; // of 14 registers
+
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) {
+        return detail::group_at<weights>(from);
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) { return detail::group_at<inputs>(from); }
+    [[gnu::always_inline]] static integers<1> add(const integers<1>& sums, const weights& w,
+                                                  const inputs& x) {
+        return integers<1>{__smlad(w, x, sums[0])};
+    }
+};
 
 #elif !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
 
