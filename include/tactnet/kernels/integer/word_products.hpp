@@ -46,21 +46,30 @@ template <class Group>
     return bits;
 }
 
-/// Keeps a sum of whole numbers where it is in the order of the program: compilers, which may add them in any
-/// order, would take all products first and keep them in memory.
-template <class Register>
-[[nodiscard]] [[gnu::always_inline]] inline Register in_order(Register sum) {
-#if defined(__SSE2__)
-#ifdef __AVX512F__
-    asm("" : "+v"(sum));
+#if !defined(TACTNET_NO_SIMD) && defined(__SSE2__)
+/// sum += products of neighbouring words, as two instructions side by side: compilers, which may take
+/// products and sums in any order, would take all products first and keep the sums in memory.
+/// A sum has one type from its beginning to its end: where types change, compilers copy.
+template <class Sum, class Words>
+[[nodiscard]] [[gnu::always_inline]] inline Sum add_products(Sum sum, const Words& w, const Words& x) {
+    Words product;
+#if defined(__AVX512F__)
+    asm("vpmaddwd %3, %2, %1\n\tvpaddd %1, %0, %0" : "+v"(sum), "=&v"(product) : "v"(w), "v"(x));
+#elif defined(__AVX__)
+    asm("vpmaddwd %3, %2, %1\n\tvpaddd %1, %0, %0" : "+x"(sum), "=&x"(product) : "x"(w), "x"(x));
 #else
-    asm("" : "+x"(sum));
-#endif
-#elif defined(__aarch64__)
-    asm("" : "+w"(sum));
+    asm("movdqa %2, %1\n\tpmaddwd %3, %1\n\tpaddd %1, %0" : "+x"(sum), "=&x"(product) : "x"(w), "x"(x));
 #endif
     return sum;
 }
+#elif !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
+/// Keeps a sum of whole numbers where it is in the order of the program.
+template <class Register>
+[[nodiscard]] [[gnu::always_inline]] inline Register in_order(Register sum) {
+    asm("" : "+w"(sum));
+    return sum;
+}
+#endif
 
 } // namespace detail
 
@@ -110,7 +119,7 @@ struct word_products<4> {
 #elif defined(__AVXVNNI__)
         return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(s, w, x));
 #else
-        return reinterpret_cast<integers<4>>(detail::in_order(_mm_add_epi32(s, _mm_madd_epi16(w, x))));
+        return detail::add_products(sums, w, x);
 #endif
     }
 };
@@ -137,7 +146,7 @@ struct word_products<8> {
 #elif defined(__AVXVNNI__)
         return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(s, w, x));
 #else
-        return reinterpret_cast<integers<8>>(detail::in_order(_mm256_add_epi32(s, _mm256_madd_epi16(w, x))));
+        return detail::add_products(sums, w, x);
 #endif
     }
 };
@@ -163,7 +172,7 @@ struct word_products<16> {
 #ifdef __AVX512VNNI__
         return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(s, w, x));
 #else
-        return reinterpret_cast<integers<16>>(detail::in_order(_mm512_add_epi32(s, _mm512_madd_epi16(w, x))));
+        return detail::add_products(sums, w, x);
 #endif
     }
 };
