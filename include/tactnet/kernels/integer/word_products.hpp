@@ -113,11 +113,10 @@ struct word_products<4> {
     }
     [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
                                                   const inputs& x) {
-        const auto s = reinterpret_cast<__m128i>(sums);
 #if defined(__AVX512VNNI__) && defined(__AVX512VL__)
-        return reinterpret_cast<integers<4>>(_mm_dpwssd_epi32(s, w, x));
+        return reinterpret_cast<integers<4>>(_mm_dpwssd_epi32(reinterpret_cast<__m128i>(sums), w, x));
 #elif defined(__AVXVNNI__)
-        return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(s, w, x));
+        return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(reinterpret_cast<__m128i>(sums), w, x));
 #else
         return detail::add_products(sums, w, x);
 #endif
@@ -140,11 +139,10 @@ struct word_products<8> {
     }
     [[gnu::always_inline]] static integers<8> add(const integers<8>& sums, const weights& w,
                                                   const inputs& x) {
-        const auto s = reinterpret_cast<__m256i>(sums);
 #if defined(__AVX512VNNI__) && defined(__AVX512VL__)
-        return reinterpret_cast<integers<8>>(_mm256_dpwssd_epi32(s, w, x));
+        return reinterpret_cast<integers<8>>(_mm256_dpwssd_epi32(reinterpret_cast<__m256i>(sums), w, x));
 #elif defined(__AVXVNNI__)
-        return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(s, w, x));
+        return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(reinterpret_cast<__m256i>(sums), w, x));
 #else
         return detail::add_products(sums, w, x);
 #endif
@@ -168,9 +166,8 @@ struct word_products<16> {
     }
     [[gnu::always_inline]] static integers<16> add(const integers<16>& sums, const weights& w,
                                                    const inputs& x) {
-        const auto s = reinterpret_cast<__m512i>(sums);
 #ifdef __AVX512VNNI__
-        return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(s, w, x));
+        return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(reinterpret_cast<__m512i>(sums), w, x));
 #else
         return detail::add_products(sums, w, x);
 #endif
