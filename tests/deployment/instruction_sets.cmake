@@ -1,5 +1,5 @@
 # A smaller test (reduced.cpp) for other instruction sets than the build's own: each in a program of its own, three
-# linked into one, and AArch64 under an emulator.
+# linked into one, and 64-bit and 32-bit ARM under an emulator.
 
 # tactnet_reduced_unit(name FUNCTION function OPTIONS option...): an object library.
 function(tactnet_reduced_unit name)
@@ -121,5 +121,35 @@ if(TACTNET_AARCH64_COMPILER AND TACTNET_AARCH64_EMULATOR AND tactnet_xsimd_folde
 else()
     message(STATUS "tactnet: the test of deployed networks on AArch64 is left out (needs aarch64-linux-gnu-g++, "
                    "qemu-aarch64 and xsimd)"
+    )
+endif()
+
+# 32-bit ARM has no vectors for the library, and pairs of words that are multiplied at once.
+find_program(TACTNET_ARMHF_COMPILER arm-linux-gnueabihf-g++)
+find_program(TACTNET_ARM_EMULATOR NAMES qemu-arm qemu-arm-static)
+set(TACTNET_ARMHF_ROOT /usr/arm-linux-gnueabihf CACHE PATH "Libraries of 32-bit ARM programs, for the emulator")
+if(TACTNET_ARMHF_COMPILER AND TACTNET_ARM_EMULATOR)
+    file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/*.hpp")
+    set(program "${CMAKE_CURRENT_BINARY_DIR}/test_deployed_armhf")
+    set(sources
+        "${CMAKE_CURRENT_SOURCE_DIR}/reduced.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/reduced_main.cpp"
+        "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.cpp"
+    )
+    add_custom_command(
+        OUTPUT "${program}"
+        COMMAND
+            "${TACTNET_ARMHF_COMPILER}" -std=c++20 -O2 -march=armv7-a+fp -Wall -Wextra
+            "-I${PROJECT_SOURCE_DIR}/include" "-I${PROJECT_SOURCE_DIR}/tests" -DTACTNET_TEST_UNIT=reduced_first
+            -DTACTNET_TEST_UNITS=reduced_first ${sources} -pthread -o "${program}"
+        DEPENDS
+            ${sources} ${headers} deployed_network.hpp eight_bit/reference.hpp reduced.hpp
+            "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.hpp"
+        VERBATIM
+    )
+    add_custom_target(test_deployed_armhf ALL DEPENDS "${program}")
+    add_test(NAME deployment.armhf COMMAND "${TACTNET_ARM_EMULATOR}" -L "${TACTNET_ARMHF_ROOT}" "${program}")
+else()
+    message(STATUS "tactnet: the test of deployed networks on 32-bit ARM is left out (needs arm-linux-gnueabihf-g++ "
+                   "and qemu-arm)"
     )
 endif()

@@ -12,10 +12,11 @@
 //
 // Told apart is all that changes the layout of vectors, what xsimd chooses, or which instructions a compiler
 // puts in unasked: the level of SSE and AVX, FMA (both kinds), BMI2, LZCNT, each AVX-512 extension that is
-// used for floats, integers or bytes, AVX-VNNI, NEON with its products of bytes and SVE, and TACTNET_NO_SIMD.
-// Not told apart is xsimd's version: a program has one. What lies outside this namespace is the program's own
-// care: templates of the standard library, and of Eigen behind eigen.hpp and
-// simulation/effects/circuit/positive_definite.hpp, which belong into units of one instruction set.
+// used for floats, integers or bytes, AVX-VNNI, NEON with its products of bytes and SVE, the products of
+// pairs of 32-bit ARM, and TACTNET_NO_SIMD. Not told apart is xsimd's version: a program has one. What lies
+// outside this namespace is the program's own care: templates of the standard library, and of Eigen behind
+// eigen.hpp and simulation/effects/circuit/positive_definite.hpp, which belong into units of one instruction
+// set.
 //
 // Configuration: define TACTNET_NO_SIMD to build without vector instructions. So is built by itself where
 // there are none of which xsimd makes vectors both of float and of double: SSE2 and above, 64-bit ARM,
@@ -116,9 +117,15 @@
 #define TACTNET_ARCH_DOTPROD
 #endif
 
+#if defined(__arm__) && defined(__ARM_FEATURE_DSP)
+#define TACTNET_ARCH_DSP _dsp
+#else
+#define TACTNET_ARCH_DSP
+#endif
+
 #define TACTNET_ARCH_JOINED(kind, level, fma, fma4, bmi2, lzcnt, cd, dq, bw, vl, vbmi, vnni, avxvnni,        \
-                            dotprod)                                                                         \
-    kind##level##fma##fma4##bmi2##lzcnt##cd##dq##bw##vl##vbmi##vnni##avxvnni##dotprod
+                            dotprod, dsp)                                                                    \
+    kind##level##fma##fma4##bmi2##lzcnt##cd##dq##bw##vl##vbmi##vnni##avxvnni##dotprod##dsp
 // Once more, so that the parts are what they stand for before they are joined.
 #define TACTNET_ARCH_JOIN(...) TACTNET_ARCH_JOINED(__VA_ARGS__)
 /// For example simd_avx2_fma, or scalar_sse2.
@@ -126,4 +133,4 @@
     TACTNET_ARCH_JOIN(TACTNET_ARCH_KIND, TACTNET_ARCH_LEVEL, TACTNET_ARCH_FMA, TACTNET_ARCH_FMA4,            \
                       TACTNET_ARCH_BMI2, TACTNET_ARCH_LZCNT, TACTNET_ARCH_CD, TACTNET_ARCH_DQ,               \
                       TACTNET_ARCH_BW, TACTNET_ARCH_VL, TACTNET_ARCH_VBMI, TACTNET_ARCH_VNNI,                \
-                      TACTNET_ARCH_AVXVNNI, TACTNET_ARCH_DOTPROD)
+                      TACTNET_ARCH_AVXVNNI, TACTNET_ARCH_DOTPROD, TACTNET_ARCH_DSP)

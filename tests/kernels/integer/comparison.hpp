@@ -32,7 +32,7 @@ struct given {
                               added = std::vector<std::int32_t>(filters);
     std::vector<float> factors = std::vector<float>(filters);
     std::vector<std::uint8_t> other;
-    kernels::byte_range range;
+    int zero = 0, lowest = 0;
     Input padding{};
 
     explicit given(numbers_are kind) {
@@ -60,12 +60,13 @@ struct given {
             added[f] = C.adds ? below(1000) : 0;
             factors[f] = static_cast<float>((0.2 + below(100) * 0.01) * (extreme ? 0.1 : 200) / reach);
         }
-        range.zero = extreme ? 128 : below(256);
-        range.lowest = C.rectified ? range.zero : 0;
+        zero = extreme ? 128 : below(256);
+        lowest = C.rectified ? zero : 0;
         other.resize(C.output_rows() * C.output_columns() * C.output_stride());
         for (std::uint8_t& o : other)
             o = static_cast<std::uint8_t>(below(256));
     }
+    [[nodiscard]] kernels::byte_range range() const { return {lowest, 255, zero}; }
     [[nodiscard]] std::int8_t weight(std::size_t f, std::size_t c, std::size_t r, std::size_t k) const {
         return weights[((f * C.window.input.channels + c) * C.window.kernel.rows + r) *
                            C.window.kernel.columns +
@@ -123,7 +124,7 @@ std::size_t outputs_differing(const given<C, Input>& numbers, const Run& run, bo
                 wrong += std::memcmp(&found, &expected, sizeof(float)) != 0;
             } else {
                 const double nearest = std::nearbyint(static_cast<double>(product));
-                wrong += found != std::clamp<double>(nearest + numbers.range.zero, numbers.range.lowest, 255);
+                wrong += found != std::clamp<double>(nearest + numbers.zero, numbers.lowest, 255);
                 if (saturated != nullptr)
                     *saturated += found == 0 || found == 255;
             }
@@ -173,7 +174,7 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
         kernels::convolve_integer<plan, C>(memory.data(),
                                            reinterpret_cast<const typename plan::weight*>(packed.data()),
                                            {as_bytes(starts), as_bytes(numbers.factors),
-                                            as_bytes(numbers.added), numbers.range, padding_counts},
+                                            as_bytes(numbers.added), numbers.range(), padding_counts},
                                            to);
     };
     wrong += outputs_differing<C, Input, Output>(numbers, run, true, saturated);

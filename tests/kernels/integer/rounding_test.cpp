@@ -18,26 +18,31 @@ namespace {
 
 constexpr std::size_t lanes = kernels::most_integer_lanes;
 
+/// Of the bytes, and the one that stands for zero.
+struct limits {
+    int lowest = 0, highest = 255, zero = 0;
+};
+
 /// One sum by a vector of every lane count at once: all must be the same byte.
 template <std::size_t Lanes>
-int by_lanes(std::int32_t sum, float factor, const kernels::byte_range& range) {
+int by_lanes(std::int32_t sum, float factor, const limits& range) {
     kernels::integers<Lanes> sums{};
     kernels::numbers<Lanes> factors{};
     for (std::size_t l = 0; l < Lanes; ++l)
         sums[l] = sum, factors[l] = factor;
     std::array<std::uint8_t, Lanes + 8> bytes;
     bytes.fill(201);
-    kernels::store_rounded<Lanes>(bytes.data(), sums, factors, range);
+    kernels::store_rounded<Lanes>(bytes.data(), sums, factors, {range.lowest, range.highest, range.zero});
     for (std::size_t l = 0; l < bytes.size(); ++l)
         if (bytes[l] != (l < Lanes ? bytes[0] : 201))
             return -1;
     return bytes[0];
 }
-int rounded(std::int32_t sum, float factor, const kernels::byte_range& range = {}) {
+int rounded(std::int32_t sum, float factor, const limits& range = {}) {
     const int one = by_lanes<1>(sum, factor, range);
     return by_lanes<lanes>(sum, factor, range) == one && by_lanes<4>(sum, factor, range) == one ? one : -1;
 }
-int expected(std::int32_t sum, float factor, const kernels::byte_range& range) {
+int expected(std::int32_t sum, float factor, const limits& range) {
     const float product = static_cast<float>(sum) * factor;
     return static_cast<int>(std::clamp<double>(std::nearbyint(static_cast<double>(product)) + range.zero,
                                                range.lowest, range.highest));
@@ -66,7 +71,7 @@ TEST_CASE("store_rounded: bytes end at the range, whatever the sum") {
             for (const std::int32_t sum : {most, most - 1, 1 << 22, (1 << 22) + 1, 1 << 23, 1 << 24, 300, 255,
                                            1, 0, -1, -255, -300, -(1 << 22), -(1 << 23), -(1 << 24), least})
                 for (const int lowest : {0, zero}) {
-                    const kernels::byte_range range{lowest, 255, zero};
+                    const limits range{lowest, 255, zero};
                     CHECK(rounded(sum, factor, range) == expected(sum, factor, range));
                 }
     CHECK(rounded(most, 1.0f) == 255);
@@ -82,7 +87,7 @@ TEST_CASE("store_rounded: drawn sums and factors give the nearest byte") {
         const float factor = std::ldexp(1.0f + static_cast<float>(draw() % 1024) / 1024,
                                         -static_cast<int>(draw() % 24)); // many ties
         const auto zero = static_cast<std::int32_t>(draw() % 256);
-        const kernels::byte_range range{draw() % 2 == 0 ? 0 : zero, 255, zero};
+        const limits range{draw() % 2 == 0 ? 0 : zero, 255, zero};
         wrong += rounded(sum, factor, range) != expected(sum, factor, range);
     }
     CHECK(wrong == 0);

@@ -24,10 +24,10 @@ std::size_t tiles_differing(numbers_are kind = numbers_are::drawn) {
         std::size_t wrong = guard_touched(packed, tiles::weight_bytes, 99);
         aligned_vector<std::uint8_t> scratch(tiles::scratch_bytes + guard, std::uint8_t{0x5a});
         const auto run = [&](Output* to, bool) {
-            kernels::convolve_integer_tiles<C>(
-                numbers.input.data(), packed.data(),
-                {as_bytes(numbers.starts), as_bytes(numbers.factors), as_bytes(numbers.added), numbers.range},
-                to, scratch.data(), numbers.padding);
+            kernels::convolve_integer_tiles<C>(numbers.input.data(), packed.data(),
+                                               {as_bytes(numbers.starts), as_bytes(numbers.factors),
+                                                as_bytes(numbers.added), numbers.range()},
+                                               to, scratch.data(), numbers.padding);
         };
         wrong += outputs_differing<C, std::uint8_t, Output>(numbers, run, true);
         return wrong + guard_touched(scratch, tiles::scratch_bytes, 0x5a);

@@ -3,7 +3,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/frame.hpp>
-#include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/kernels/integer/counts.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -41,21 +41,17 @@ struct frame_entrance<eight_bit, Input> {
         const auto limits = kernels::load_any<std::array<float, 2>>(packed_values + map);
         const float steps = limits[0], most = limits[1] * steps;
         auto* const words = reinterpret_cast<std::int16_t*>(in);
-        std::uint32_t beyond = 0;
-        for (std::size_t channel = 0; channel < Input.channels; ++channel)
-            for (std::size_t pixel = 0; pixel < Input.area(); ++pixel) {
-                const std::size_t at = channel * Input.area() + pixel;
-                const float scaled = static_cast<float>(counts[at]) * steps;
-                // A comparison that NaN fails.
-                const bool fits = scaled <= most + static_cast<float>(mean[at]) &&
-                                  scaled >= static_cast<float>(mean[at]) - most;
-                if constexpr (std::is_floating_point_v<Count>)
-                    beyond += !fits;
-                const kernels::integers<1> whole =
-                    kernels::nearest<1>(kernels::numbers<1>{fits ? scaled : 0.0f});
-                words[pixel * Input.channels + channel] = static_cast<std::int16_t>(whole[0] - mean[at]);
+        if constexpr (Input.channels == 1) {
+            return kernels::counts_to_words(counts, Input.size(), mean, steps, most, words);
+        } else {
+            bool fits = true;
+            for (std::size_t at = 0; at < Input.size(); ++at) {
+                const std::size_t channel = at / Input.area(), pixel = at % Input.area();
+                fits &= kernels::counts_to_words(counts + at, 1, mean + at, steps, most,
+                                                 words + pixel * Input.channels + channel);
             }
-        return beyond == 0;
+            return fits;
+        }
     }
 };
 

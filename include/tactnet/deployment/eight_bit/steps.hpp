@@ -5,5 +5,6 @@
 #include <tactnet/deployment/eight_bit/steps/convolution.hpp>
 #include <tactnet/deployment/eight_bit/steps/dense.hpp>
 #include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
+#include <tactnet/deployment/eight_bit/steps/first.hpp>
 #include <tactnet/deployment/eight_bit/steps/pool.hpp>
 #include <tactnet/deployment/steps.hpp>

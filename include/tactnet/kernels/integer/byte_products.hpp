@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/integer/word_products.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -103,6 +104,40 @@ struct byte_products<4> {
     [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
                                                   const inputs& x) {
         return vdotq_s32(sums, w, x);
+    }
+};
+
+#elif defined(__arm__) && defined(__ARM_FEATURE_SIMD32) && !defined(__ARM_BIG_ENDIAN)
+
+/// Weights are bytes in memory and pairs of words in registers. One instruction takes every other byte of a
+/// register, another the others: in that order they lie.
+template <>
+struct byte_products<1> {
+    using staged = std::int16_t;
+    using weight = std::int8_t;
+    struct pairs {
+        int16x2_t first, second;
+    };
+    using weights = pairs;
+    using inputs = pairs;
+    static constexpr std::size_t group = 4;
+    static constexpr int offset = 0;
+    static constexpr std::array<std::size_t, group> order{0, 2, 1, 3};
+    static constexpr std::size_t most_sums = word_products<1>::most_sums;
+
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        const auto bytes = detail::group_at<int8x4_t>(from);
+        int16x2_t second;
+        // __sxtb16 of the bytes turned by 8 would be two instructions.
+        asm("sxtb16 %0, %1, ror #8" : "=r"(second) : "r"(bytes));
+        return {__sxtb16(bytes), second};
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) {
+        return {detail::group_at<int16x2_t>(from), detail::group_at<int16x2_t>(from + 2)};
+    }
+    [[gnu::always_inline]] static integers<1> add(const integers<1>& sums, const weights& w,
+                                                  const inputs& x) {
+        return integers<1>{__smlad(w.second, x.second, __smlad(w.first, x.first, sums[0]))};
     }
 };
 

@@ -74,8 +74,9 @@ convolve_integer_block(const typename Plan::staged* input, const typename Plan::
     for (std::size_t in_pixel = 0; in_pixel < Plan::groups_of_pixel; ++in_pixel) {
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < under_rows; ++r) {
-            if (r < multiplied.first || r >= multiplied.last)
-                continue;
+            if constexpr (!Plan::few_registers) // else to ask takes as long as to multiply
+                if (r < multiplied.first || r >= multiplied.last)
+                    continue;
             typename Plan::products::inputs x[under_columns];
 #pragma GCC unroll 64
             for (std::size_t c = 0; c < under_columns; ++c)
@@ -140,14 +141,14 @@ void convolve_integer(const typename Plan::staged* input, const typename Plan::w
         const std::size_t first = first_vector * Plan::width;
         const auto* const of_block = weights + first_vector * (Plan::weights / Plan::vectors);
         const integer_epilogue here = epilogue.from(first);
-        blocked<C.rows(), C.block_rows()>([&](auto rows, std::size_t y) {
+        blocked<C.rows(), Plan::block_rows>([&](auto rows, std::size_t y) {
             const std::size_t above = y * C.window.stride.rows; // row under the first tap, with the padding
             rows_under_taps multiplied{0, (rows - 1) * C.window.stride.rows + C.window.kernel.rows};
             if (!epilogue.padding_counts)
                 multiplied = {
                     C.window.top - std::min(C.window.top, above),
                     std::min(multiplied.last, std::max(C.window.top + C.window.input.rows, above) - above)};
-            blocked<C.columns(), C.block_columns()>([&](auto columns, std::size_t x) {
+            blocked<C.columns(), Plan::block_columns>([&](auto columns, std::size_t x) {
                 convolve_integer_block<Plan, C, vectors, rows, columns>(
                     input + above * Plan::pitch + x * C.window.stride.columns * Plan::stride, of_block, here,
                     output + (y / C.pool.rows * C.output_columns() + x / C.pool.columns) * C.output_stride() +

@@ -14,31 +14,69 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// The bytes that a map may hold, and the one that stands for zero.
-struct byte_range {
-    std::int32_t lowest = 0, highest = 255, zero = 0;
+class byte_range {
+public:
+    constexpr byte_range(std::int32_t lowest = 0, std::int32_t highest = 255, std::int32_t zero = 0)
+        : least_(static_cast<float>(lowest - zero)), most_(static_cast<float>(highest - zero)), zero_(zero) {}
+    /// Limits of a number beside the zero, before it is rounded: that leaves whole numbers where they are.
+    [[nodiscard]] constexpr float least() const { return least_; }
+    [[nodiscard]] constexpr float most() const { return most_; }
+    [[nodiscard]] constexpr std::int32_t zero() const { return zero_; }
+
+private:
+    float least_, most_;
+    std::int32_t zero_;
 };
 
+namespace detail {
+
 /// The nearest whole number, ties to the even one, for magnitudes up to 2²²: adding 3 · 2²² leaves it in the
-/// last bits.
+/// last 23 bits. Above them, these.
+inline constexpr std::int32_t above_nearest = 0x4B400000;
+template <std::size_t Lanes>
+[[nodiscard]] [[gnu::always_inline]] inline integers<Lanes> with_nearest(const numbers<Lanes>& values) {
+    const numbers<Lanes> shifted = values + 0x1.8p23f;
+    return load_any<integers<Lanes>>(&shifted);
+}
+
+} // namespace detail
+
+/// The nearest whole number, ties to the even one, for magnitudes up to 2²².
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline integers<Lanes> nearest(const numbers<Lanes>& values) {
-    constexpr std::int32_t bits_of_shift = 0x4B400000;
-    const numbers<Lanes> shifted = values + 0x1.8p23f;
-    return load_any<integers<Lanes>>(&shifted) - bits_of_shift;
+    return detail::with_nearest<Lanes>(values) - detail::above_nearest;
 }
+
+namespace detail {
+
+/// The last 8 bits of each.
+template <std::size_t Lanes>
+[[nodiscard]] [[gnu::always_inline]] inline typename integer_lanes<Lanes>::bytes
+last_bytes(const integers<Lanes>& whole) {
+    using bytes = typename integer_lanes<Lanes>::bytes;
+#if !defined(TACTNET_NO_SIMD) && ((defined(__SSSE3__) && !defined(__AVX512VL__)) || defined(__aarch64__))
+    // By a table: GCC 12 would convert them one by one.
+    const auto all = load_any<typename byte_lanes<4 * Lanes>::bytes>(&whole);
+    if constexpr (Lanes == 4)
+        return __builtin_shufflevector(all, all, 0, 4, 8, 12);
+    else if constexpr (Lanes == 8)
+        return __builtin_shufflevector(all, all, 0, 4, 8, 12, 16, 20, 24, 28);
+    else
+#endif
+        return __builtin_convertvector(whole, bytes);
+}
+
+} // namespace detail
 
 /// One byte for each sum: sum × factor + zero, rounded, within the range.
 template <std::size_t Lanes>
 [[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const integers<Lanes>& sums,
                                                  const numbers<Lanes>& factors, const byte_range& range) {
-    // Limits before rounding, which leaves whole numbers where they are.
-    const numbers<Lanes> lowest = numbers<Lanes>{} + static_cast<float>(range.lowest - range.zero),
-                         highest = numbers<Lanes>{} + static_cast<float>(range.highest - range.zero);
+    const numbers<Lanes> least = range.least() - numbers<Lanes>{}, most = range.most() - numbers<Lanes>{};
     numbers<Lanes> values = __builtin_convertvector(sums, numbers<Lanes>) * factors;
-    values = values > lowest ? values : lowest;
-    values = values < highest ? values : highest;
-    store_any(to, __builtin_convertvector(nearest<Lanes>(values) + range.zero,
-                                          typename integer_lanes<Lanes>::bytes));
+    values = values > least ? values : least;
+    values = values < most ? values : most;
+    store_any(to, detail::last_bytes<Lanes>(detail::with_nearest<Lanes>(values) + range.zero()));
 }
 
 } // namespace kernels

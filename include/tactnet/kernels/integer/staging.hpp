@@ -33,8 +33,29 @@ struct integer_convolution {
     /// What is subtracted from inputs when they are staged.
     static constexpr int offset = std::is_same_v<Input, std::uint8_t> ? products::offset : 0;
 
+    /// A register block: that of floats, or a smaller one where sums of whole numbers have fewer registers.
     static constexpr std::size_t vectors = C.padded_filters() / width;
-    static constexpr std::size_t block_vectors = C.block_vectors();
+    static constexpr bool few_registers = requires { products::most_sums; };
+    static constexpr std::size_t block_vectors = [] {
+        if constexpr (few_registers)
+            return C.pool.area() > 1 ? 1 : std::min<std::size_t>(vectors, 2);
+        else
+            return C.block_vectors();
+    }();
+    static constexpr std::size_t block_rows = [] {
+        if constexpr (few_registers)
+            return C.pool.rows;
+        else
+            return C.block_rows();
+    }();
+    static constexpr std::size_t block_columns = [] {
+        if constexpr (few_registers)
+            return C.pool.area() > 1
+                       ? C.pool.columns
+                       : std::min<std::size_t>(products::most_sums / block_vectors, C.columns());
+        else
+            return C.block_columns();
+    }();
 
     /// Of the staged input: elements from one pixel to the next, a multiple of the group or a part of it;
     /// from one row to the next; rows; all of it, with what a last group may read behind its taps.
@@ -63,6 +84,8 @@ template <class Plan, frame_convolution C, class Weight>
 constexpr void pack_integer_weights(std::int8_t* packed, Weight&& weight) {
     const auto of_tap = [&](std::size_t filter, std::size_t in_pixel, std::size_t row, std::size_t in_row,
                             std::size_t element) {
+        if constexpr (requires { Plan::products::order; })
+            element = Plan::products::order[element];
         const std::size_t column = in_row * Plan::columns_of_group + element / Plan::stride;
         const std::size_t channel = in_pixel * Plan::group + element % Plan::stride;
         return filter < C.filters && column < C.window.kernel.columns && channel < C.window.input.channels

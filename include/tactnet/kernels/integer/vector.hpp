@@ -18,6 +18,7 @@ template <std::size_t Lanes>
 struct integer_lanes {
     using integers [[gnu::vector_size(4 * Lanes)]] = std::int32_t;
     using numbers [[gnu::vector_size(4 * Lanes)]] = float;
+    using words [[gnu::vector_size(2 * Lanes)]] = std::int16_t;
     using bytes [[gnu::vector_size(Lanes)]] = std::uint8_t;
 };
 template <std::size_t Lanes>

@@ -18,12 +18,6 @@ namespace kernels {
 
 namespace detail {
 
-template <std::size_t Lanes>
-struct word_lanes {
-    using words [[gnu::vector_size(2 * Lanes)]] = std::int16_t;
-    using bytes [[gnu::vector_size(Lanes)]] = std::uint8_t;
-};
-
 /// Bᵀ times a column of d, or a row of d times B.
 template <class Vector, std::size_t Side>
 [[gnu::always_inline]] inline void integer_input_line(Vector (&d)[Side]) {
@@ -46,6 +40,44 @@ template <class Vector, std::size_t Side>
 
 } // namespace detail
 
+namespace detail {
+
+/// Bᵀ d B of one tile; `pixel(row, column)` is where its channels lie, or nothing for what is outside.
+template <frame_convolution C, class Pixel>
+[[gnu::always_inline]] inline void transform_integer_tile(const Pixel& pixel, std::int16_t* to,
+                                                          std::uint8_t padding) {
+    using tiles = integer_tiles<C>;
+    using words = typename integer_lanes<tiles::input_width>::words;
+    using bytes = typename integer_lanes<tiles::input_width>::bytes;
+    constexpr std::size_t side = tiles::side;
+    const words outside = words{} + static_cast<std::int16_t>(padding);
+    for (std::size_t channel = 0; channel < tiles::channels; channel += tiles::input_width) {
+        words d[side][side];
+#pragma GCC unroll 64
+        for (std::size_t x = 0; x < side; ++x) {
+            words column[side];
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < side; ++y) {
+                const std::uint8_t* const from = pixel(y, x);
+                column[y] = from ? __builtin_convertvector(load_any<bytes>(from + channel), words) : outside;
+            }
+            integer_input_line(column);
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < side; ++y)
+                d[y][x] = column[y];
+        }
+#pragma GCC unroll 64
+        for (std::size_t y = 0; y < side; ++y) {
+            integer_input_line(d[y]);
+#pragma GCC unroll 64
+            for (std::size_t x = 0; x < side; ++x)
+                store_any(to + (y * side + x) * tiles::band * tiles::channels + channel, d[y][x]);
+        }
+    }
+}
+
+} // namespace detail
+
 /// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); what lies outside the image
 /// is `padding`.
 template <frame_convolution C>
@@ -53,51 +85,37 @@ template <frame_convolution C>
                                                              std::int16_t* transformed, std::size_t first,
                                                              std::size_t last, std::uint8_t padding) {
     using tiles = integer_tiles<C>;
-    using words = typename detail::word_lanes<tiles::input_width>::words;
-    using bytes = typename detail::word_lanes<tiles::input_width>::bytes;
     constexpr std::size_t side = tiles::side;
-    const words outside = words{} + static_cast<std::int16_t>(padding);
+    constexpr shape image = C.window.input;
     for (std::size_t tile = first; tile < last; ++tile) {
-        const auto top = static_cast<std::ptrdiff_t>(tile / tiles::columns * 2) -
-                         static_cast<std::ptrdiff_t>(C.window.top);
-        const auto left = static_cast<std::ptrdiff_t>(tile % tiles::columns * 2) -
-                          static_cast<std::ptrdiff_t>(C.window.left);
+        // Counted with the padding.
+        const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
+        std::int16_t* const to = transformed + (tile - first) * tiles::channels;
+        if (top >= C.window.top && top + side <= C.window.top + image.rows && left >= C.window.left &&
+            left + side <= C.window.left + image.columns) {
+            const std::uint8_t* const corner =
+                input + ((top - C.window.top) * image.columns + left - C.window.left) * C.input_stride;
+            detail::transform_integer_tile<C>(
+                [corner](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                    return corner + (y * image.columns + x) * C.input_stride;
+                },
+                to, padding);
+            continue;
+        }
         std::array<const std::uint8_t*, tiles::elements> pixels;
 #pragma GCC unroll 64
         for (std::size_t e = 0; e < tiles::elements; ++e) {
-            const std::ptrdiff_t y = top + static_cast<std::ptrdiff_t>(e / side),
-                                 x = left + static_cast<std::ptrdiff_t>(e % side);
-            const bool inside = y >= 0 && y < static_cast<std::ptrdiff_t>(C.window.input.rows) && x >= 0 &&
-                                x < static_cast<std::ptrdiff_t>(C.window.input.columns);
-            pixels[e] = inside ? input + (y * static_cast<std::ptrdiff_t>(C.window.input.columns) + x) *
-                                             static_cast<std::ptrdiff_t>(C.input_stride)
-                               : nullptr;
+            const std::size_t y = top + e / side, x = left + e % side;
+            const bool inside = y >= C.window.top && y < C.window.top + image.rows && x >= C.window.left &&
+                                x < C.window.left + image.columns;
+            pixels[e] =
+                inside ? input + ((y - C.window.top) * image.columns + x - C.window.left) * C.input_stride
+                       : nullptr;
         }
-        std::int16_t* const to = transformed + (tile - first) * tiles::channels;
-        for (std::size_t channel = 0; channel < tiles::channels; channel += tiles::input_width) {
-            words d[side][side];
-#pragma GCC unroll 64
-            for (std::size_t x = 0; x < side; ++x) {
-                words column[side];
-#pragma GCC unroll 64
-                for (std::size_t y = 0; y < side; ++y) {
-                    const std::uint8_t* const pixel = pixels[y * side + x];
-                    column[y] =
-                        pixel ? __builtin_convertvector(load_any<bytes>(pixel + channel), words) : outside;
-                }
-                detail::integer_input_line(column);
-#pragma GCC unroll 64
-                for (std::size_t y = 0; y < side; ++y)
-                    d[y][x] = column[y];
-            }
-#pragma GCC unroll 64
-            for (std::size_t y = 0; y < side; ++y) {
-                detail::integer_input_line(d[y]);
-#pragma GCC unroll 64
-                for (std::size_t x = 0; x < side; ++x)
-                    store_any(to + (y * side + x) * tiles::band * tiles::channels + channel, d[y][x]);
-            }
-        }
+        detail::transform_integer_tile<C>(
+            [&pixels](std::size_t y, std::size_t x)
+                __attribute__((always_inline)) { return pixels[y * side + x]; },
+            to, padding);
     }
 }
 

@@ -13,6 +13,8 @@
 #elif defined(__wasm_simd128__)
 #include <wasm_simd128.h>
 #endif
+#elif defined(__arm__) && defined(__ARM_FEATURE_SIMD32) && !defined(__ARM_BIG_ENDIAN)
+#include <arm_acle.h>
 #endif
 
 // sums += weights · inputs in whole numbers: signed weights of 8 bits times inputs of 8 or 16 bits, exactly,
@@ -26,6 +28,8 @@
 //   weight   that of the weights: of 16 bits where inputs are, since widening them takes as long as a product
 //   group    inputs multiplied at once
 //   offset   what is subtracted from an input of 8 bits when it is staged
+//   order    if the weights of a group lie in another order: the input that each belongs to
+//   most_sums  if fewer sums stay in registers than of floats: how many
 // clang-format on
 
 namespace tactnet {
@@ -42,21 +46,30 @@ template <class Group>
     return bits;
 }
 
-/// Keeps a sum of whole numbers where it is in the order of the program: compilers, which may add them in any
-/// order, would take all products first and keep them in memory.
-template <class Register>
-[[nodiscard]] [[gnu::always_inline]] inline Register in_order(Register sum) {
-#if defined(__SSE2__)
-#ifdef __AVX512F__
-    asm("" : "+v"(sum));
+#if !defined(TACTNET_NO_SIMD) && defined(__SSE2__)
+/// sum += products of neighbouring words, as two instructions side by side: compilers, which may take
+/// products and sums in any order, would take all products first and keep the sums in memory.
+/// A sum has one type from its beginning to its end: where types change, compilers copy.
+template <class Sum, class Words>
+[[nodiscard]] [[gnu::always_inline]] inline Sum add_products(Sum sum, const Words& w, const Words& x) {
+    Words product;
+#if defined(__AVX512F__)
+    asm("vpmaddwd %3, %2, %1\n\tvpaddd %1, %0, %0" : "+v"(sum), "=&v"(product) : "v"(w), "v"(x));
+#elif defined(__AVX__)
+    asm("vpmaddwd %3, %2, %1\n\tvpaddd %1, %0, %0" : "+x"(sum), "=&x"(product) : "x"(w), "x"(x));
 #else
-    asm("" : "+x"(sum));
-#endif
-#elif defined(__aarch64__)
-    asm("" : "+w"(sum));
+    asm("movdqa %2, %1\n\tpmaddwd %3, %1\n\tpaddd %1, %0" : "+x"(sum), "=&x"(product) : "x"(w), "x"(x));
 #endif
     return sum;
 }
+#elif !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
+/// Keeps a sum of whole numbers where it is in the order of the program.
+template <class Register>
+[[nodiscard]] [[gnu::always_inline]] inline Register in_order(Register sum) {
+    asm("" : "+w"(sum));
+    return sum;
+}
+#endif
 
 } // namespace detail
 
@@ -100,13 +113,12 @@ struct word_products<4> {
     }
     [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
                                                   const inputs& x) {
-        const auto s = reinterpret_cast<__m128i>(sums);
 #if defined(__AVX512VNNI__) && defined(__AVX512VL__)
-        return reinterpret_cast<integers<4>>(_mm_dpwssd_epi32(s, w, x));
+        return reinterpret_cast<integers<4>>(_mm_dpwssd_epi32(reinterpret_cast<__m128i>(sums), w, x));
 #elif defined(__AVXVNNI__)
-        return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(s, w, x));
+        return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(reinterpret_cast<__m128i>(sums), w, x));
 #else
-        return reinterpret_cast<integers<4>>(detail::in_order(_mm_add_epi32(s, _mm_madd_epi16(w, x))));
+        return detail::add_products(sums, w, x);
 #endif
     }
 };
@@ -127,13 +139,12 @@ struct word_products<8> {
     }
     [[gnu::always_inline]] static integers<8> add(const integers<8>& sums, const weights& w,
                                                   const inputs& x) {
-        const auto s = reinterpret_cast<__m256i>(sums);
 #if defined(__AVX512VNNI__) && defined(__AVX512VL__)
-        return reinterpret_cast<integers<8>>(_mm256_dpwssd_epi32(s, w, x));
+        return reinterpret_cast<integers<8>>(_mm256_dpwssd_epi32(reinterpret_cast<__m256i>(sums), w, x));
 #elif defined(__AVXVNNI__)
-        return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(s, w, x));
+        return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(reinterpret_cast<__m256i>(sums), w, x));
 #else
-        return reinterpret_cast<integers<8>>(detail::in_order(_mm256_add_epi32(s, _mm256_madd_epi16(w, x))));
+        return detail::add_products(sums, w, x);
 #endif
     }
 };
@@ -155,15 +166,39 @@ struct word_products<16> {
     }
     [[gnu::always_inline]] static integers<16> add(const integers<16>& sums, const weights& w,
                                                    const inputs& x) {
-        const auto s = reinterpret_cast<__m512i>(sums);
 #ifdef __AVX512VNNI__
-        return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(s, w, x));
+        return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(reinterpret_cast<__m512i>(sums), w, x));
 #else
-        return reinterpret_cast<integers<16>>(detail::in_order(_mm512_add_epi32(s, _mm512_madd_epi16(w, x))));
+        return detail::add_products(sums, w, x);
 #endif
     }
 };
 #endif
+
+#elif defined(__arm__) && defined(__ARM_FEATURE_SIMD32) && !defined(__ARM_BIG_ENDIAN)
+
+// No vectors, but pairs of words in the registers of a core: Cortex-M4 and M7, and 32-bit ARM since
+// version 6.
+
+template <>
+struct word_products<1> {
+    using staged = std::int16_t;
+    using weight = std::int16_t;
+    using weights = int16x2_t;
+    using inputs = int16x2_t;
+    static constexpr std::size_t group = 2;
+    static constexpr int offset = 0;
+    static constexpr std::size_t most_sums = 4; // of 14 registers
+
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) {
+        return detail::group_at<weights>(from);
+    }
+    [[gnu::always_inline]] static inputs spread(const staged* from) { return detail::group_at<inputs>(from); }
+    [[gnu::always_inline]] static integers<1> add(const integers<1>& sums, const weights& w,
+                                                  const inputs& x) {
+        return integers<1>{__smlad(w, x, sums[0])};
+    }
+};
 
 #elif !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
 
