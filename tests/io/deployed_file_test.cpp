@@ -159,8 +159,7 @@ TEST_CASE("save_deployed: weights between whole multiples of their scales are ke
                 folded[step.arrays[0].begin + i] += 0.3f * folded[scales->begin];
     constexpr std::size_t numbers = bytes_net::view_type::folded_elements;
     const std::span<const float, numbers> all(folded.data(), numbers);
-    const bytes_net between(deployed<net, eight_bit>(all),
-                            trained(net::outputs).classes);
+    const bytes_net between(deployed<net, eight_bit>(all), trained(net::outputs).classes);
     const bytes_net loaded = load_deployed<net, eight_bit>(stored(between));
     CHECK_FALSE(same_bits(loaded.folded(), between.folded()));
     CHECK(same_bits(outputs_of(loaded), outputs_of(between)));
@@ -224,7 +223,9 @@ TEST_CASE("load_deployed: arrays that are missing, misshapen or of another netwo
     refuses(
         changed(good, {{}, [](safetensors_writer& w) { w.add("conv9.weight", {1}, std::vector<float>{1}); }}),
         "", "only the 31 arrays of this network", "'conv9.weight' of another network");
-    for (const auto& [name, entry] : good.tensors()) {
+    for (const auto& tensor : good.tensors()) {
+        const std::string& name = tensor.first;
+        const safetensors_entry& entry = tensor.second;
         std::vector<std::size_t> extents = entry.extents;
         extents.push_back(1);
         refuses(changed(good,

@@ -24,6 +24,7 @@ set(room_sensors io tensor)
 set(only_sensors_io file file_error partial_file text)
 set(header_io/svm_file.hpp svm)
 set(header_io/deployed_file.hpp deployment networks)
+set(header_io/stored_deployed.hpp deployment)
 set(room_eigen tensor sensors svm)
 # Only what has frames and rows in it, which needs nothing but tensors.
 set(only_eigen_sensors frame)

@@ -27,7 +27,7 @@ inline namespace TACTNET_ARCH {
 namespace detail {
 
 /// `require<View>(folded)` throws std::invalid_argument for finite numbers that a format cannot have. That of
-/// 8 bits stands in deployment/eight_bit/checks.hpp.
+/// 8 bits stands in deployment/eight_bit/folded_check.hpp.
 template <class Format>
 struct folded_check;
 template <>

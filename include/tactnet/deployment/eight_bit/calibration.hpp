@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/deployment/eight_bit/layout.hpp>
+#include <tactnet/deployment/eight_bit/layout_of.hpp>
 #include <tactnet/deployment/eight_bit/observed.hpp>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 
@@ -12,7 +11,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 
 // Whether folded numbers are those of a network in 8 bits: with any others, sums might pass 32 bits, or bytes
@@ -138,18 +136,6 @@ private:
 
     std::span<const float> folded_;
     std::optional<folded_problem> problem_;
-};
-
-/// For the constructor of `deployed`.
-template <>
-struct folded_check<eight_bit> {
-    template <class View>
-    static void require(std::span<const float> folded) {
-        const folded_checker checker(folded_layout_of<View>(), folded);
-        if (const auto& p = checker.problem())
-            throw std::invalid_argument("deploy: " + p->array + ", element " + std::to_string(p->element) +
-                                        ": expected " + p->expected + ", found " + p->found);
-    }
 };
 
 } // namespace detail
