@@ -106,7 +106,6 @@ TEST_SUITE("program") {
     TEST_CASE("export: with --bits 8 a file in single precision becomes one in 8 bits, or such a header") {
         const workshop shop;
         const std::string data = shop.data().string();
-        const std::vector<std::string> training{"--epochs", "8"};
         REQUIRE(shop.train({"--epochs", "8", "--output", "float.safetensors"}).status == 0);
         REQUIRE(shop.train({"--epochs", "8", "--output", "bytes.safetensors", "--bits", "8"}).status == 0);
         const outcome turned = shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data",
@@ -116,8 +115,9 @@ TEST_SUITE("program") {
         const auto ours = tactnet::safetensors::read(shop / "out/turned.safetensors"),
                    theirs = tactnet::safetensors::read(shop / "bytes.safetensors");
         REQUIRE(ours.tensors().size() == theirs.tensors().size());
-        for (const auto& [name, entry] : theirs.tensors())
-            CHECK_MESSAGE(std::ranges::equal(ours.bytes(name), theirs.bytes(name)), name);
+        for (const auto& tensor : theirs.tensors())
+            CHECK_MESSAGE(std::ranges::equal(ours.bytes(tensor.first), theirs.bytes(tensor.first)),
+                          tensor.first);
         CHECK(ours.metadata().at("seed") == "5");
         CHECK(!ours.metadata().contains("test_accuracy"));
         CHECK(shop.run({"evaluate", "--weights", "out/turned.safetensors", "--data", data}).status == 0);
