@@ -1,11 +1,13 @@
 # tactnet_add_program(target
-#     NETWORKS network… [SIZES size…] [TRUNKS trunk…] [CLASSES number]
+#     NETWORKS network… [SIZES size…] [TRUNKS trunk…] [CLASSES number] [EIGHT_BIT network…]
 #     [HEADER file NAMESPACE namespace])
 #
 # The program `tactnet` with these networks: a unit is compiled for each network at each of the sizes (28x50), or at its
 # own as in tactnet4=28x50,7x13. TRUNKS are networks trained on photographs that methods begin with, at all sizes.
 # Networks are the library's, or templates of a header of one's own, `namespace::network<input, classes>`, where a - in a
-# name stands for a _. The property TACTNET_UNITS of the target tells what was compiled, as network_size.
+# name stands for a _. EIGHT_BIT are those of them that are compiled in 8 bits too, at all their sizes or as in
+# tactnet4=28x50, each in a unit of its own. The property TACTNET_UNITS of the target tells what was compiled, as
+# network_size and network_size_in_8_bits.
 
 # Sets <rows> and <columns> of a size.
 macro(tactnet_split_size size)
@@ -17,7 +19,7 @@ macro(tactnet_split_size size)
 endmacro()
 
 function(tactnet_add_program target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "CLASSES;HEADER;NAMESPACE" "NETWORKS;SIZES;TRUNKS")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "CLASSES;HEADER;NAMESPACE" "NETWORKS;SIZES;TRUNKS;EIGHT_BIT")
     if(arg_UNPARSED_ARGUMENTS OR NOT arg_NETWORKS)
         message(FATAL_ERROR "tactnet_add_program: expected NETWORKS and other keywords, found '${arg_UNPARSED_ARGUMENTS}'.")
     endif()
@@ -37,6 +39,23 @@ function(tactnet_add_program target)
         set(own_include "#include \"${header}\"\n")
         set(namespace "${arg_NAMESPACE}")
     endif()
+
+    # Those in 8 bits, as network or network_size.
+    set(eight_bit "")
+    foreach(entry IN LISTS arg_EIGHT_BIT)
+        if(NOT entry MATCHES "^([^=]+)(=(.+))?$")
+            message(FATAL_ERROR "tactnet_add_program: expected EIGHT_BIT network or network=size,size, found '${entry}'.")
+        endif()
+        set(network "${CMAKE_MATCH_1}")
+        string(REPLACE "," ";" sizes "${CMAKE_MATCH_3}")
+        if(NOT sizes)
+            list(APPEND eight_bit "${network}")
+        endif()
+        foreach(size IN LISTS sizes)
+            tactnet_split_size("${size}")
+            list(APPEND eight_bit "${network}_${size}")
+        endforeach()
+    endforeach()
 
     set(unit_sources "")
     set(all_unit_declarations "")
@@ -92,8 +111,18 @@ function(tactnet_add_program target)
             list(APPEND all_units "${network}_${size}")
             list(APPEND all_sizes "${size}")
             string(APPEND all_unit_declarations "std::unique_ptr<compiled_network> make_${unit}();\n")
+            set(bytes nullptr)
+            if("${network}" IN_LIST eight_bit OR "${network}_${size}" IN_LIST eight_bit)
+                set(source "${units_dir}/${unit}_in_8_bits.cpp")
+                configure_file("${templates}/methods/networks/eight_bit/unit.cpp.in" "${source}" @ONLY)
+                list(APPEND unit_sources "${source}")
+                list(APPEND all_units "${network}_${size}_in_8_bits")
+                set(bytes "make_eight_bit_${unit}()")
+                string(APPEND all_unit_declarations "std::unique_ptr<compiled_eight_bit> ${bytes};\n")
+            endif()
             string(APPEND unit_calls
-                   "    list.push_back(make_network_method(\"${network}\", make_${unit}(), \"${qualified}\", ${training}));\n"
+                   "    list.push_back(make_network_method(\"${network}\", make_${unit}(), \"${qualified}\", ${training},\n"
+                   "                                       ${bytes}));\n"
             )
         endforeach()
     endforeach()

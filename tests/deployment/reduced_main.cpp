@@ -9,7 +9,7 @@
 namespace {
 
 /// Of all outputs in 8 bits, in their order (FNV-1a): the same with every instruction set and compiler.
-constexpr std::uint64_t expected_whole = 0x35a5b5f792e59d39;
+constexpr std::uint64_t expected_whole = 0x5670b05fb9d04e97;
 
 std::uint64_t hash_of(const std::vector<std::uint32_t>& numbers) {
     std::uint64_t hash = 14695981039346656037u;

@@ -23,6 +23,8 @@ set(room_sensors io tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
 set(only_sensors_io file file_error partial_file text)
 set(header_io/svm_file.hpp svm)
+set(header_io/deployed_file.hpp deployment networks)
+set(header_io/stored_deployed.hpp deployment)
 set(room_eigen tensor sensors svm)
 # Only what has frames and rows in it, which needs nothing but tensors.
 set(only_eigen_sensors frame)

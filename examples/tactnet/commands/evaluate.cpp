@@ -55,9 +55,14 @@ std::vector<tactnet::split_rule> rules_of(const evaluate_options& o) {
     return {split_rule_of(o.split)};
 }
 
-std::filesystem::path confusion_stem(const evaluate_options& o, const method& what) {
+/// What each candidate is told in: single precision, and 8 bits if asked for.
+std::vector<std::size_t> bits_of(const evaluate_options& o) {
+    return o.training.bits == 8 ? std::vector<std::size_t>{32, 8} : std::vector<std::size_t>{32};
+}
+
+std::filesystem::path confusion_stem(const evaluate_options& o, const method& what, std::size_t bits) {
     return std::filesystem::path(o.results) /
-           fmt::format("confusion_{}_{}x{}", what.name, what.rows, what.columns);
+           fmt::format("confusion_{}_{}x{}{}", what.name, what.rows, what.columns, bits == 8 ? "_8bit" : "");
 }
 
 std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<candidate>& chosen) {
@@ -67,7 +72,8 @@ std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<
         files.push_back({"--results", folder / name});
     std::set<std::filesystem::path> stems{folder / "accuracy_and_cost"}; // a method may be named twice
     for (const candidate& c : chosen)
-        stems.insert(confusion_stem(o, *c.what));
+        for (const std::size_t bits : bits_of(o))
+            stems.insert(confusion_stem(o, *c.what, bits));
     for (const std::filesystem::path& stem : stems)
         std::ranges::move(picture_files("--results", stem), std::back_inserter(files));
     return files;
@@ -109,27 +115,34 @@ void check(const evaluate_options& o, const split_plan& plan, const std::vector<
         check_outside_classes(o.data, {{"--results", features_of(o) / "any"}});
 }
 
-evaluation_row row_of(const candidate& c, const evaluate_options& o, const std::vector<task>& all,
-                      const result_list& results) {
+evaluation_row row_of(const candidate& c, std::size_t bits, const evaluate_options& o,
+                      const std::vector<task>& all, const result_list& results) {
     const std::size_t classes = c.data->images.classes.size();
     evaluation_row row{c.what,
                        std::string(recipe_for(*c.what, c.training).name),
                        c.what->costs(classes),
-                       time_frames(*c.what),
+                       time_frames(*c.what, bits),
                        {},
                        {},
                        tactnet::confusion_matrix(classes),
-                       o.splits};
+                       o.splits,
+                       bits};
+    if (bits == 8)
+        row.costs.parameter_bytes = c.what->eight_bit_bytes(classes);
     std::vector<double> seconds;
     for (const tactnet::split_rule rule : rules_of(o)) {
         std::vector<double> accuracies;
         for (const task& t : all) {
             if (t.of != &c || t.rule != rule)
                 continue;
-            const training_result& r = *results.find(t.settings);
-            accuracies.push_back(r.confusion.accuracy());
-            seconds.push_back(r.seconds);
-            row.confusion.add(r.confusion);
+            const auto settings = bits == 8 ? t.settings : in_single_precision(t.settings);
+            const training_result* const r = results.find(settings);
+            if (r == nullptr) // taken out by hand
+                throw tactnet::file_error(o.results, "", "results in 8 bits beside those in single precision",
+                                          "only the former; see --afresh");
+            accuracies.push_back(r->confusion.accuracy());
+            seconds.push_back(r->seconds);
+            row.confusion.add(r->confusion);
         }
         row.accuracies.push_back({rule, tactnet::mean_and_deviation::of(accuracies)});
     }
@@ -145,15 +158,16 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
         splits += fmt::format("{}{} {}", splits.empty() ? "" : " and ", o.splits, name_of(rule));
     std::vector<evaluation_row> rows;
     std::vector<cost_point> points;
-    for (const candidate& c : candidates) {
-        const evaluation_row& row = rows.emplace_back(row_of(c, o, all, results));
-        const auto size = fmt::format("{}x{}", c.what->rows, c.what->columns);
-        const auto name = fmt::format("{} {}", c.what->name, size);
-        points.push_back(
-            {name, static_cast<double>(row.costs.multiply_adds), row.times.alone, row.accuracies});
-        plot_confusion(confusion_stem(o, *c.what), fmt::format("{}, {} splits", name, splits), row.confusion,
-                       c.data->images.classes);
-    }
+    for (const candidate& c : candidates)
+        for (const std::size_t bits : bits_of(o)) {
+            const evaluation_row& row = rows.emplace_back(row_of(c, bits, o, all, results));
+            const auto name = fmt::format("{} {}x{}{}", c.what->name, c.what->rows, c.what->columns,
+                                          bits == 8 ? " in 8 bits" : "");
+            points.push_back(
+                {name, static_cast<double>(row.costs.multiply_adds), row.times.alone, row.accuracies});
+            plot_confusion(confusion_stem(o, *c.what, bits), fmt::format("{}, {} splits", name, splits),
+                           row.confusion, c.data->images.classes);
+        }
     tactnet::write_file(folder / "table.jsonl", json_lines_of(rows));
     tactnet::write_file(folder / "table.csv", csv_of(rows));
     plot_costs(folder / "accuracy_and_cost", points);
@@ -222,6 +236,10 @@ void take_weight_options(const CLI::App& app, evaluate_options& o) {
     if (!o.training.pretrained.empty())
         throw usage_error("--pretrained: expected a training, found --weights, whose file holds all that it "
                           "needs");
+    if (o.training.bits == 8)
+        throw usage_error(
+            "--bits: expected a training, found --weights, whose file says itself of how many bits "
+            "its weights are");
     o.weights.resize = o.training.resize;
     if (o.methods.size() > 1)
         throw usage_error(
@@ -254,6 +272,9 @@ command add_evaluate(CLI::App& program) {
                     "size need --resize")
         ->type_name("SIZE,...")
         ->delimiter(',');
+    add_bits_option(*app, o->training.bits,
+                    "8: each training also as a network in 8 bits, with the ranges of maps from its training "
+                    "images");
     add_run_options(*app, *o);
     add_weight_options(*app, o->weights, false);
     app->add_option("--images", o->images,

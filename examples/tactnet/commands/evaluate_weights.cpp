@@ -5,8 +5,8 @@
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "evaluation/frame_times.hpp"
+#include "evaluation/stored_split.hpp"
 #include "files/places.hpp"
-#include "number_options.hpp"
 #include "reports/plot.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
@@ -17,57 +17,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <numeric>
-#include <optional>
 
 namespace {
-
-/// A number in the metadata of a file that `tactnet train` wrote.
-template <class Read>
-auto number_in(const std::string& file, const tactnet::file_metadata& metadata, const char* key,
-               const char* expected, Read read) {
-    const auto found = metadata.find(key);
-    if (found == metadata.end())
-        throw tactnet::file_error(file, fmt::format("metadata '{}'", key),
-                                  "that of a training, or --images all", "none");
-    const auto value = read(found->second);
-    if (!value)
-        throw tactnet::file_error(file, fmt::format("metadata '{}'", key), expected,
-                                  tactnet::in_quotes(found->second));
-    return *value;
-}
-
-/// The images that the training did not see.
-std::vector<std::size_t> test_images(const std::string& file, const tactnet::file_metadata& metadata,
-                                     const std::string& folder, const image_data& data) {
-    const auto share_in = [&](const char* key) {
-        return number_in(file, metadata, key, "a share from 0 to below 1", [](const std::string& text) {
-            const auto value = number_of(text);
-            return value && is_share(*value) ? value : std::nullopt;
-        });
-    };
-    const std::uint64_t seed =
-        number_in(file, metadata, "seed", "a whole number below 2^64", whole_number_of);
-    const tactnet::split_shares shares{share_in("validation_share"), share_in("test_share")};
-    if (!is_share(shares.validation + shares.test))
-        throw tactnet::file_error(
-            file, "metadata", "shares that leave some images for training",
-            fmt::format("{} to validate and {} to test", shares.validation, shares.test));
-    const auto split = metadata.find("split"), trained_on = metadata.find("data");
-    if (split == metadata.end() || trained_on == metadata.end())
-        throw tactnet::file_error(file, "metadata", "'split' and 'data' of a training, or --images all",
-                                  "none");
-    if (trained_on->second != data.fingerprint)
-        throw tactnet::file_error(
-            folder, "",
-            fmt::format("the images that {} was trained on (fingerprint {}), or --images all", file,
-                        trained_on->second),
-            fmt::format("others ({})", data.fingerprint));
-    return tactnet::split_data(data.images.labels, data.images.classes.size(), split_rule_of(split->second),
-                               seed, shares)
-        .test;
-}
 
 /// Throws tactnet::file_error unless the folder's classes are those of the weights.
 void check_classes(const evaluate_options& o, const loaded_weights& weights,
@@ -105,14 +58,17 @@ int evaluate_weights(const evaluate_options& o) {
     if (o.images == "all")
         std::iota(chosen.begin(), chosen.end(), std::size_t{0});
     else
-        chosen = test_images(o.weights.weights, weights.metadata, o.data, data);
+        chosen = stored_split(o.weights.weights, weights.metadata, o.data, data).test;
     if (chosen.empty())
         throw tactnet::file_error(o.weights.weights, "", "a split with test images, or --images all", "none");
 
     tactnet::thread_pool threads(o.jobs);
     const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
-    const method_costs costs = what.costs(classes.size());
-    const frame_times times = time_frames(what);
+    const std::size_t bits = weights.trained->bits();
+    method_costs costs = what.costs(classes.size());
+    if (bits == 8)
+        costs.parameter_bytes = what.eight_bit_bytes(classes.size());
+    const frame_times times = time_frames(what, bits);
     plot_confusion(stem, o.weights.weights, result.confusion, classes);
     print(table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
                   "on pixels", "bytes", "µs/frame", "µs in batch"},

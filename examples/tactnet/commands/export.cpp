@@ -1,6 +1,9 @@
-// tactnet export: a weight file becomes a C++ header, for targets without files.
+// tactnet export: a weight file becomes a C++ header, for targets without files; with --bits 8 of 8 bits, or
+// as another weight file.
 
 #include "commands/commands.hpp"
+#include "data/image_data.hpp"
+#include "evaluation/stored_split.hpp"
 #include "files/places.hpp"
 #include "methods/weights.hpp"
 #include "reports/report.hpp"
@@ -12,8 +15,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,30 +28,76 @@ namespace {
 
 struct export_options {
     weight_options weights;
-    std::string output, namespace_name = "tactile", packing;
+    std::string output, namespace_name = "tactile", packing, data, images = "training";
+    std::size_t bits = 32;
 };
 
-/// The first frame of the file's self-test, or a bright bar.
-std::vector<std::uint8_t> selftest_frame(const std::string& path, const method& what) {
-    const std::size_t size = what.rows * what.columns;
+/// The frames of the file's self-test, or a bright bar.
+std::vector<std::uint8_t> selftest_frames(const std::string& path, const method& what) {
     const tactnet::safetensors file = tactnet::safetensors::read(path);
-    std::vector<std::uint8_t> frame;
     if (file.contains("selftest.input")) // of the right size, or the network would not have been loaded
-        frame = file.values<std::uint8_t>("selftest.input");
-    frame.resize(size);
-    if (!file.contains("selftest.input"))
-        for (std::size_t i = 0; i < size; ++i)
-            frame[i] = i % what.columns / 3 == 1 ? 150 : 0;
+        return file.values<std::uint8_t>("selftest.input");
+    std::vector<std::uint8_t> frame(what.rows * what.columns);
+    for (std::size_t i = 0; i < frame.size(); ++i)
+        frame[i] = i % what.columns / 3 == 1 ? 150 : 0;
     return frame;
 }
 
-int export_header(const export_options& o) {
+/// Of the output: a weight file, or a header.
+bool is_weight_file(const export_options& o) {
+    return o.output.ends_with(".safetensors");
+}
+
+/// Throws usage_error for options that do not go together.
+void check(const export_options& o) {
     if (!tactnet::is_namespace_name(o.namespace_name))
         throw usage_error(fmt::format("--namespace: expected a name such as gripper or gripper::tactile, "
                                       "found {}",
                                       tactnet::in_quotes(o.namespace_name)));
+    if (o.bits == 8 && o.data.empty())
+        throw usage_error(
+            "--bits: expected --data with the images of the training, which tell what numbers a "
+            "network in 8 bits must hold, found none");
+    if (o.bits != 8 && !o.data.empty())
+        throw usage_error("--data: expected --bits 8, for which images are, found single precision");
+    if (is_weight_file(o) && !o.weights.classes.empty())
+        throw usage_error(
+            "--classes: expected a header to write, found a weight file, which keeps the names of "
+            "the other");
+    if (o.bits != 8 && is_weight_file(o))
+        throw usage_error(
+            "--output: expected --bits 8, with which a weight file becomes another, or the name of "
+            "a header, found a name that ends in .safetensors");
+}
+
+/// The network of the file in 8 bits.
+std::unique_ptr<trained_network> turned_to_bytes(const export_options& o, const loaded_weights& weights) {
+    if (weights.trained->bits() == 8)
+        throw tactnet::file_error(o.weights.weights, "metadata 'bits'",
+                                  "weights in single precision, of which --bits 8 makes bytes", "'8'");
+    check_bits(*weights.what, o.bits);
+    const image_data data = load_data(o.data, weights.what->rows, weights.what->columns, o.weights.resize);
+    std::vector<std::size_t> chosen(data.images.size());
+    if (o.images == "all")
+        std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+    else
+        chosen = stored_split(o.weights.weights, weights.metadata, o.data, data).training;
+    return in_eight_bits(*weights.trained, data.view(), chosen);
+}
+
+/// What the file said of itself, but for its tests in single precision.
+tactnet::file_metadata metadata_in_bytes(const loaded_weights& weights) {
+    tactnet::file_metadata metadata = weights.metadata;
+    metadata["network"] = weights.what->name;
+    for (const char* key : {"epsilon", "input_scale", "test_accuracy", "validation_accuracy"})
+        metadata.erase(key);
+    return metadata;
+}
+
+int export_network(const export_options& o) {
+    check(o);
     const std::vector<named_file> outputs{{"--output", o.output}};
-    check_places({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs);
+    check_places({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     tidy_folders_of(outputs);
     const loaded_weights weights = load_weights(o.weights);
     const auto* network = dynamic_cast<const trained_network*>(weights.trained.get());
@@ -53,13 +105,24 @@ int export_header(const export_options& o) {
         throw usage_error(fmt::format("{}: expected a network, found the {} {}, which cannot be written as a "
                                       "header",
                                       o.weights.weights, weights.what->kind(), weights.what->name));
+    const std::vector<std::uint8_t> frames = selftest_frames(o.weights.weights, *weights.what);
+    std::unique_ptr<trained_network> in_bytes;
+    if (o.bits == 8) {
+        in_bytes = turned_to_bytes(o, weights);
+        network = in_bytes.get();
+    }
+    if (is_weight_file(o)) {
+        make_folder_of(o.output);
+        network->save(o.output, metadata_in_bytes(weights), frames);
+        return success;
+    }
     tactnet::header_description says{
         .network = weights.what->name, .namespace_name = o.namespace_name, .classes = weights.classes};
     if (!o.packing.empty())
         says.when = o.packing == "at-start" ? tactnet::packing::at_start : tactnet::packing::when_compiling;
     std::string text;
     try {
-        text = network->header(says, selftest_frame(o.weights.weights, *weights.what));
+        text = network->header(says, std::span(frames).first(weights.what->rows * weights.what->columns));
     } catch (const std::invalid_argument& error) { // variances below zero, numbers without end
         throw usage_error(fmt::format("{}: {}", o.weights.weights, error.what()));
     }
@@ -72,10 +135,25 @@ int export_header(const export_options& o) {
 
 command add_export(CLI::App& program) {
     auto* app = program.add_subcommand(
-        "export", "Write a trained network as a C++ header, for programs without files, heap and exceptions");
+        "export",
+        "Write a trained network as a C++ header, for programs without files, heap and exceptions; or "
+        "in 8 bits, as a header or a weight file");
     auto o = std::make_shared<export_options>();
     add_weight_options(*app, o->weights);
-    app->add_option("--output", o->output, "Header to write")->type_name("FILE")->required();
+    app->add_option("--output", o->output,
+                    "Header to write; with --bits 8 a weight file, if its name ends in .safetensors")
+        ->type_name("FILE")
+        ->required();
+    add_bits_option(*app, o->bits,
+                    "8: turn weights in single precision into 8 bits; a file in 8 bits needs no such option");
+    app->add_option("--data", o->data, "With --bits 8: the folder of images that the network was trained on")
+        ->type_name("FOLDER");
+    app->add_option(
+           "--images", o->images,
+           "Of these the 'training' images of the split it was trained on, or 'all': never those that "
+           "it is judged by")
+        ->check(CLI::IsMember({"training", "all"}))
+        ->capture_default_str();
     app->add_option("--namespace", o->namespace_name, "Namespace of everything in it (default: tactile)")
         ->type_name("NAME");
     app->add_option(
@@ -84,5 +162,5 @@ command add_export(CLI::App& program) {
            "enough for the usual limits of compilers)")
         ->type_name("WHEN")
         ->check(CLI::IsMember({"when-compiling", "at-start"}));
-    return [o] { return export_header(*o); };
+    return [o] { return export_network(*o); };
 }

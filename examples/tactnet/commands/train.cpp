@@ -141,8 +141,15 @@ std::string finish(const train_options& o, const output_files& files, const imag
                    double seconds, tactnet::thread_pool& threads) {
     const std::vector<std::string>& classes = data.images.classes;
     const auto* const epochs = dynamic_cast<const network_training*>(&training);
-    const auto best = training.best(classes);
-    const tactnet::evaluation test = best->evaluate(data.view(), training.split().test, threads);
+    const auto trained = training.best(classes);
+    const auto tested = [&](const trained_method& which) {
+        return which.evaluate(data.view(), training.split().test, threads);
+    };
+    std::unique_ptr<trained_method> whole; // in 8 bits
+    if (o.training.bits == 8)
+        whole = in_eight_bits(*trained, data.view(), training.split().training);
+    const trained_method* const best = whole ? whole.get() : trained.get();
+    const tactnet::evaluation test = tested(*best);
     const tactnet::evaluation validation = best->evaluate(data.view(), training.split().validation, threads);
     if (epochs != nullptr)
         metadata["trained_epochs"] = fmt::to_string(epochs->history().size());
@@ -161,9 +168,13 @@ std::string finish(const train_options& o, const output_files& files, const imag
         std::filesystem::remove(files.features, ignored);
 
     std::string line = fmt::format("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
+    const auto accuracy = [](const tactnet::confusion_matrix& of) {
+        return fmt::format("{:.2f} % ({} of {})", 100 * of.accuracy(), of.correct(), of.total());
+    };
     if (test.confusion.total() > 0)
-        line += fmt::format(", test accuracy {:.2f} % ({} of {})", 100 * test.confusion.accuracy(),
-                            test.confusion.correct(), test.confusion.total());
+        line += ", test accuracy " + accuracy(test.confusion);
+    if (test.confusion.total() > 0 && whole)
+        line += fmt::format(" in 8 bits, {} in single precision", accuracy(tested(*trained).confusion));
     return line + '\n';
 }
 
@@ -289,6 +300,9 @@ command add_train(CLI::App& program) {
         ->type_name("FILE")
         ->required();
     add_training_options(*app, o->training, "--pretrained,--weights");
+    add_bits_option(*app, o->training.bits,
+                    "Of a weight in the file: 32, single precision, or 8, with the ranges of maps from the "
+                    "training images");
     add_run_options(*app, *o);
     return [o] { return train(*o); };
 }

@@ -114,6 +114,11 @@ std::vector<tactnet::epoch_report> curve_of(std::span<const tactnet::epoch_repor
     return curve;
 }
 
+tactnet::file_metadata in_single_precision(tactnet::file_metadata settings) {
+    settings.erase("bits");
+    return settings;
+}
+
 result_list::result_list(std::filesystem::path path) : file_(std::move(path)) {
     read_on();
 }

@@ -35,6 +35,9 @@ struct training_result {
 /// 1000.
 std::vector<tactnet::epoch_report> curve_of(std::span<const tactnet::epoch_report> history);
 
+/// The settings of the same training without what is said of 8 bits.
+tactnet::file_metadata in_single_precision(tactnet::file_metadata settings);
+
 class result_list {
 public:
     /// Reads what there is; the beginning of a line that was never finished is passed over. Throws

@@ -20,8 +20,10 @@ struct evaluation_row {
     tactnet::mean_and_deviation seconds;
     tactnet::confusion_matrix confusion;
     std::size_t splits = 0;
+    std::size_t bits = 32; ///< of a weight
 };
 
+/// Tells bits where some row has 8.
 std::string table_of(const std::vector<evaluation_row>& rows);
 std::string json_lines_of(const std::vector<evaluation_row>& rows);
 /// The same numbers as the JSON lines, in their order.

@@ -17,7 +17,7 @@
 #include <interrupt.hpp>
 #include <mutex>
 #include <new>
-#include <optional>
+#include <span>
 #include <stopwatch.hpp>
 #include <string>
 #include <system_error>
@@ -26,8 +26,25 @@
 
 namespace {
 
-/// On one thread. Nothing if it was interrupted.
-std::optional<training_result> run(const task& t) {
+/// What a trained method makes of the images of its split, among the results of its training.
+training_result result_of(const trained_method& trained, const image_data& data, const training_run& training,
+                          tactnet::file_metadata settings) {
+    tactnet::thread_pool alone;
+    const auto evaluated = [&](std::span<const std::size_t> images) {
+        return trained.evaluate(data.view(), images, alone).confusion;
+    };
+    training_result result;
+    result.settings = std::move(settings);
+    result.confusion = evaluated(training.split().test);
+    if (const auto reflected = trained.evaluate_reflections(data.view(), training.split().test, alone))
+        result.reflected_accuracy = reflected->confusion.accuracy();
+    result.validation_accuracy = evaluated(training.split().validation).accuracy();
+    result.training_accuracy = evaluated(training.split().training).accuracy();
+    return result;
+}
+
+/// On one thread: of single precision, and of 8 bits if the task says so. Nothing if it was interrupted.
+std::vector<training_result> run(const task& t) {
     const image_data& data = *t.of->data;
     const std::vector<std::string>& classes = data.images.classes;
     tactnet::thread_pool alone;
@@ -39,28 +56,26 @@ std::optional<training_result> run(const task& t) {
     const stopwatch watch;
     while (!training->finished()) {
         if (interrupted())
-            return std::nullopt;
+            return {};
         training->advance();
     }
-    training_result result;
-    result.seconds = watch.seconds();
+    const double seconds = watch.seconds();
     const auto best = training->best(classes);
-    result.settings = t.settings;
-    result.confusion = best->evaluate(data.view(), training->split().test, alone).confusion;
-    if (const auto reflected = best->evaluate_reflections(data.view(), training->split().test, alone))
-        result.reflected_accuracy = reflected->confusion.accuracy();
-    result.validation_accuracy =
-        best->evaluate(data.view(), training->split().validation, alone).confusion.accuracy();
-    result.training_accuracy =
-        best->evaluate(data.view(), training->split().training, alone).confusion.accuracy();
+    std::vector<training_result> results{result_of(*best, data, *training, in_single_precision(t.settings))};
+    if (t.of->training.bits == 8)
+        results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), data,
+                                    *training, t.settings));
     const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
-    result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
-    if (by_epochs != nullptr)
-        result.curve = curve_of(by_epochs->history());
     const std::size_t images =
         by_epochs != nullptr ? by_epochs->images_per_epoch() : training->split().training.size();
-    result.images_per_second = static_cast<double>(images * result.epochs) / result.seconds;
-    return result;
+    for (training_result& result : results) {
+        result.seconds = seconds;
+        result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
+        if (by_epochs != nullptr)
+            result.curve = curve_of(by_epochs->history());
+        result.images_per_second = static_cast<double>(images * result.epochs) / result.seconds;
+    }
+    return results;
 }
 
 std::string title_of(const task& t) {
@@ -119,10 +134,11 @@ private:
     /// False if it was interrupted.
     bool do_one(const task& t) {
         try {
-            auto result = run(t);
-            if (result)
-                keep(t, std::move(*result));
-            return result.has_value();
+            std::vector<training_result> results = run(t);
+            const bool done = !results.empty();
+            if (done)
+                keep(t, std::move(results));
+            return done;
         } catch (const tactnet::training_diverged& error) {
             const std::string what = title_of(t) + ": " + error.what();
             if (diverged_ == nullptr)
@@ -134,10 +150,12 @@ private:
             return true;
         }
     }
-    void keep(const task& t, training_result result) {
+    void keep(const task& t, std::vector<training_result> results) {
         const std::lock_guard lock(mutex_);
-        const double accuracy = result.confusion.accuracy();
-        results_.add(std::move(result));
+        const double accuracy = results.back().confusion.accuracy();
+        for (training_result& result : results)
+            if (results_.find(result.settings) == nullptr) // single precision may be there from before
+                results_.add(std::move(result));
         queue_.done(t);
         ++done_;
         const std::size_t done = done_ + queue_.from_others();

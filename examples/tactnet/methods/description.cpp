@@ -164,6 +164,8 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         {"test_share", fmt::to_string(s.shares.test)},
     };
     all.merge(describe_program());
+    if (s.bits == 8) // of which descriptions made before say nothing, and mean single precision
+        all["bits"] = "8";
     if (!s.start.empty())
         all["start"] = file_fingerprint(s.start);
     if (!s.pretrained.empty())

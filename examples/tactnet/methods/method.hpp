@@ -65,6 +65,8 @@ struct weight_file {
 class trained_method {
 public:
     virtual ~trained_method() = default;
+    /// Of a weight: 8, or 32 in single precision.
+    virtual std::size_t bits() const { return 32; }
     virtual const std::vector<std::string>& classes() const = 0;
     /// The loss of a support vector machine is NaN.
     virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
@@ -90,6 +92,12 @@ public:
     /// std::invalid_argument for weights that cannot be deployed.
     virtual std::string header(const tactnet::header_description& says,
                                std::span<const std::uint8_t> frame) const = 0;
+    /// The same in 8 bits, for methods that have has_eight_bit_form; the chosen images tell what numbers its
+    /// maps hold. Throws std::invalid_argument for weights that cannot be deployed so.
+    virtual std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images&,
+                                                           std::span<const std::size_t>) const {
+        throw std::logic_error("a network without a form in 8 bits was asked for it");
+    }
 };
 
 /// A training in progress.
@@ -148,8 +156,13 @@ public:
     virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
     /// Whether its training varies images of that size as they were taken.
     virtual bool varies_as_taken(const tactnet::shape&) const { return false; }
-    /// With weights by chance, since none may be at hand.
-    virtual frame_work make_work() const = 0;
+    /// Whether its form in 8 bits was compiled in, or can be.
+    virtual bool has_eight_bit_form() const { return false; }
+    virtual bool may_have_eight_bit_form() const { return false; }
+    /// Bytes of weights of 8 bits with all that belongs to them.
+    virtual std::size_t eight_bit_bytes(std::size_t) const { return 0; }
+    /// With weights by chance, since none may be at hand; of 8 bits only with has_eight_bit_form.
+    virtual frame_work make_work(std::size_t bits = 32) const = 0;
     /// How many frames it is timed with beside a single one. Of photographs no more pass together.
     std::size_t frames_together() const { return pretrained() ? 16 : 64; }
     /// The network that others have trained on photographs and that it begins with, if it does.

@@ -72,6 +72,25 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
         ->capture_default_str();
 }
 
+void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for) {
+    command.add_option("--bits", bits, what_for)
+        ->type_name("N")
+        ->check(CLI::IsMember({8, 32}))
+        ->capture_default_str();
+}
+
+void check_bits(const method& what, std::size_t bits) {
+    if (bits != 8 || what.has_eight_bit_form())
+        return;
+    if (!what.may_have_eight_bit_form())
+        throw usage_error(fmt::format("--bits: expected a network that is trained from random weights, found "
+                                      "the {} {}, which has no form in 8 bits",
+                                      what.kind(), what.name));
+    throw usage_error(fmt::format("--bits: expected a network whose form in 8 bits was compiled in, found {} "
+                                  "{}x{}; those are chosen when building, by TACTNET_PROGRAM_EIGHT_BIT",
+                                  what.name, what.rows, what.columns));
+}
+
 tactnet::split_rule split_rule_of(std::string_view name) {
     return name == "blocked" ? tactnet::split_rule::blocked : tactnet::split_rule::random;
 }
@@ -87,6 +106,7 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
                         "found {} and {}",
                         s.shares.validation, s.shares.test));
     check_pretrained(what, s);
+    check_bits(what, s.bits);
     if (!what.is_network() &&
         (s.epochs || s.batch || s.rate || s.input || s.augmentation || !s.start.empty()))
         throw usage_error(

@@ -27,12 +27,19 @@ struct training_settings {
     /// File of a network trained on photographs, for methods that begin with one; else empty.
     std::string pretrained;
     tactnet::split_shares shares;
+    std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
 };
 
 /// --rows, --columns, --resize, --recipe, all that changes a recipe and what a training begins with.
 /// `pretrained`: the names of the option for a network trained on photographs.
 void add_training_options(CLI::App& command, training_settings& settings,
                           const std::string& pretrained = "--pretrained");
+
+/// --bits, for `settings`.
+void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for);
+
+/// Throws usage_error for 8 bits unless the method has such a form.
+void check_bits(const method& what, std::size_t bits);
 
 /// "random" or "blocked".
 tactnet::split_rule split_rule_of(std::string_view name);

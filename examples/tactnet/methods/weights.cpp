@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <printable.hpp>
 #include <span>
+#include <stdexcept>
 #include <system_error>
 
 void add_weight_options(CLI::App& command, weight_options& o, bool required) {
@@ -126,6 +127,9 @@ std::shared_ptr<const trained_method> load_start(const method& what, const train
     options.weights = settings.start, options.method = what.name;
     options.rows = what.rows, options.columns = what.columns;
     loaded_weights loaded = load_weights(options);
+    if (loaded.trained->bits() == 8)
+        throw tactnet::file_error(settings.start, "metadata 'bits'",
+                                  "weights in single precision to begin with", "'8'");
     if (loaded.classes != classes)
         throw tactnet::file_error(
             settings.start, "",
@@ -143,4 +147,14 @@ std::shared_ptr<const trained_method> load_start(const method& what, const train
 void start(training_run& training, const trained_method* from) {
     if (from != nullptr)
         dynamic_cast<network_training&>(training).start_from(*from);
+}
+
+std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
+                                               const tactnet::labelled_images& images,
+                                               std::span<const std::size_t> chosen) {
+    try {
+        return dynamic_cast<const trained_network&>(trained).in_eight_bits(images, chosen);
+    } catch (const std::invalid_argument& error) { // numbers without end, images that are broken
+        throw usage_error(fmt::format("--bits: {}", error.what()));
+    }
 }

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,3 +42,9 @@ loaded_weights load_weights(const weight_options& options);
 std::shared_ptr<const trained_method> load_start(const method& what, const training_settings& settings,
                                                  const std::vector<std::string>& classes);
 void start(training_run& training, const trained_method* from);
+
+/// A trained network in 8 bits, with ranges from the chosen images. Throws usage_error for weights that
+/// cannot be deployed so; for methods with such a form (check_bits).
+std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
+                                               const tactnet::labelled_images& images,
+                                               std::span<const std::size_t> chosen);

@@ -24,6 +24,20 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace detail {
+
+/// `require<View>(folded)` throws std::invalid_argument for finite numbers that a format cannot have. That of
+/// 8 bits stands in deployment/eight_bit/folded_check.hpp.
+template <class Format>
+struct folded_check;
+template <>
+struct folded_check<single_precision> {
+    template <class View>
+    static void require(std::span<const float>) {}
+};
+
+} // namespace detail
+
 /// A deployed network that keeps its weights, on the heap since they were packed: calls use none. May be
 /// copied and moved. `deployed_view` tells of the calls.
 template <class Network, class Format = single_precision>
@@ -62,7 +76,7 @@ public:
         view_type::pack(folded_.data(), packed_.data());
     }
     /// From the numbers before packing, as folded() gives them. Throws std::invalid_argument if one is NaN or
-    /// infinite.
+    /// infinite, or is none that the number format can have there.
     explicit deployed(std::span<const float, view_type::folded_elements> folded)
         : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
         for (std::size_t i = 0; i < folded.size(); ++i) {
@@ -71,6 +85,7 @@ public:
                                             std::to_string(folded[i]) + " at place " + std::to_string(i));
             folded_[i] = folded[i];
         }
+        detail::folded_check<Format>::template require<view_type>(folded);
         view_type::pack(folded_.data(), packed_.data());
     }
 

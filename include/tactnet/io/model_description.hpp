@@ -30,6 +30,7 @@ struct model_description {
     std::optional<double> epsilon; ///< of batch norms
     std::optional<bool> subtracts_mean;
     std::optional<float> scale;
+    std::optional<std::size_t> bits; ///< of a weight: 8, or nothing for single precision
 };
 
 namespace detail {
@@ -99,20 +100,28 @@ inline std::string json_array(std::span<const std::string> texts) {
         throw file_error(file.file(), "metadata 'input'", "'mean' or 'scale'", in_quotes(input));
     d.subtracts_mean = input == "mean";
     d.scale = detail::number_in<float>(file, "input_scale", "a positive number", ours);
+    d.bits = detail::number_in<std::size_t>(file, "bits", "'8', or none for single precision", ours);
+    if (d.bits && *d.bits != 8)
+        throw file_error(file.file(), "metadata 'bits'", "'8', or none for single precision",
+                         in_quotes(text("bits")));
     return d;
 }
 
-/// Adds a description to the metadata of a file, in version 1 of the format. All but the network's name must
-/// be known; that is for the caller to say under "network".
+/// Adds a description to the metadata of a file, in version 1 of the format. Size, classes and whether a mean
+/// is subtracted must be known; the network's name is for the caller to say under "network".
 inline void add_description(file_metadata& metadata, const model_description& d) {
     metadata["format"] = "tactnet";
     metadata["version"] = "1";
     metadata["rows"] = std::to_string(d.rows.value());
     metadata["columns"] = std::to_string(d.columns.value());
     metadata["classes"] = detail::json_array(d.classes);
-    metadata["epsilon"] = detail::number_text(d.epsilon.value());
     metadata["input"] = d.subtracts_mean.value() ? "mean" : "scale";
-    metadata["input_scale"] = detail::number_text(d.scale.value());
+    if (d.epsilon)
+        metadata["epsilon"] = detail::number_text(*d.epsilon);
+    if (d.scale)
+        metadata["input_scale"] = detail::number_text(*d.scale);
+    if (d.bits)
+        metadata["bits"] = std::to_string(*d.bits);
 }
 
 } // namespace TACTNET_ARCH

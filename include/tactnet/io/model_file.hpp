@@ -72,6 +72,16 @@ inline std::vector<std::size_t> image_extents(shape image, std::optional<std::si
     return extents;
 }
 
+/// Throws unless the file says nothing of sizes, or the network's.
+inline void require_size(const safetensors& file, const model_description& d, shape input) {
+    if ((d.rows && *d.rows != input.rows) || (d.columns && *d.columns != input.columns))
+        throw file_error(file.file(), "metadata",
+                         "a network for " + std::to_string(input.rows) + " x " +
+                             std::to_string(input.columns),
+                         "one for " + (d.rows ? std::to_string(*d.rows) : "?") + " x " +
+                             (d.columns ? std::to_string(*d.columns) : "?"));
+}
+
 /// The names that a file gives, or class_00, class_01, … without any.
 inline std::vector<std::string> class_names(const safetensors& file, std::vector<std::string> names,
                                             std::size_t classes) {
@@ -92,12 +102,10 @@ inline std::vector<std::string> class_names(const safetensors& file, std::vector
                                              const stored_arrays& arrays,
                                              std::optional<double> epsilon = std::nullopt) {
     model_description d = describe_model(file);
-    if ((d.rows && *d.rows != input.rows) || (d.columns && *d.columns != input.columns))
-        throw file_error(file.file(), "metadata",
-                         "a network for " + std::to_string(input.rows) + " x " +
-                             std::to_string(input.columns),
-                         "one for " + (d.rows ? std::to_string(*d.rows) : "?") + " x " +
-                             (d.columns ? std::to_string(*d.columns) : "?"));
+    if (d.bits)
+        throw file_error(file.file(), "metadata 'bits'", "weights in single precision",
+                         "'8': a network in 8 bits, which load_deployed reads");
+    detail::require_size(file, d, input);
     stored_model m;
     const std::size_t classes = stored_classes(file, arrays);
     m.classes = detail::class_names(file, std::move(d.classes), classes);
@@ -201,7 +209,8 @@ inline void add_model(safetensors_writer& writer, const model_parts& m,
                                       .classes = {m.classes.begin(), m.classes.end()},
                                       .epsilon = m.epsilon,
                                       .subtracts_mean = subtracts,
-                                      .scale = m.scale});
+                                      .scale = m.scale,
+                                      .bits = {}});
     for (std::size_t i = 0; i < m.values.size(); ++i)
         add_array(writer, m.arrays, i, m.values[i], classes);
     if (subtracts)

@@ -157,7 +157,7 @@ TEST_CASE("eight_bit_calibration: one outlier in a map does not take the range o
     const std::array<float, 4> zero{};
     const eight_bit_calibration<watched> calibration(n, zero, 1, std::span<const float>(frames));
     const float step =
-        calibration.folded()[support::byte_network<watched>::view_type::steps_folded + 2 + 2 + 2];
+        calibration.folded()[support::byte_network<watched>::view_type::steps_folded + 2 + 2 + 2 + 2];
     CHECK(step < 0.97f * 60 / 255 * 0.8f);
 }
 

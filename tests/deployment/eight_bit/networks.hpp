@@ -6,6 +6,7 @@
 #include "reference.hpp"
 
 #include <tactnet/deployment/eight_bit/calibration.hpp>
+#include <tactnet/io/deployed_file.hpp>
 
 #include <array>
 #include <cstddef>
@@ -13,6 +14,7 @@
 #include <cstring>
 #include <memory>
 #include <span>
+#include <string>
 #include <support/same_bits.hpp>
 #include <utility>
 #include <vector>
@@ -104,7 +106,27 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
     return different;
 }
 
-/// How many of some frames give other bits than the reference says, as outputs or in a step.
+/// The content of its weight file, with that many classes and images to test itself with.
+template <class Network>
+std::vector<std::byte> file_of(const byte_network<Network>& network, std::size_t classes,
+                               std::span<const std::uint8_t> images = {}) {
+    std::vector<std::string> names;
+    for (std::size_t c = 0; c < classes; ++c)
+        names.push_back("class " + std::to_string(c));
+    tactnet::safetensors_writer writer;
+    tactnet::add_deployed(writer, tactnet::folded_layout_of<typename byte_network<Network>::view_type>(),
+                          network.folded(), names, images, [&](std::span<const std::uint8_t> some) {
+                              return tactnet::detail::logits_of(network, some, classes);
+                          });
+    return writer.to_bytes();
+}
+template <class Network>
+tactnet::deployed_model<Network, tactnet::eight_bit> from_file(std::vector<std::byte> bytes) {
+    return tactnet::load_deployed<Network, tactnet::eight_bit>(
+        tactnet::safetensors::parse(std::move(bytes), "net.safetensors"));
+}
+
+/// How many of some frames give other bits than the reference says, as outputs, in a step or from a file.
 template <class Network>
 std::size_t frames_that_differ(std::uint64_t seed, std::size_t frames, std::size_t images = 3) {
     const auto net = std::make_unique<Network>();
@@ -113,7 +135,9 @@ std::size_t frames_that_differ(std::uint64_t seed, std::size_t frames, std::size
     const byte_network<Network> network(calibration.folded());
     const auto memory = std::make_unique<typename byte_network<Network>::scratch>();
     std::memset(static_cast<void*>(memory.get()), 0xff, sizeof(*memory));
-    std::size_t different = 0;
+    // A file keeps every bit.
+    const auto loaded = from_file<Network>(file_of<Network>(network, Network::outputs));
+    std::size_t different = !same_bits(loaded.folded(), network.folded());
     for (std::size_t i = 0; i < frames; ++i) {
         const std::vector<std::uint8_t> counts = make_frame(Network::input_shape.size(), seed * 100 + i);
         const std::span<const std::uint8_t> frame(counts);
@@ -121,9 +145,11 @@ std::size_t frames_that_differ(std::uint64_t seed, std::size_t frames, std::size
         const auto status =
             network(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
                     std::span<float, Network::outputs>(out), *memory);
+        const auto of_loaded = tactnet::detail::logits_of(loaded, frame, Network::outputs);
         const std::vector<float> expected =
             reference_outputs<typename byte_network<Network>::view_type>(calibration.folded(), frame);
         different += status != tactnet::frame_status::recognised || !same_bits(out, expected) ||
+                     !same_bits(of_loaded, expected) ||
                      (i < 2 && steps_that_differ<Network>(calibration.folded(), frame) > 0);
     }
     return different;

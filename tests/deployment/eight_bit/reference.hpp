@@ -62,27 +62,22 @@ struct reference_filter {
     double unit;
     std::int64_t bias, added = 0; ///< units, and how many of them a step of the other map is
 
-    reference_filter(const float* from, std::size_t count, double of_bias, const reference_range& input,
-                     const reference_range* other, std::int64_t largest_input) {
-        double largest = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            largest = std::max(largest, std::abs(static_cast<double>(from[i])));
-        if (!(largest > 0))
-            throw std::logic_error("the reference: a filter of zeros");
-        double step = largest / 127;
-        unit = step * input.scale;
+    reference_filter(const float* from, std::size_t count, double of_bias, double step,
+                     const reference_range& input, const reference_range* other, std::int64_t largest_input)
+        : unit(step * input.scale) {
         if (other != nullptr) {
-            added = static_cast<std::int64_t>(std::floor(other->scale / unit));
+            added = static_cast<std::int64_t>(std::nearbyint(other->scale / unit));
             if (added < 1 || added > 1'000'000)
                 throw std::logic_error("the reference: a byte that is added is no number of units");
-            unit = other->scale / static_cast<double>(added);
-            step = unit / input.scale;
         }
-        std::int64_t most = 0;
+        std::int64_t most = 0, largest = 0;
         for (std::size_t i = 0; i < count; ++i) {
             weights.push_back(static_cast<std::int64_t>(std::nearbyint(static_cast<double>(from[i]) / step)));
             most += std::abs(weights.back()) * largest_input;
+            largest = std::max(largest, std::abs(weights.back()));
         }
+        if (largest > 127)
+            throw std::logic_error("the reference: a weight of more than 127 steps");
         bias = static_cast<std::int64_t>(std::nearbyint(of_bias / unit));
         if (most + std::abs(bias) + 255 * added > std::int64_t{2'000'000'000})
             throw std::logic_error("the reference: a sum that may need more than 32 bits");
@@ -100,7 +95,8 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
     const std::size_t in_group = w.input.channels / C.groups,
                       of_one = in_group * w.kernel.rows * w.kernel.columns;
     const float* const biases = folded + C.filters * of_one;
-    const float* at = biases + C.filters;
+    const float* const steps = biases + C.filters;
+    const float* at = steps + C.filters;
     const reference_range input = reference_range::next(at);
     const reference_range added = C.adds ? reference_range::next(at) : reference_range{};
     const reference_range output = WritesBytes ? reference_range::next(at) : reference_range{};
@@ -109,8 +105,9 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
                       pooled_columns = C.pooled_columns > 0 ? C.pooled_columns : w.output_columns();
     whole_map result(tactnet::shape{pooled_rows, pooled_columns, C.filters});
     for (std::size_t f = 0; f < C.filters; ++f) {
-        const reference_filter filter(folded + f * of_one, of_one, static_cast<double>(biases[f]), input,
-                                      C.adds ? &added : nullptr, ReadsWords ? 32768 : 255);
+        const reference_filter filter(folded + f * of_one, of_one, static_cast<double>(biases[f]),
+                                      static_cast<double>(steps[f]), input, C.adds ? &added : nullptr,
+                                      ReadsWords ? 32768 : 255);
         const std::size_t first = f / (C.filters / C.groups) * in_group;
         const auto factor = static_cast<float>(WritesBytes ? filter.unit / output.scale : filter.unit);
         const auto sum_at = [&](std::size_t y, std::size_t x) {

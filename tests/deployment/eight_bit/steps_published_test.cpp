@@ -21,6 +21,10 @@ TEST_CASE("eight_bit: TactNet-6 gives the bits of the plain reference") {
     CHECK(frames_that_differ<tactnet6<shape{28, 50}, 22>>(4, 3, 1) == 0);
 }
 
+TEST_CASE("eight_bit: the economical TactNet-6 gives the bits of the plain reference") {
+    CHECK(frames_that_differ<tactnet6_economical<shape{7, 13}, 22>>(6, 6, 1) == 0);
+}
+
 TEST_CASE("eight_bit: TactResNet gives the bits of the plain reference") {
     CHECK(frames_that_differ<tactresnet<shape{7, 13}, 22>>(5, 2, 1) == 0);
 }

@@ -3,33 +3,15 @@
 // Compiles a network for the program. Included by the generated units only.
 
 #include "methods/networks/compiled.hpp"
+#include "methods/networks/deployed_network.hpp"
 
 #include <tactnet/deployment.hpp>
-#include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/training/data/images_as_taken.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 
-#include <utility>
-
-template <class Network>
-class deployed_network final : public any_deployed {
-public:
-    explicit deployed_network(tactnet::deployed<Network> own) : own_(std::move(own)) {}
-
-    bool recognise(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
-                   std::span<float> outputs) const override {
-        return own_(threads, frames, outputs) == tactnet::frame_status::recognised;
-    }
-    std::string header(const tactnet::header_description& says,
-                       std::span<const std::uint8_t> frame) const override {
-        return tactnet::deployed_header(own_, says, frame.first<Network::input_shape.size()>());
-    }
-
-private:
-    tactnet::deployed<Network> own_;
-};
+#include <memory>
 
 /// `OneClass` is the same network for a single class, of which nothing but the costs is asked.
 template <class Network, class OneClass>
@@ -50,7 +32,7 @@ public:
     std::string_view type() const override { return __PRETTY_FUNCTION__; }
     std::vector<tactnet::parameter> describe() const override { return Network::describe(); }
     std::unique_ptr<any_deployed> deploy(const any_model& model) const override {
-        return std::make_unique<deployed_network<Network>>(tactnet::deploy(
+        return std::make_unique<deployed_network<Network, tactnet::single_precision>>(tactnet::deploy(
             network_of(model), std::span(model.mean).template first<input.size()>(), model.scale));
     }
     tactnet::images_as_taken::variation variation_of(const tactnet::shape& taken) const override {

@@ -3,7 +3,9 @@
 #include "data/fingerprint.hpp"
 #include "methods/description.hpp"
 #include "methods/made_up_frames.hpp"
+#include "methods/networks/eight_bit/trained.hpp"
 #include "methods/networks/looped_training.hpp"
+#include "usage_error.hpp"
 
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/transfer/pretrained_trunk.hpp>
@@ -61,8 +63,9 @@ private:
 
 class own_trained_network final : public trained_network {
 public:
-    own_trained_network(const compiled_network& code, any_model model)
-        : code_(code), model_(std::move(model)) {}
+    /// `bytes` may be none.
+    own_trained_network(const compiled_network& code, const compiled_eight_bit* bytes, any_model model)
+        : code_(code), bytes_(bytes), model_(std::move(model)) {}
 
     tactnet::trainable& network() const { return *model_.network; }
     const std::vector<std::string>& classes() const override { return model_.classes; }
@@ -95,19 +98,36 @@ public:
                        std::span<const std::uint8_t> frame) const override {
         return code_.deploy(model_)->header(says, frame);
     }
+    std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images& images,
+                                                   std::span<const std::size_t> chosen) const override {
+        if (bytes_ == nullptr)
+            return trained_network::in_eight_bits(images, chosen);
+        // As a file has it: outputs that stand for no class must not count when ranges are chosen.
+        any_model of_classes{model_.network->copy(), model_.mean, model_.scale, model_.classes};
+        const tactnet::stored_arrays stored = stored_arrays_of(code_);
+        const std::string last = stored.output_layer();
+        const auto arrays = arrays_of(*of_classes.network);
+        for (std::size_t i = 0; i < arrays.size(); ++i)
+            if (!last.empty() && stored.list[i].name.starts_with(last))
+                std::ranges::fill(arrays[i].subspan(arrays[i].size() / code_.outputs * classes().size()),
+                                  0.0f);
+        return make_eight_bit_network(code_, *bytes_, of_classes, images, chosen);
+    }
 
 private:
     const compiled_network& code_;
+    const compiled_eight_bit* bytes_;
     any_model model_;
 };
 
 class own_network_training final : public looped_training {
 public:
-    own_network_training(const compiled_network& code, const tactnet::recipe& recipe,
-                         const tactnet::labelled_images& images, tactnet::data_split split,
-                         std::uint64_t seed, tactnet::thread_pool& threads)
+    own_network_training(const compiled_network& code, const compiled_eight_bit* bytes,
+                         const tactnet::recipe& recipe, const tactnet::labelled_images& images,
+                         tactnet::data_split split, std::uint64_t seed, tactnet::thread_pool& threads)
         : looped_training(code.make(), recipe, with_variation(code, images), std::move(split), seed, threads),
-          code_(code) {}
+          code_(code),
+          bytes_(bytes) {}
 
     void start_from(const trained_method& other) override {
         tactnet::trainable& from = dynamic_cast<const own_trained_network&>(other).network();
@@ -115,7 +135,7 @@ public:
     }
     void start_from(const begun_weights& weights) { loop().start_from_trunk(weights.arrays()); }
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
-        return std::make_unique<own_trained_network>(code_, best_model(classes));
+        return std::make_unique<own_trained_network>(code_, bytes_, best_model(classes));
     }
 
 private:
@@ -126,15 +146,18 @@ private:
     }
 
     const compiled_network& code_;
+    const compiled_eight_bit* bytes_;
 };
 
 class network_method final : public method {
 public:
     network_method(std::string_view network, std::unique_ptr<compiled_network> code, std::string_view type,
-                   std::optional<tactnet::published_training> training)
+                   std::optional<tactnet::published_training> training,
+                   std::unique_ptr<compiled_eight_bit> bytes)
         : method(network, code->rows, code->columns, code->outputs, training),
           type_(type),
-          code_(std::move(code)) {}
+          code_(std::move(code)),
+          bytes_(std::move(bytes)) {}
 
     bool is_network() const override { return true; }
     std::string declaration() const override {
@@ -179,29 +202,36 @@ public:
     bool varies_as_taken(const tactnet::shape& taken) const override {
         return code_->variation_of(taken) != nullptr;
     }
-
-    frame_work make_work() const override {
+    bool has_eight_bit_form() const override { return bytes_ != nullptr; }
+    bool may_have_eight_bit_form() const override { return !pretrained(); }
+    std::size_t eight_bit_bytes(std::size_t classes) const override {
+        return eight_bit_parameter_bytes(*bytes_, classes);
+    }
+    frame_work make_work(std::size_t bits) const override {
         any_model model{code_->make(), std::vector<float>(rows * columns), 1, {}};
         draw_arrays(*model.network);
-        return [deployed = std::shared_ptr(code_->deploy(model)), pixels = rows * columns,
-                outputs = code_->outputs, frames = std::vector<std::uint8_t>(),
-                logits = std::vector<float>()](std::size_t count) mutable {
-            if (frames.size() != count * pixels) {
-                frames = made_up_frames(count * pixels);
-                logits.resize(count * outputs);
-            }
-            tactnet::thread_pool alone;
-            if (!deployed->recognise(alone, frames, logits))
-                throw std::runtime_error("expected finite logits of the frames that are timed");
-        };
+        std::shared_ptr<any_deployed> deployed =
+            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_frames(4 * rows * columns)))
+                      : code_->deploy(model);
+        return
+            [deployed = std::move(deployed), pixels = rows * columns, outputs = code_->outputs,
+             frames = std::vector<std::uint8_t>(), logits = std::vector<float>()](std::size_t count) mutable {
+                if (frames.size() != count * pixels) {
+                    frames = made_up_frames(count * pixels);
+                    logits.resize(count * outputs);
+                }
+                tactnet::thread_pool alone;
+                if (!deployed->recognise(alone, frames, logits))
+                    throw std::runtime_error("expected finite logits of the frames that are timed");
+            };
     }
 
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
-        auto training =
-            std::make_unique<own_network_training>(*code_, recipe, images, std::move(split), seed, threads);
+        auto training = std::make_unique<own_network_training>(*code_, bytes_.get(), recipe, images,
+                                                               std::move(split), seed, threads);
         if (from)
             training->start_from(dynamic_cast<const begun_weights&>(*from));
         return training;
@@ -209,18 +239,33 @@ public:
 
     std::unique_ptr<trained_method> load(const weight_file& file,
                                          std::optional<double> epsilon) const override {
-        return std::make_unique<own_trained_network>(*code_, load_model(*code_, file.arrays, epsilon));
+        if (!tactnet::describe_model(file.arrays).bits)
+            return std::make_unique<own_trained_network>(*code_, bytes_.get(),
+                                                         load_model(*code_, file.arrays, epsilon));
+        if (!bytes_)
+            throw tactnet::file_error(
+                file.arrays.file(), "metadata 'bits'",
+                "weights in single precision, or a network whose form in 8 bits was compiled in (chosen when "
+                "building, by TACTNET_PROGRAM_EIGHT_BIT)",
+                fmt::format("'8', of {} {}x{}", name, rows, columns));
+        if (epsilon)
+            throw usage_error(
+                "--epsilon: expected weights in single precision, found 8 bits, into which batch "
+                "norms are folded");
+        return load_eight_bit_network(*code_, *bytes_, file.arrays);
     }
 
 private:
     std::string type_;
     std::unique_ptr<compiled_network> code_;
+    std::unique_ptr<compiled_eight_bit> bytes_;
 };
 
 } // namespace
 
 std::unique_ptr<method> make_network_method(std::string_view name, std::unique_ptr<compiled_network> code,
                                             std::string_view type,
-                                            std::optional<tactnet::published_training> published) {
-    return std::make_unique<network_method>(name, std::move(code), type, published);
+                                            std::optional<tactnet::published_training> published,
+                                            std::unique_ptr<compiled_eight_bit> bytes) {
+    return std::make_unique<network_method>(name, std::move(code), type, published, std::move(bytes));
 }

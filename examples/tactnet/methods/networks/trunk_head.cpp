@@ -158,7 +158,7 @@ public:
     std::size_t learnable(std::size_t classes) const override {
         return costs(classes).parameters - trunk_->costs.parameters;
     }
-    frame_work make_work() const override {
+    frame_work make_work(std::size_t) const override {
         std::shared_ptr<tactnet::trainable> own = head().make();
         draw_arrays(*own);
         std::shared_ptr<tactnet::trainable::workspace> space = own->make_workspace();

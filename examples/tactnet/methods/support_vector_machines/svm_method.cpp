@@ -87,7 +87,7 @@ method_costs svm_method::costs(std::size_t classes) const {
     return result;
 }
 
-frame_work svm_method::make_work() const {
+frame_work svm_method::make_work(std::size_t) const {
     // Made-up touches, as many as the paper trains with: the time of a machine depends on what it learnt.
     constexpr std::size_t classes = 22, count = classes * images_of_class;
     std::vector<std::uint8_t> pixels;

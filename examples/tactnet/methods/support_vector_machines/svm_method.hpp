@@ -22,7 +22,7 @@ public:
     /// Of a support vector machine trained on the paper's number of images of each class, which all are
     /// support vectors at the worst.
     method_costs costs(std::size_t classes) const override;
-    frame_work make_work() const override;
+    frame_work make_work(std::size_t bits) const override;
     std::unique_ptr<training_run> train(const tactnet::recipe&, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t,
                                         tactnet::thread_pool& threads,

@@ -145,7 +145,7 @@ public:
         result.activation_bytes = std::max(result.activation_bytes, trunk_->costs.activation_bytes);
         return result;
     }
-    frame_work make_work() const override {
+    frame_work make_work(std::size_t) const override {
         const std::size_t size = form_.size(trunk_->map);
         return work_behind(
             trunk_, form_, {rows, columns},

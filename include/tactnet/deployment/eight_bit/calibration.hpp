@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment/eight_bit/layout_of.hpp>
 #include <tactnet/deployment/eight_bit/observed.hpp>
 
 #include <algorithm>
@@ -38,8 +39,8 @@ public:
 
     /// The input is (count − mean) × scale. `frames` holds images one behind the other,
     /// [channel][row][column]; of more than `most_images`, images in even distances are taken. Throws
-    /// std::invalid_argument unless there is at least one whole image, and if the float form cannot be made
-    /// of the network or recognises an image as broken.
+    /// std::invalid_argument unless there is at least one whole image, and if a form cannot be made of the
+    /// network or the float form recognises an image as broken.
     template <class Count>
     eight_bit_calibration(const Network& network, std::span<const float, input_shape.size()> mean,
                           float scale, std::span<const Count> frames)
@@ -58,8 +59,9 @@ public:
         fold(network, mean, scale);
         observe();
         search();
+        round_weights(folded_layout_of<typename bytes::view_type>(), folded_);
     }
-    /// Of `deployed`, with these ranges.
+    /// Of `deployed`, with these ranges; weights are whole multiples of their scales.
     [[nodiscard]] std::span<const float, bytes::view_type::folded_elements> folded() const {
         return std::span<const float, bytes::view_type::folded_elements>(folded_.data(), folded_.size());
     }

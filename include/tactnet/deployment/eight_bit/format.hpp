@@ -3,11 +3,16 @@
 #include <tactnet/deployment/steps/step.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 
 // The number format of 8 bits: maps of bytes, weights of signed bytes with a scale for each filter, sums of
 // 32 bits. A byte q of a map stands for (q − zero) × scale, with one scale and one zero a map.
+//
+// A step with parameters says its folded numbers array by array, in `arrays`: what packs them, checks them
+// and keeps them in files goes by that.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -43,6 +48,48 @@ struct map_range {
     constexpr void write(float* to) const { to[0] = scale, to[1] = zero; }
     static constexpr std::size_t numbers = 2;
 };
+
+/// What the numbers of an array are.
+enum class folded_kind {
+    weights, ///< signed bytes times the scale of their filter; the first extent counts the filters
+    numbers, ///< as they are
+    scales,  ///< of one step of a weight, for each filter
+    range    ///< scale and zero of a map, see map_range
+};
+/// An array among the folded numbers of a step. Its name says what it is: of a range, the map of the step.
+struct folded_array {
+    const char* name = "";
+    folded_kind kind = folded_kind::numbers;
+    std::array<std::size_t, 4> extents{}; ///< zeros behind the last
+
+    [[nodiscard]] constexpr std::size_t size() const {
+        std::size_t product = 1;
+        for (const std::size_t extent : extents)
+            product *= extent > 0 ? extent : 1;
+        return product;
+    }
+};
+/// Up to six arrays, one behind the other.
+struct folded_arrays {
+    std::array<folded_array, 6> list{};
+    std::size_t count = 0;
+
+    /// Those that there are: of a name that is empty, there is none.
+    constexpr folded_arrays(std::initializer_list<folded_array> all) {
+        for (const folded_array& array : all)
+            if (*array.name != 0)
+                list[count++] = array;
+    }
+    [[nodiscard]] constexpr std::size_t numbers() const {
+        std::size_t sum = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            sum += list[i].size();
+        return sum;
+    }
+};
+[[nodiscard]] constexpr folded_array range_array(const char* map, bool there = true) {
+    return {there ? map : "", folded_kind::range, {map_range::numbers}};
+}
 
 /// What the ranges of a step's maps are: what it reads, what lies in its output before it adds to it, and
 /// what it writes.

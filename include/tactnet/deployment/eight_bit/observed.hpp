@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/deployment/eight_bit/folded_check.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
 #include <tactnet/deployment/steps.hpp>
 

@@ -37,67 +37,97 @@ constexpr void store_number(std::int8_t* to, Number value) {
     std::copy(bytes.begin(), bytes.end(), to);
 }
 
-/// How the sums of one filter stand for numbers: sum × unit. Weights are multiples of unit ÷ the input's
-/// scale, at most 127 of them; the sum is at most 2³¹ − 1 for any input; where the step adds, a byte of the
-/// other map counts a whole number of times.
+/// How the sums of one filter stand for numbers: sum × unit. Weights are whole multiples of their scale, at
+/// most 127 of them; where the step adds, a byte of the other map counts a whole number of times.
 struct filter_scale {
     double weight_scale = 1; ///< of one step of a weight
     double unit = 1;         ///< of one step of a sum
     std::int64_t added = 0;  ///< how often a byte of the other map counts
     std::int64_t start = 0;  ///< of the sum: bias, and what zeros that are not 0 make
+    double most = 0;         ///< the largest magnitude of a sum, and of all on the way to it
+
+    [[nodiscard]] constexpr bool fits() const {
+        return most < static_cast<double>(std::numeric_limits<std::int32_t>::max());
+    }
 };
 
-/// For weights [count] and a bias. `largest_input` is the largest magnitude of a staged input, `offset` what
-/// has been subtracted from it.
-[[nodiscard]] constexpr filter_scale scale_filter(const float* weights, std::size_t count, double bias,
-                                                  const step_ranges& ranges, bool adds, double largest_input,
-                                                  int offset) {
+/// Beyond 127 steps is what has no place in a signed byte.
+[[nodiscard]] constexpr std::int8_t quantised(float weight, double weight_scale) {
+    return static_cast<std::int8_t>(
+        nearest_even(std::clamp(static_cast<double>(weight) / weight_scale, -127.0, 127.0)));
+}
+[[nodiscard]] constexpr std::int8_t quantised(float weight, const filter_scale& scale) {
+    return quantised(weight, scale.weight_scale);
+}
+
+/// A filter of weights [count] and a bias, with steps of `weight_scale`. `largest_input` is the largest
+/// magnitude of a staged input, `offset` what has been subtracted from it. Any positive scales give numbers;
+/// whether sums fit into 32 bits is for the caller to ask.
+[[nodiscard]] constexpr filter_scale filter_of(const float* weights, std::size_t count, double bias,
+                                               float weight_scale, const step_ranges& ranges, bool adds,
+                                               double largest_input, int offset) {
+    // Beyond this nothing fits, and whole numbers of 64 bits still hold it.
+    const auto whole = [](double value) { return nearest_even(std::clamp(value, -0x1p40, 0x1p40)); };
+    filter_scale result;
+    result.weight_scale = static_cast<double>(weight_scale);
+    result.unit = result.weight_scale * static_cast<double>(ranges.input.scale);
+    if (adds) // of a step that is finer than a unit: 0 or 1
+        result.added = whole(static_cast<double>(ranges.added.scale) / result.unit);
+    double of_magnitudes = 0;
+    std::int64_t of_weights = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int64_t weight = quantised(weights[i], result.weight_scale);
+        of_magnitudes += magnitude(static_cast<double>(weight));
+        of_weights += weight;
+    }
+    const double start_of_bias = bias / result.unit;
+    result.most = of_magnitudes * largest_input + magnitude(start_of_bias) +
+                  magnitude(static_cast<double>(of_weights)) * 383.0 +
+                  255.0 * static_cast<double>(result.added);
+    const auto zero = static_cast<std::int64_t>(ranges.input.zero);
+    const auto added_zero = static_cast<std::int64_t>(ranges.added.zero);
+    result.start = whole(start_of_bias) - (zero - offset) * of_weights - added_zero * result.added;
+    return result;
+}
+
+/// The scale of a filter's weights: the largest is 127 steps, unless a sum might then pass 32 bits. Where the
+/// step adds, the other map's step is a whole number of units. If nothing fits, the last that was tried.
+[[nodiscard]] constexpr float scale_of_filter(const float* weights, std::size_t count, double bias,
+                                              const step_ranges& ranges, bool adds, double largest_input) {
+    // Scales are normal numbers in single precision, so that files can hold them.
+    constexpr double least = static_cast<double>(std::numeric_limits<float>::min()), most = 0x1p99;
     double largest = 0;
     for (std::size_t i = 0; i < count; ++i)
         largest = std::max(largest, magnitude(static_cast<double>(weights[i])));
     const auto input_scale = static_cast<double>(ranges.input.scale);
     const auto added_scale = static_cast<double>(ranges.added.scale);
-    filter_scale result;
     // Of a filter of zeros, the bias alone decides.
     const double of_bias = bias != 0 ? magnitude(bias) / 0x1p28 / input_scale : 1;
-    result.weight_scale = largest > 0 ? largest / 127 : of_bias;
-    for (;; result.weight_scale *= 2) {
-        result.unit = result.weight_scale * input_scale;
+    double wanted = largest > 0 ? largest / 127 : of_bias;
+    while (true) {
+        wanted = std::clamp(wanted, least, most);
         if (adds) {
-            // A unit somewhat larger, so that the other map's step is a whole number of units: of a million
-            // at most, beside which smaller weights add nothing. A step that is finer than a unit counts the
-            // nearest number of times, 0 or 1.
-            const auto times = static_cast<std::int64_t>(std::min(added_scale / result.unit, 1e6));
-            result.added = times > 0 ? times : nearest_even(added_scale / result.unit);
-            if (times > 0) {
-                result.unit = added_scale / static_cast<double>(times);
-                result.weight_scale = result.unit / input_scale;
-            }
+            // Somewhat larger, so that the other map's step is a whole number of units: of a million at most,
+            // beside which smaller weights add nothing.
+            const auto times = static_cast<std::int64_t>(std::min(added_scale / (wanted * input_scale), 1e6));
+            if (times > 0)
+                wanted = std::clamp(added_scale / static_cast<double>(times) / input_scale, least, most);
         }
-        double of_magnitudes = 0;
-        std::int64_t of_weights = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::int64_t weight = nearest_even(static_cast<double>(weights[i]) / result.weight_scale);
-            of_magnitudes += magnitude(static_cast<double>(weight));
-            of_weights += weight;
-        }
-        const double start_of_bias = bias / result.unit;
-        const double most = of_magnitudes * largest_input + magnitude(start_of_bias) +
-                            magnitude(static_cast<double>(of_weights)) * 383.0 +
-                            255.0 * static_cast<double>(result.added);
-        if (most < static_cast<double>(std::numeric_limits<std::int32_t>::max())) {
-            const auto zero = static_cast<std::int64_t>(ranges.input.zero);
-            const auto added_zero = static_cast<std::int64_t>(ranges.added.zero);
-            result.start =
-                nearest_even(start_of_bias) - (zero - offset) * of_weights - added_zero * result.added;
-            return result;
-        }
+        const auto scale = static_cast<float>(wanted);
+        if (!(wanted < most) || !(input_scale > 0) ||
+            filter_of(weights, count, bias, scale, ranges, adds, largest_input, 0).fits())
+            return scale;
+        wanted *= 2;
     }
 }
 
-[[nodiscard]] constexpr std::int8_t quantised(float weight, const filter_scale& scale) {
-    const std::int64_t whole = nearest_even(static_cast<double>(weight) / scale.weight_scale);
-    return static_cast<std::int8_t>(std::clamp<std::int64_t>(whole, -127, 127));
+/// What a step of a sum stands for in a batch norm: 15 bits for the weight, less where the offset is so large
+/// that the sum would pass 31.
+[[nodiscard]] constexpr double norm_unit(float weight, float offset, const map_range& input) {
+    const double unit =
+        std::max(magnitude(static_cast<double>(weight)) / 32767 * static_cast<double>(input.scale),
+                 magnitude(static_cast<double>(offset)) / 0x1p29);
+    return unit > 0 ? unit : 1;
 }
 
 } // namespace detail

@@ -15,8 +15,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Convolution in 8 bits with what follows it. Folded numbers: weights [filter][channel][row][column],
-/// biases, then the ranges of its maps. Groups are one convolution with zeros between them.
+/// Convolution in 8 bits with what follows it. Groups are one convolution with zeros between them.
 template <class Input, class Output, kernels::frame_convolution Kernel>
 struct convolution_step<eight_bit_between<Input, Output>, Kernel> {
     using format = eight_bit;
@@ -27,9 +26,23 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel> {
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
     static constexpr std::size_t ranges = 1 + (Kernel.adds ? 1 : 0) + (writes_bytes ? 1 : 0);
-    static constexpr std::size_t folded = weights + Kernel.filters + ranges * map_range::numbers;
+    static constexpr folded_arrays arrays{{"weight",
+                                           folded_kind::weights,
+                                           {Kernel.filters, Kernel.window.input.channels / Kernel.groups,
+                                            Kernel.window.kernel.rows, Kernel.window.kernel.columns}},
+                                          {"bias", folded_kind::numbers, {Kernel.filters}},
+                                          {"scale", folded_kind::scales, {Kernel.filters}},
+                                          range_array("input"),
+                                          range_array("added", Kernel.adds),
+                                          range_array("output", writes_bytes)};
+    static constexpr std::size_t folded = arrays.numbers();
+    /// The largest magnitude of a number that it reads.
+    static constexpr double largest_input = std::is_same_v<Input, std::uint8_t> ? 255 : 32768;
 
 private:
+    static constexpr std::size_t biases = weights, weight_scales = biases + Kernel.filters,
+                                 of_maps = weight_scales + Kernel.filters;
+    static_assert(folded == of_maps + ranges * map_range::numbers);
     static constexpr kernels::frame_convolution all = Kernel.joined();
     static_assert(all.fits_map(), "convolution_step: the output does not fit its place in the wider map: "
                                   "fits_map() says what it takes");
@@ -58,7 +71,7 @@ public:
               : whole_lines<std::uint8_t>(plan::staged_elements * sizeof(typename plan::staged));
 
     static constexpr step_ranges ranges_of(const float* from) {
-        const float* at = from + weights + Kernel.filters;
+        const float* at = from + of_maps;
         step_ranges result;
         result.input = map_range::read(at);
         if constexpr (Kernel.adds)
@@ -67,8 +80,13 @@ public:
             result.output = map_range::read(at + map_range::numbers);
         return result;
     }
+    /// And the scales of the weights, which follow from these.
     static constexpr void set_ranges(float* to, const step_ranges& values) {
-        to += weights + Kernel.filters;
+        for (std::size_t f = 0; f < Kernel.filters; ++f)
+            to[weight_scales + f] = detail::scale_of_filter(to + f * Kernel.taps(), Kernel.taps(),
+                                                            static_cast<double>(to[biases + f]), values,
+                                                            Kernel.adds, largest_input);
+        to += of_maps;
         values.input.write(to);
         if constexpr (Kernel.adds)
             values.added.write(to += map_range::numbers);
@@ -81,9 +99,9 @@ public:
         const step_ranges maps = ranges_of(from);
         std::array<detail::filter_scale, Kernel.filters> scales{};
         for (std::size_t f = 0; f < Kernel.filters; ++f) {
-            scales[f] =
-                detail::scale_filter(from + f * of_one, of_one, static_cast<double>(from[weights + f]), maps,
-                                     Kernel.adds, reads_words ? 32768.0 : 255.0, tiled ? 0 : plan::offset);
+            scales[f] = detail::filter_of(from + f * of_one, of_one, static_cast<double>(from[biases + f]),
+                                          from[weight_scales + f], maps, Kernel.adds, largest_input,
+                                          tiled ? 0 : plan::offset);
             const double factor =
                 writes_bytes ? scales[f].unit / static_cast<double>(maps.output.scale) : scales[f].unit;
             detail::store_number(to + starts + f * 4, static_cast<std::int32_t>(scales[f].start));
@@ -132,8 +150,6 @@ public:
     }
 
 private:
-    static constexpr bool reads_words = !std::is_same_v<Input, std::uint8_t>;
-
     /// Counted over all groups; zero for a channel of another group than the filter's.
     static constexpr float weight_of(const float* from, std::size_t filter, std::size_t channel,
                                      std::size_t row, std::size_t column) {

@@ -20,8 +20,8 @@ struct relu_step<eight_bit, Map, Stride> {
     static constexpr shape output = Map;
     static constexpr std::size_t output_stride = Stride;
     static constexpr std::size_t ranges = 1;
-    static constexpr std::size_t folded = map_range::numbers, packed = whole_lines<std::int8_t>(1),
-                                 scratch = 0;
+    static constexpr folded_arrays arrays{range_array("input")};
+    static constexpr std::size_t folded = arrays.numbers(), packed = whole_lines<std::int8_t>(1), scratch = 0;
 
     static constexpr void set_ranges(float* to, const step_ranges& values) { values.input.write(to); }
     static constexpr void pack(const float* from, std::int8_t* to) {
@@ -43,7 +43,11 @@ struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>
     static constexpr shape output = Map;
     static constexpr std::size_t output_stride = Stride;
     static constexpr std::size_t ranges = 2;
-    static constexpr std::size_t folded = 2 * Map.channels + ranges * map_range::numbers;
+    static constexpr folded_arrays arrays{{"weight", folded_kind::numbers, {Map.channels}},
+                                          {"bias", folded_kind::numbers, {Map.channels}},
+                                          range_array("input"),
+                                          range_array("output")};
+    static constexpr std::size_t folded = arrays.numbers();
 
 private:
     static constexpr std::size_t of_channels = whole_lines<std::int8_t>(Stride * sizeof(std::int32_t));
@@ -64,11 +68,7 @@ public:
         for (std::size_t c = 0; c < Map.channels; ++c) {
             const auto weight = static_cast<double>(from[c]);
             const auto offset = static_cast<double>(from[Map.channels + c]);
-            // 15 bits for the weight, less where the offset is so large that the sum would pass 31.
-            double unit = std::max(detail::magnitude(weight) / 32767 * static_cast<double>(input.scale),
-                                   detail::magnitude(offset) / 0x1p29);
-            if (!(unit > 0))
-                unit = 1;
+            const double unit = detail::norm_unit(from[c], from[Map.channels + c], input);
             const std::int64_t times = detail::nearest_even(weight * static_cast<double>(input.scale) / unit);
             const std::int64_t start =
                 detail::nearest_even(offset / unit) - times * static_cast<std::int64_t>(input.zero);

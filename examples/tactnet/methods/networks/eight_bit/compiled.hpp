@@ -1,0 +1,28 @@
+#pragma once
+
+// What a network's form in 8 bits has that is compiled for its type and size, as virtual functions. See
+// compile.hpp for the template behind it.
+
+#include "methods/networks/any_model.hpp"
+#include "methods/networks/compiled.hpp"
+
+#include <tactnet/deployment/eight_bit/layout.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+class compiled_eight_bit {
+public:
+    virtual ~compiled_eight_bit() = default;
+
+    /// Of the folded numbers.
+    virtual tactnet::folded_layout layout() const = 0;
+    /// The folded numbers of a model, with ranges from images one behind the other. Throws
+    /// std::invalid_argument for a model that has no form in 8 bits.
+    virtual std::vector<float> calibrate(const any_model& model,
+                                         std::span<const std::uint8_t> images) const = 0;
+    /// Throws std::invalid_argument for numbers that cannot be.
+    virtual std::unique_ptr<any_deployed> deploy(std::span<const float> folded) const = 0;
+};

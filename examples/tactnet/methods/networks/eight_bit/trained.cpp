@@ -1,0 +1,129 @@
+#include "methods/networks/eight_bit/trained.hpp"
+
+#include <tactnet/io/stored_deployed.hpp>
+#include <tactnet/training/evaluate.hpp>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+class eight_bit_network final : public trained_network {
+public:
+    eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes,
+                      std::vector<float> folded, std::vector<std::string> classes)
+        : code_(code),
+          layout_(bytes.layout()),
+          folded_(std::move(folded)),
+          classes_(std::move(classes)),
+          deployed_(bytes.deploy(folded_)) {}
+
+    std::size_t bits() const override { return 8; }
+    const std::vector<std::string>& classes() const override { return classes_; }
+    tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
+                                 tactnet::thread_pool& threads) const override {
+        return evaluate(images, chosen, threads, tactnet::seen::as_it_is);
+    }
+    std::optional<tactnet::evaluation> evaluate_reflections(const tactnet::labelled_images& images,
+                                                            std::span<const std::size_t> chosen,
+                                                            tactnet::thread_pool& threads) const override {
+        return evaluate(images, chosen, threads, tactnet::seen::in_all_reflections);
+    }
+    std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        tactnet::thread_pool& threads) const override {
+        return likeliest_of(outputs(images, threads), code_.outputs, classes_.size());
+    }
+    void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
+              std::span<const std::uint8_t> selftest) const override {
+        tactnet::safetensors_writer writer;
+        writer.metadata = metadata;
+        tactnet::add_deployed(writer, layout_, folded_, classes_, selftest,
+                              [&](std::span<const std::uint8_t> images) { return logits(images); });
+        writer.write(path);
+    }
+    std::string header(const tactnet::header_description& says,
+                       std::span<const std::uint8_t> frame) const override {
+        return deployed_->header(says, frame);
+    }
+    void check_selftest(const tactnet::safetensors& file) const {
+        tactnet::check_deployed(file, layout_.input, classes_.size(),
+                                [&](std::span<const std::uint8_t> images) { return logits(images); });
+    }
+
+private:
+    tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
+                                 tactnet::thread_pool& threads, tactnet::seen how) const {
+        // Counts as they are.
+        const std::size_t pixels = code_.rows * code_.columns;
+        const std::vector<float> mean(pixels);
+        return tactnet::detail::evaluate(
+            layout_.input, mean, 1, code_.outputs, images, chosen, how,
+            [&](const tactnet::sample_batch& in, tactnet::sample_batch& out) {
+                std::vector<std::uint8_t> frames;
+                for (std::size_t i = 0; i < in.samples(); ++i)
+                    for (std::size_t e = 0; e < pixels; ++e)
+                        frames.push_back(static_cast<std::uint8_t>(in(i, e)));
+                const std::vector<float> found = outputs(frames, threads);
+                for (std::size_t i = 0; i < in.samples(); ++i)
+                    out.set(i, std::span(found).subspan(i * code_.outputs, code_.outputs));
+            });
+    }
+    /// A row of all outputs for each image.
+    std::vector<float> outputs(std::span<const std::uint8_t> images, tactnet::thread_pool& threads) const {
+        std::vector<float> found(images.size() / (code_.rows * code_.columns) * code_.outputs);
+        if (!deployed_->recognise(threads, images, found))
+            refuse_logits();
+        return found;
+    }
+    /// Of the classes alone.
+    std::vector<float> logits(std::span<const std::uint8_t> images) const {
+        tactnet::thread_pool alone;
+        const std::vector<float> all = outputs(images, alone);
+        std::vector<float> some;
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (i % code_.outputs < classes_.size())
+                some.push_back(all[i]);
+        return some;
+    }
+
+    const compiled_network& code_;
+    tactnet::folded_layout layout_;
+    std::vector<float> folded_;
+    std::vector<std::string> classes_;
+    std::unique_ptr<any_deployed> deployed_;
+};
+
+} // namespace
+
+std::unique_ptr<trained_network>
+make_eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes, const any_model& model,
+                       const tactnet::labelled_images& images, std::span<const std::size_t> chosen) {
+    const std::size_t pixels = code.rows * code.columns;
+    std::vector<std::uint8_t> shown;
+    for (const std::size_t i : chosen) {
+        const auto image = images.pixels.subspan(i * pixels, pixels);
+        shown.insert(shown.end(), image.begin(), image.end());
+    }
+    return std::make_unique<eight_bit_network>(code, bytes, bytes.calibrate(model, shown), model.classes);
+}
+
+std::unique_ptr<trained_network> load_eight_bit_network(const compiled_network& code,
+                                                        const compiled_eight_bit& bytes,
+                                                        const tactnet::safetensors& file) {
+    tactnet::stored_deployed stored = tactnet::read_deployed(file, bytes.layout());
+    auto network =
+        std::make_unique<eight_bit_network>(code, bytes, std::move(stored.folded), std::move(stored.classes));
+    network->check_selftest(file);
+    return network;
+}
+
+std::size_t eight_bit_parameter_bytes(const compiled_eight_bit& bytes, std::size_t classes) {
+    std::size_t sum = 0;
+    tactnet::detail::for_each_folded(
+        bytes.layout(), classes, [&](const auto&, const auto& array, const auto&, std::size_t elements) {
+            sum += elements * (array.kind == tactnet::folded_kind::weights ? 1 : sizeof(float));
+        });
+    return sum;
+}

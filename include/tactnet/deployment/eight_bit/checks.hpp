@@ -1,0 +1,150 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/layout.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+
+// Whether folded numbers are those of a network in 8 bits: with any others, sums might pass 32 bits, or bytes
+// stand for nothing.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A folded number that cannot be.
+struct folded_problem {
+    std::string array; ///< as the layout names it; of the frame "input_mean" or "input_words"
+    std::size_t element;
+    std::string expected, found;
+};
+
+namespace detail {
+
+/// Scales are normal numbers, and far from those that might overflow.
+inline constexpr float smallest_scale = std::numeric_limits<float>::min(), largest_scale = 1e30f;
+
+[[nodiscard]] inline std::string short_number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.9g", value);
+    return text;
+}
+
+/// Looks at one step after the other, and keeps the first problem.
+class folded_checker {
+public:
+    folded_checker(const folded_layout& layout, std::span<const float> folded) : folded_(folded) {
+        check_frame(layout.input.size());
+        for (const folded_step& step : layout.steps) {
+            if (problem_)
+                return;
+            check_numbers(step);
+            if (!problem_)
+                check_sums(step);
+        }
+    }
+    [[nodiscard]] const std::optional<folded_problem>& problem() const { return problem_; }
+
+private:
+    void require(bool holds, const std::string& array, std::size_t element, const char* expected,
+                 double found) {
+        if (!holds && !problem_)
+            problem_ = folded_problem{array, element, expected, short_number(found)};
+    }
+
+    void check_frame(std::size_t size) {
+        const float steps = folded_[size], most = folded_[size + 1];
+        // Of a power of two that is a normal number, all bits behind the exponent are 0.
+        const bool power = steps >= smallest_scale && (std::bit_cast<std::uint32_t>(steps) & 0x7fffff) == 0;
+        require(power && steps <= 0x1p14f, "input_words", 0,
+                "a power of two, at most 16384, as steps of a count", static_cast<double>(steps));
+        require(most > 0 && static_cast<double>(most) * static_cast<double>(steps) <= 32767, "input_words", 1,
+                "a number that is at most 32767 steps", static_cast<double>(most));
+        for (std::size_t e = 0; e < size; ++e)
+            require(std::abs(folded_[e]) <= most && std::abs(255 - folded_[e]) <= most, "input_mean", e,
+                    "a mean from which no count of 8 bits is further than the largest number of the words",
+                    static_cast<double>(folded_[e]));
+    }
+    void check_scale(const std::string& array, std::size_t element, float value) {
+        require(value >= smallest_scale && value <= largest_scale, array, element,
+                "a scale (a normal number above 0, at most 1e30)", static_cast<double>(value));
+    }
+    void check_numbers(const folded_step& step) {
+        for (const folded_step::array& array : step.arrays) {
+            const float* const values = folded_.data() + array.begin;
+            if (array.kind == folded_kind::range) {
+                check_scale(array.name, 0, values[0]);
+                require(values[1] >= 0 && values[1] <= 255 && values[1] == std::floor(values[1]), array.name,
+                        1, "a zero (a whole number from 0 to 255)", static_cast<double>(values[1]));
+                continue;
+            }
+            for (std::size_t i = 0; i < array.size; ++i)
+                if (array.kind == folded_kind::scales)
+                    check_scale(array.name, i, values[i]);
+                else
+                    require(std::abs(values[i]) <= std::numeric_limits<float>::max(), array.name, i,
+                            "a finite number", static_cast<double>(values[i]));
+        }
+    }
+    [[nodiscard]] map_range range_of(const folded_step& step, const char* map) const {
+        const folded_step::array* const array = step.find(map);
+        return array == nullptr ? map_range{} : map_range::read(folded_.data() + array->begin);
+    }
+    /// The factor from sums to what the step writes.
+    void check_factor(const std::string& array, std::size_t element, double unit, const map_range& output) {
+        const double factor = unit / static_cast<double>(output.scale);
+        require(factor <= static_cast<double>(std::numeric_limits<float>::max()), array, element,
+                "scales whose product over that of the output is a number of single precision", factor);
+    }
+    void check_sums(const folded_step& step) {
+        const step_ranges ranges{range_of(step, "input"), range_of(step, "added"), range_of(step, "output")};
+        const folded_step::array *const weights = step.find("weight"), *const biases = step.find("bias"),
+                                        *const scales = step.find("scale");
+        if (weights == nullptr)
+            return check_factor(step.arrays[0].name, 0, static_cast<double>(ranges.input.scale),
+                                ranges.output);
+        for (std::size_t f = 0; f < biases->size && !problem_; ++f) {
+            const float bias = folded_[biases->begin + f];
+            if (scales == nullptr)
+                check_factor(weights->name, f, norm_unit(folded_[weights->begin + f], bias, ranges.input),
+                             ranges.output);
+            else
+                check_filter(step, *weights, f, bias, folded_[scales->begin + f], ranges);
+        }
+    }
+    void check_filter(const folded_step& step, const folded_step::array& weights, std::size_t filter,
+                      float bias, float scale, const step_ranges& ranges) {
+        const std::size_t of_one = weights.size / weights.extents[0];
+        const float* const values = folded_.data() + weights.begin + filter * of_one;
+        for (std::size_t i = 0; i < of_one; ++i)
+            require(std::abs(static_cast<double>(values[i])) < 127.5 * static_cast<double>(scale),
+                    weights.name, filter * of_one + i,
+                    "a weight of at most 127 times the scale of its filter", static_cast<double>(values[i]));
+        const filter_scale sums = filter_of(values, of_one, static_cast<double>(bias), scale, ranges,
+                                            step.find("added") != nullptr, step.largest_input, 0);
+        require(sums.fits(), step.find("bias")->name, filter,
+                "a filter and a bias whose sums have at most 32 bits, which are 2147483647 steps", sums.most);
+        check_factor(step.find("scale")->name, filter, sums.unit, ranges.output);
+    }
+
+    std::span<const float> folded_;
+    std::optional<folded_problem> problem_;
+};
+
+} // namespace detail
+
+/// The first problem of as many numbers as the layout says, if there is one.
+[[nodiscard]] inline std::optional<folded_problem> find_problem(const folded_layout& layout,
+                                                                std::span<const float> folded) {
+    return detail::folded_checker(layout, folded).problem();
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

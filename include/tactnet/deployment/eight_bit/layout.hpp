@@ -1,0 +1,66 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// The folded numbers of a network in 8 bits, array by array with a name for each, as the steps say them: for
+// what checks them and keeps them in files, which need not know the network's type. A network's own is made
+// by layout_of.hpp.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// The arrays of one step.
+struct folded_step {
+    struct array {
+        std::string name;
+        folded_kind kind;
+        std::vector<std::size_t> extents;
+        std::size_t begin, size; ///< among all folded numbers
+    };
+    std::string name; ///< "step2", "step3.main.step1": its place in the network, with all that it is part of
+    double largest_input = 0; ///< of a step with weights
+    std::vector<array> arrays;
+
+    /// The array that the step calls so, or none.
+    [[nodiscard]] const array* find(std::string_view array_name) const {
+        for (const array& a : arrays)
+            if (std::string_view(a.name).substr(name.size() + 1) == array_name)
+                return &a;
+        return nullptr;
+    }
+};
+/// In the order of the folded numbers.
+struct folded_layout {
+    shape input;
+    std::size_t outputs = 0;
+    std::size_t steps_folded = 0;   ///< numbers in front of those of the steps, of the frame
+    std::size_t numbers = 0;        ///< all of them
+    bool ends_in_weights = false;   ///< whether the last step has a filter for each output
+    std::vector<folded_step> steps; ///< those with folded numbers
+};
+
+/// Weights that are no whole multiples of their scales become the nearest ones, as they are packed: what a
+/// file gives back.
+inline void round_weights(const folded_layout& layout, std::span<float> folded) {
+    for (const folded_step& step : layout.steps)
+        if (const auto* const weights = step.find("weight"), * const scales = step.find("scale");
+            weights != nullptr && scales != nullptr) {
+            const std::size_t of_one = weights->size / scales->size;
+            for (std::size_t i = 0; i < weights->size; ++i) {
+                float& weight = folded[weights->begin + i];
+                const float scale = folded[scales->begin + i / of_one];
+                weight = static_cast<float>(detail::quantised(weight, static_cast<double>(scale))) * scale;
+            }
+        }
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <tactnet/deployment/deployed_model.hpp>
+#include <tactnet/deployment/eight_bit/folded_check.hpp>
+#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/io/stored_deployed.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+// The weight file of a network deployed in 8 bits; stored_deployed.hpp says what is in it.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// The first `classes` outputs of each image.
+template <class Network>
+[[nodiscard]] std::vector<float> logits_of(const Network& network, std::span<const std::uint8_t> images,
+                                           std::size_t classes) {
+    const auto memory = std::make_unique_for_overwrite<typename Network::scratch>();
+    constexpr std::size_t size = Network::input_shape.size();
+    std::vector<float> logits;
+    for (std::size_t first = 0; first + size <= images.size(); first += size) {
+        std::array<float, Network::outputs> found;
+        // What is not finite agrees with no logit of a file.
+        (void)network(tensor_view<const std::uint8_t, Network::input_shape>(images.data() + first),
+                      std::span<float, Network::outputs>(found), *memory);
+        logits.insert(logits.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(classes));
+    }
+    return logits;
+}
+
+} // namespace detail
+
+/// A network in 8 bits from a file, as `save_deployed` writes it:
+///
+///     const auto recognise = load_deployed<net, eight_bit>("tactnet6_8bit.safetensors");
+///
+/// Throws file_error as `read_deployed`, also when the self-test in the file does not give its very logits.
+template <class Network, class Format>
+    requires std::is_same_v<Format, eight_bit>
+[[nodiscard]] deployed_model<Network, eight_bit> load_deployed(const safetensors& file) {
+    using bytes = deployed<Network, eight_bit>;
+    stored_deployed stored = read_deployed(file, folded_layout_of<typename bytes::view_type>());
+    constexpr std::size_t numbers = bytes::view_type::folded_elements;
+    bytes network(std::span<const float, numbers>(stored.folded.data(), numbers));
+    const std::size_t classes = stored.classes.size();
+    check_deployed(file, Network::input_shape, classes, [&](std::span<const std::uint8_t> images) {
+        return detail::logits_of(network, images, classes);
+    });
+    return {std::move(network), std::move(stored.classes)};
+}
+template <class Network, class Format>
+    requires std::is_same_v<Format, eight_bit>
+[[nodiscard]] deployed_model<Network, eight_bit> load_deployed(const std::filesystem::path& path) {
+    return load_deployed<Network, eight_bit>(safetensors::read(path));
+}
+
+/// Writes a network in 8 bits, all or nothing. `metadata` should say the "network" and may say more;
+/// `selftest` holds images to keep with what came of them, of which loading expects every bit. Throws
+/// file_error, and as `add_deployed`.
+template <class Network>
+void save_deployed(const std::filesystem::path& path, const deployed_model<Network, eight_bit>& network,
+                   file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {
+    safetensors_writer writer;
+    writer.metadata = std::move(metadata);
+    add_deployed(writer, folded_layout_of<typename deployed<Network, eight_bit>::view_type>(),
+                 network.folded(), network.classes(), selftest, [&](std::span<const std::uint8_t> images) {
+                     return detail::logits_of(network, images, network.classes().size());
+                 });
+    writer.write(path);
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
