@@ -130,7 +130,7 @@ find_program(TACTNET_ARM_EMULATOR NAMES qemu-arm qemu-arm-static)
 set(TACTNET_ARMHF_ROOT /usr/arm-linux-gnueabihf CACHE PATH "Libraries of 32-bit ARM programs, for the emulator")
 if(TACTNET_ARMHF_COMPILER AND TACTNET_ARM_EMULATOR)
     file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/*.hpp")
-    set(program "${CMAKE_CURRENT_BINARY_DIR}/test_deployed_armhf")
+    set(program "${CMAKE_CURRENT_BINARY_DIR}/deployed_armhf")
     set(sources
         "${CMAKE_CURRENT_SOURCE_DIR}/reduced.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/reduced_main.cpp"
         "${PROJECT_SOURCE_DIR}/tests/support/layers/deployment_bound.cpp"
