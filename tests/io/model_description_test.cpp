@@ -39,6 +39,32 @@ TEST_CASE("model_description: what was added is read back, number for number") {
     CHECK(d.epsilon == 0.1);
     CHECK(d.subtracts_mean == true);
     CHECK(d.scale == 1.0F / 255);
+    CHECK_FALSE(d.bits);
+}
+
+TEST_CASE("model_description: of 8 bits it needs no epsilon and no scale") {
+    file_metadata metadata;
+    add_description(metadata, {.network = {},
+                               .rows = 4,
+                               .columns = 6,
+                               .classes = {"cable"},
+                               .epsilon = {},
+                               .subtracts_mean = false,
+                               .scale = {},
+                               .bits = 8});
+    CHECK(metadata.at("bits") == "8");
+    CHECK(metadata.size() == 7);
+    const model_description d = describe_model(file_of(metadata));
+    CHECK(d.bits == 8U);
+    CHECK_FALSE(d.epsilon);
+    CHECK_FALSE(d.scale);
+    for (const char* wrong : {"4", "32", "0", "", "8 ", "eight"}) {
+        metadata["bits"] = wrong;
+        CHECK_THROWS_WITH_AS(static_cast<void>(describe_model(file_of(metadata))),
+                             doctest::Contains("metadata 'bits': expected '8', or none for single precision"),
+                             file_error);
+    }
+    CHECK_FALSE(describe_model(file_of({{"bits", "4"}})).bits); // another program's word
 }
 
 TEST_CASE("model_description: a file that says nothing") {

@@ -30,7 +30,7 @@ struct model_description {
     std::optional<double> epsilon; ///< of batch norms
     std::optional<bool> subtracts_mean;
     std::optional<float> scale;
-    std::optional<std::size_t> bits; ///< of a weight: 8, or nothing for single precision
+    std::optional<std::size_t> bits{}; ///< of a weight: 8, or nothing for single precision
 };
 
 namespace detail {

@@ -209,8 +209,7 @@ inline void add_model(safetensors_writer& writer, const model_parts& m,
                                       .classes = {m.classes.begin(), m.classes.end()},
                                       .epsilon = m.epsilon,
                                       .subtracts_mean = subtracts,
-                                      .scale = m.scale,
-                                      .bits = {}});
+                                      .scale = m.scale});
     for (std::size_t i = 0; i < m.values.size(); ++i)
         add_array(writer, m.arrays, i, m.values[i], classes);
     if (subtracts)
