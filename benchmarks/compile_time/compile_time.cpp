@@ -61,6 +61,30 @@ std::string deployed(const std::string& network) {
            "tactnet::deployed<network> make(const network& n) { return tactnet::deploy(n); }\n";
 }
 
+/// In 8 bits: from folded numbers, as a weight file and a header have them, or calibrated, which runs the
+/// network in single precision too.
+std::string deployed_in_8_bits(const std::string& network, bool calibrated) {
+    return "#include <tactnet/deployment/eight_bit.hpp>\n"
+           "#include <tactnet/tactnet.hpp>\n"
+           "using network = " +
+           network +
+           ";\n"
+           "using bytes = tactnet::deployed<network, tactnet::eight_bit>;\n"
+           "tactnet::frame_status recognise(const bytes& d,\n"
+           "                                tactnet::tensor_view<const float, network::input_shape> frame,\n"
+           "                                std::span<float, network::outputs> logits) {\n"
+           "    return d(frame, logits);\n"
+           "}\n" +
+           (calibrated
+                ? "bytes make(const network& n, std::span<const float, network::input_shape.size()> mean,\n"
+                  "           std::span<const std::uint8_t> images) {\n"
+                  "    return tactnet::deploy<tactnet::eight_bit>(n, mean, 1.0f, images);\n"
+                  "}\n"
+                : "bytes make(std::span<const float, bytes::view_type::folded_elements> folded) {\n"
+                  "    return bytes(folded);\n"
+                  "}\n");
+}
+
 } // namespace
 
 int main(int count, char** arguments) {
@@ -75,6 +99,9 @@ int main(int count, char** arguments) {
         {"the core included", "#include <tactnet/tactnet.hpp>\n"},
         {"TactNet-4 28x50 deployed", deployed("tactnet::tactnet4<tactnet::shape{28, 50, 1}, 22>")},
         {"TactNet-6 28x50 deployed", deployed("tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>")},
+        {"the same in 8 bits", deployed_in_8_bits("tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>", false)},
+        {"the same, calibrated",
+         deployed_in_8_bits("tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>", true)},
         {"TactNet-6 10x18 deployed", deployed("tactnet::tactnet6<tactnet::shape{10, 18, 1}, 22>")},
         {"TactResNet 28x50 deployed", deployed("tactnet::tactresnet<tactnet::shape{28, 50, 1}, 22>")},
     };
