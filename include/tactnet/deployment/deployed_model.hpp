@@ -79,6 +79,7 @@ public:
         detail::refuse_frame<Frame, input_shape>();
         return std::nullopt;
     }
+    /// A frame of another size or type is refused by a sentence, not by a list of candidates.
     template <class Frame>
     requires base::template refuses_frame<Frame> std::optional<recognition>
     operator()(Frame&&, scratch&) const noexcept {

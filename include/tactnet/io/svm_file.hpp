@@ -207,6 +207,7 @@ template <svm_kernel Kernel, std::size_t Features = dynamic_features>
     parts.standardise = detail::stored_standardisation(file, parts.features);
     return detail::machine_of<kernel_machine<Kernel, Features>>(file, std::move(parts), Features);
 }
+/// The same from a path.
 template <svm_kernel Kernel, std::size_t Features = dynamic_features>
 [[nodiscard]] kernel_machine<Kernel, Features> load_kernel_machine(const std::filesystem::path& path) {
     return load_kernel_machine<Kernel, Features>(safetensors::read(path));
@@ -225,6 +226,7 @@ template <std::size_t Features = dynamic_features>
     parts.standardise = detail::stored_standardisation(file, parts.features);
     return detail::machine_of<linear_machine<Features>>(file, std::move(parts), Features);
 }
+/// The same from a path.
 template <std::size_t Features = dynamic_features>
 [[nodiscard]] linear_machine<Features> load_linear_machine(const std::filesystem::path& path) {
     return load_linear_machine<Features>(safetensors::read(path));

@@ -75,7 +75,7 @@ inline void append_utf8(std::string& text, std::uint32_t code) {
 } // namespace detail
 
 /// `text` in single quotes, fit for one line of a terminal: control characters and bytes that are not UTF-8
-/// appear as \xNN, and what is longer than `limit` bytes is cut.
+/// appear as `\xNN`, and what is longer than `limit` bytes is cut.
 inline std::string in_quotes(std::string_view text, std::size_t limit = 80) {
     constexpr std::string_view digits = "0123456789abcdef";
     std::string shown = "'";

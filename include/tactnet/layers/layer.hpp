@@ -73,6 +73,7 @@ struct parameter {
     std::size_t fan_in; ///< inputs of one output, for initialisation
 };
 
+/// A specification bound to an input shape and a number type: constants and static functions, without state.
 template <class Layer, class T = typename Layer::value_type>
 concept layer = std::floating_point<T> &&
     requires(const pass& p, const T* parameters, T* statistics, typename Layer::memory& memory,

@@ -92,6 +92,7 @@ template <class Names>
 [[nodiscard]] inline std::optional<recognition> most_probable(std::span<const float> probabilities) noexcept {
     return detail::recognise_by(probabilities, [](double probability, double) { return probability; });
 }
+/// The same with the class's name.
 template <class Names>
     requires lasting_names<Names>
 [[nodiscard]] std::optional<recognition> most_probable(std::span<const float> probabilities,

@@ -39,6 +39,7 @@ public:
         return {values_, features_};
     }
 
+    /// How many rows there are.
     [[nodiscard]] std::size_t size() const { return values_.size() / features(); }
     [[nodiscard]] constexpr std::size_t features() const {
         return Features == dynamic_features ? features_ : Features;

@@ -41,6 +41,7 @@ using resnet50_nn = behind_photograph<Touch, resnet50<shape{224, 224, 3}, Classe
 template <shape Touch, std::size_t Classes>
 using vgg16_nn = behind_photograph<Touch, vgg16<shape{224, 224, 3}, Classes>>;
 
+/// How the authors trained the head of each.
 inline constexpr published_training squeezenet_nn_training{
     .rate = 1e-3,
     .drop_period = 0,

@@ -39,6 +39,7 @@ struct sequence {
             template <std::size_t... I>
             static auto inner_of(std::index_sequence<I...>)
                 -> detail::indexed_leaves<typename at<I>::memory...>;
+            /// The memory of the layers inside.
             decltype(inner_of(std::make_index_sequence<size>{})) inner;
 
             /// Keeps what is there when it gets less.

@@ -11,7 +11,7 @@ namespace simulation {
 /// A kind of object: each draw is another one of its kind, in another pose, pressed with another force.
 struct object_family {
     std::string_view name;
-    touch (*draw)(drawing&);
+    touch (*draw)(drawing&); ///< one of them, by chance
 };
 
 } // namespace simulation

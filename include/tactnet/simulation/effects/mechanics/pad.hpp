@@ -24,6 +24,7 @@ public:
     pad_shares(double thickness, double poisson)
         : thickness_(thickness), pressure_([=](double x) { return x * layer_transfer(x, poisson); }, 30) {}
 
+    /// Of a tactel so many rows and columns away.
     [[nodiscard]] double operator()(std::size_t rows, std::size_t columns) const {
         const double x = static_cast<double>(columns), y = static_cast<double>(rows);
         // Two cells, of which one lies so far beside the other, overlap as a triangle does.
