@@ -11,6 +11,7 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/pretrained.hpp>
+#include <tactnet/io/read_number.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>

@@ -219,7 +219,8 @@ private:
         } else {
             std::vector<std::unique_ptr<scratch>> memories(threads.threads());
             for (std::unique_ptr<scratch>& memory : memories)
-                memory = std::make_unique_for_overwrite<scratch>();
+                memory.reset(
+                    new scratch); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
             threads.on_each_thread([&](thread_pool::share part) {
                 for (std::size_t i = part.begin(count); i < part.end(count); ++i)
                     one(i, *memories[part.index]);

@@ -130,8 +130,8 @@ inline checksum_state load_checkpoint(const std::filesystem::path& path, std::sp
     for (std::size_t index = 0; index < arrays.size(); ++index)
         std::visit(
             [&](auto to) {
-                std::ranges::copy(std::get<std::vector<typename decltype(to)::value_type>>(states[index]),
-                                  to.begin());
+                const auto& from = std::get<std::vector<typename decltype(to)::value_type>>(states[index]);
+                std::copy(from.begin(), from.end(), to.begin());
             },
             arrays[index].values);
     return file.checksum();

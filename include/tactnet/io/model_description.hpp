@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_number.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/io/text.hpp>
@@ -14,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 #include <vector>
 
 // What the file of a trained network says about itself in its metadata: what it is, and how its inputs are
@@ -53,8 +55,15 @@ std::optional<Number> number_in(const safetensors& file, std::string_view key, c
         return std::nullopt;
     const std::string& text = found->second;
     Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !(value > Number{}) ||
+    const char* end = nullptr;
+    if constexpr (std::is_floating_point_v<Number>) {
+        const auto read = read_floating_point<Number>(text.data(), text.data() + text.size());
+        value = read.value, end = read.end;
+    } else if (const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+               read.ec == std::errc()) {
+        end = read.ptr;
+    }
+    if (end != text.data() + text.size() || !(value > Number{}) ||
         !std::isfinite(static_cast<double>(value))) {
         if (!strict)
             return std::nullopt;

@@ -192,7 +192,8 @@ inline void require_arrays(const safetensors_index& file, const stored_arrays& a
     const std::string all = std::to_string(known.size()) + " arrays of this network";
     for (const auto& [name, tensor] : file.tensors()) {
         const auto begins = [&name = name](const std::string& start) { return name.starts_with(start); };
-        if (known.contains(name) || detail::is_companion(name) || std::ranges::any_of(unread, begins))
+        if (known.contains(name) || detail::is_companion(name) ||
+            std::any_of(unread.begin(), unread.end(), begins))
             continue;
         only.emplace(file.file(), "", "only the " + all, detail::tensor_place(name) + " of another network");
         differences.surplus.push_back(in_quotes(name));

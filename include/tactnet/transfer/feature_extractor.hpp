@@ -49,7 +49,7 @@ public:
         check(images, chosen);
         std::vector<float> result(chosen.size() * features());
         threads.on_each_thread([&](thread_pool::share part) {
-            const auto own = std::make_unique_for_overwrite<memory>();
+            const std::unique_ptr<memory> own(new memory); // not zeroed
             for (std::size_t i = part.begin(chosen.size()); i < part.end(chosen.size()); ++i)
                 extract(images.subspan(chosen[i] * Grey.size()).template first<Grey.size()>(), chosen[i],
                         *own, std::span(result).subspan(i * features(), features()));

@@ -100,7 +100,7 @@ inline std::vector<std::filesystem::path> images_in(const std::filesystem::path&
     std::size_t others = 0;
     for (const auto& entry : visible_entries(folder)) {
         const std::string extension = lower_case(entry.path().extension().string());
-        if (std::ranges::find(extensions, extension) != extensions.end() && is_file(entry))
+        if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end() && is_file(entry))
             images.push_back(entry.path());
         else
             ++others;
@@ -113,7 +113,7 @@ inline std::vector<std::filesystem::path> images_in(const std::filesystem::path&
                          others == 0 ? "an empty folder"
                                      : "none among " + std::to_string(others) + " entries");
     }
-    std::ranges::sort(images, [](const auto& a, const auto& b) {
+    std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) {
         return natural_less(a.filename().string(), b.filename().string());
     });
     return images;
@@ -145,7 +145,7 @@ list_image_folder(const std::filesystem::path& root,
         throw file_error(root.string(), "", "one subfolder a class",
                          entries.empty() ? "an empty folder"
                                          : std::to_string(entries.size()) + " files and no subfolder");
-    std::ranges::sort(folder.classes);
+    std::sort(folder.classes.begin(), folder.classes.end());
     for (const std::string& name : folder.classes)
         if (!is_utf8(name))
             throw file_error(root.string(), "subfolder " + in_quotes(name), "a name in UTF-8", "other bytes");

@@ -56,7 +56,7 @@ public:
     /// Throws file_error unless the tensor has just these extents.
     void require_extents(std::string_view name, std::span<const std::size_t> extents) const {
         const entry& tensor = at(name);
-        if (!std::ranges::equal(tensor.extents, extents))
+        if (!std::equal(tensor.extents.begin(), tensor.extents.end(), extents.begin(), extents.end()))
             throw file_error(file_, detail::tensor_place(name), shape_text(extents),
                              shape_text(tensor.extents));
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/read_number.hpp>
 
 #include <array>
 #include <charconv>
@@ -69,10 +70,8 @@ inline constexpr auto exact_tens = [] {
     const bool exponent = at != end && (*at == 'e' || *at == 'E');
     if (!exponent && whole + fraction <= exact_digits)
         return {static_cast<double>(digits) / detail::exact_tens[static_cast<std::size_t>(fraction)], at};
-    scanned_number result;
-    const auto [stop, code] = std::from_chars(begin, end, result.value);
-    result.end = code == std::errc() ? stop : nullptr;
-    return result;
+    const auto [value, stop] = read_floating_point<double>(begin, end);
+    return {value, stop};
 }
 
 /// All of `text` as a whole number; nothing if it is anything else.

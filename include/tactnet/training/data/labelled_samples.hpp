@@ -48,8 +48,9 @@ public:
     void copy(std::size_t sample, std::span<float> to) const {
         std::visit(
             [&](const auto& numbers) {
-                std::ranges::transform(numbers.subspan(sample * to.size(), to.size()), to.begin(),
-                                       [](auto number) { return static_cast<float>(number); });
+                const auto of_sample = numbers.subspan(sample * to.size(), to.size());
+                std::transform(of_sample.begin(), of_sample.end(), to.begin(),
+                               [](auto number) { return static_cast<float>(number); });
             },
             numbers_);
     }
