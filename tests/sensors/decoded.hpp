@@ -35,7 +35,7 @@ struct decoded {
 };
 
 inline std::span<const std::byte> bytes_of(std::string_view text) {
-    return std::as_bytes(std::span(text));
+    return std::as_bytes(std::span(text.data(), text.size()));
 }
 
 /// Pushes pieces that end at each of `cuts` and at the end.
