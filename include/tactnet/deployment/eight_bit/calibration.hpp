@@ -101,7 +101,7 @@ private:
             view::pack(reference_.folded().data(), numbers.data());
             return numbers;
         }();
-        const auto memory = std::make_unique_for_overwrite<typename view::scratch>();
+        const std::unique_ptr<typename view::scratch> memory(new typename view::scratch); // not zeroed
         float* const in = memory->elements.data();
         float* const out = in + entrance::map;
         constexpr std::size_t output_elements =
@@ -149,7 +149,7 @@ private:
     double error_with(const std::array<double, maps>& of_full) {
         set_ranges(of_full);
         const bytes network(folded());
-        const auto memory = std::make_unique_for_overwrite<typename bytes::scratch>();
+        const std::unique_ptr<typename bytes::scratch> memory(new typename bytes::scratch); // not zeroed
         double sum = 0;
         for (std::size_t i = 0; i < count(); ++i) {
             std::array<float, outputs> found;
