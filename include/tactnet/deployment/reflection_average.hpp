@@ -26,8 +26,9 @@ public:
 
     /// Memory for one call. Nothing in it outlives the call.
     struct scratch {
-        typename View::scratch network;
-        std::array<float, input_shape.size()> frame;
+        typename View::scratch network;              ///< memory of the network
+        std::array<float, input_shape.size()> frame; ///< reflected
+        /// What the network gives for each reflection.
         std::array<std::array<float, outputs>, all_reflections.size()> of_each;
     };
 

@@ -60,6 +60,7 @@ template <class Network, class Format>
     });
     return {std::move(network), std::move(stored.classes)};
 }
+/// Of the file at a path.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] deployed_model<Network, eight_bit> load_deployed(const std::filesystem::path& path) {

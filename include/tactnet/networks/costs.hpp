@@ -21,9 +21,12 @@ inline namespace TACTNET_ARCH {
 
 /// The constants of a network of the same names.
 struct network_costs {
-    std::size_t parameters = 0, statistics = 0;
-    std::size_t multiply_adds = 0, multiply_adds_on_pixels = 0;
-    std::size_t parameter_bytes = 0, activation_bytes = 0;
+    std::size_t parameters = 0;              ///< learnable
+    std::size_t statistics = 0;              ///< running means and variances
+    std::size_t multiply_adds = 0;           ///< of one sample, all taps
+    std::size_t multiply_adds_on_pixels = 0; ///< of one sample, without taps on padding
+    std::size_t parameter_bytes = 0;         ///< of parameters and statistics
+    std::size_t activation_bytes = 0;        ///< the most that are alive at once, one sample at a time
     friend constexpr bool operator==(const network_costs&, const network_costs&) = default;
 };
 
@@ -55,11 +58,13 @@ template <shape Least, shape Most>
 struct size_table {
     static_assert(Least.rows <= Most.rows && Least.columns <= Most.columns,
                   "size_table: the least size must not be larger than the most");
-    static constexpr std::size_t rows = Most.rows - Least.rows + 1,
-                                 columns = Most.columns - Least.columns + 1, size = rows * columns;
+    static constexpr std::size_t rows = Most.rows - Least.rows + 1;          ///< numbers of rows
+    static constexpr std::size_t columns = Most.columns - Least.columns + 1; ///< numbers of columns
+    static constexpr std::size_t size = rows * columns;                      ///< sizes in all
     /// Row by row.
     std::array<network_costs, size> costs{};
 
+    /// The size whose costs stand at that place.
     [[nodiscard]] static constexpr shape size_of(std::size_t place) {
         return {Least.rows + place / columns, Least.columns + place % columns};
     }

@@ -21,8 +21,8 @@ inline namespace TACTNET_ARCH {
 
 /// A folded number that cannot be.
 struct folded_problem {
-    std::string array; ///< as the layout names it; of the frame "input_mean" or "input_words"
-    std::size_t element;
+    std::string array;   ///< as the layout names it; of the frame "input_mean" or "input_words"
+    std::size_t element; ///< its place in the array
     std::string expected, found;
 };
 

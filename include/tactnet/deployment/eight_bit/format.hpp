@@ -58,9 +58,9 @@ enum class folded_kind {
 };
 /// An array among the folded numbers of a step. Its name says what it is: of a range, the map of the step.
 struct folded_array {
-    const char* name = "";
-    folded_kind kind = folded_kind::numbers;
-    std::array<std::size_t, 4> extents{}; ///< zeros behind the last
+    const char* name = "";                   ///< "weight", "bias", "input"
+    folded_kind kind = folded_kind::numbers; ///< what its numbers are
+    std::array<std::size_t, 4> extents{};    ///< zeros behind the last
 
     [[nodiscard]] constexpr std::size_t size() const {
         std::size_t product = 1;
@@ -71,8 +71,8 @@ struct folded_array {
 };
 /// Up to six arrays, one behind the other.
 struct folded_arrays {
-    std::array<folded_array, 6> list{};
-    std::size_t count = 0;
+    std::array<folded_array, 6> list{}; ///< those that there are come first
+    std::size_t count = 0;              ///< of those that there are
 
     /// Those that there are: of a name that is empty, there is none.
     constexpr folded_arrays(std::initializer_list<folded_array> all) {
@@ -87,6 +87,7 @@ struct folded_arrays {
         return sum;
     }
 };
+/// The array of a map's range; none for a map that is not there.
 [[nodiscard]] constexpr folded_array range_array(const char* map, bool there = true) {
     return {there ? map : "", folded_kind::range, {map_range::numbers}};
 }

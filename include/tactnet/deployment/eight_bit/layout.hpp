@@ -19,15 +19,16 @@ inline namespace TACTNET_ARCH {
 
 /// The arrays of one step.
 struct folded_step {
+    /// One of them.
     struct array {
-        std::string name;
-        folded_kind kind;
-        std::vector<std::size_t> extents;
-        std::size_t begin, size; ///< among all folded numbers
+        std::string name;                 ///< that of the step, a point, and what it is
+        folded_kind kind;                 ///< what its numbers are
+        std::vector<std::size_t> extents; ///< of weights [filter][channel][row][column]
+        std::size_t begin, size;          ///< among all folded numbers
     };
     std::string name; ///< "step2", "step3.main.step1": its place in the network, with all that it is part of
-    double largest_input = 0; ///< of a step with weights
-    std::vector<array> arrays;
+    double largest_input = 0;  ///< of a step with weights
+    std::vector<array> arrays; ///< in the order of the folded numbers
 
     /// The array that the step calls so, or none.
     [[nodiscard]] const array* find(std::string_view array_name) const {

@@ -46,6 +46,7 @@ struct images_as_taken {
     [[nodiscard]] static images_as_taken of(std::span<const std::uint8_t> pixels) {
         return {pixels, Taken, Seen, &detail::vary_and_reduce<Taken, Seen>};
     }
+    /// Whether larger images are known.
     [[nodiscard]] bool given() const { return vary != nullptr; }
     /// How many tactels lie where there is one in the small images, in the direction where there are more.
     [[nodiscard]] double tactels_for_one() const {
