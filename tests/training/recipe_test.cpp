@@ -26,6 +26,16 @@ TEST_CASE("recipe::published: as in the authors' programs for pretrained network
     CHECK(r.augmentation == augmentation_rule::none);
 }
 
+TEST_CASE("recipe::thorough: the same with three times as many epochs, under a name of its own") {
+    recipe expected = recipe::default_for(14, 25);
+    const recipe found = expected.thorough();
+    CHECK(found.name == "thorough");
+    CHECK(found.epochs == 3 * 440);
+    CHECK(found.rate == expected.rate);
+    CHECK(found.ranges == expected.ranges);
+    CHECK(found.averaging == expected.averaging);
+}
+
 TEST_CASE("recipe::default_for: small images are learnt from longer, four times as long at most") {
     CHECK(recipe::default_for(28, 50).epochs == 110);
     CHECK(recipe::default_for(20, 35).epochs == 220);

@@ -247,9 +247,9 @@ command add_study(CLI::App& program) {
     app->add_option("--sizes", o->sizes, "Some sizes, such as 28x50,14x25 (default: all)")
         ->type_name("SIZE,...")
         ->delimiter(',');
-    app->add_option("--recipes", o->recipes, "'default', 'published' or both")
+    app->add_option("--recipes", o->recipes, "Some of 'default', 'thorough' and 'published'")
         ->delimiter(',')
-        ->check(CLI::IsMember({"default", "published"}))
+        ->check(CLI::IsMember(recipe_names()))
         ->capture_default_str();
     app->add_option("--split", o->split, "'random', 'blocked' or 'both'")
         ->check(CLI::IsMember({"both", "random", "blocked"}))

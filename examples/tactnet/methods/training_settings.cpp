@@ -15,7 +15,25 @@ tactnet::recipe published_recipe(const method& what) {
     return tactnet::recipe::published(what.rows, what.columns, *what.published);
 }
 
+tactnet::recipe thorough_recipe(const method& what) {
+    if (!may_be_thorough(what))
+        throw usage_error(
+            fmt::format("--recipe: expected default or published, since a thorough training is one of a "
+                        "network that begins by chance, not of {}; found thorough",
+                        what.name));
+    return what.default_recipe().thorough();
+}
+
 } // namespace
+
+const std::vector<std::string>& recipe_names() {
+    static const std::vector<std::string> names{"default", "thorough", "published"};
+    return names;
+}
+
+bool may_be_thorough(const method& what) {
+    return what.is_network() && !what.pretrained();
+}
 
 void add_training_options(CLI::App& command, training_settings& s, const std::string& pretrained) {
     command.add_option("--rows", s.rows, "Rows of an image, tactels")
@@ -28,8 +46,11 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
         ->capture_default_str();
     command.add_flag("--resize", s.resize,
                      "Resize images of another size (bicubic); without it they are an error");
-    command.add_option("--recipe", s.recipe, "How to train: 'default', or as 'published' with the network")
-        ->check(CLI::IsMember({"default", "published"}))
+    command
+        .add_option(
+            "--recipe", s.recipe,
+            "How to train: 'default', 'thorough' (the same for longer), or as 'published' with the network")
+        ->check(CLI::IsMember(recipe_names()))
         ->capture_default_str();
     command.add_option("--epochs", s.epochs, "Most epochs (default: the recipe's)")
         ->type_name("N")
@@ -133,14 +154,16 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
             fmt::format("--input: expected scale, as weights learnt from photographs want it, for {}; "
                         "found {}",
                         what.name, *s.input));
-    tactnet::recipe r = s.recipe == "published" ? published_recipe(what) : what.default_recipe();
+    tactnet::recipe r = s.recipe == "published"  ? published_recipe(what)
+                        : s.recipe == "thorough" ? thorough_recipe(what)
+                                                 : what.default_recipe();
     if (s.epochs)
         r.epochs = *s.epochs;
     if (s.batch)
         r.batch = *s.batch;
     if (s.rate)
         r.rate = *s.rate;
-    else if (!s.start.empty() && s.recipe == "default")
+    else if (!s.start.empty() && s.recipe != "published")
         r.rate *= 0.3; // of 0.3 and 1 what did best from simulated images, with 4 and with 32 real ones
                        // a class
     if (s.input)

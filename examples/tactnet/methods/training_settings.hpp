@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -44,6 +45,11 @@ void check_bits(const method& what, std::size_t bits);
 /// "random" or "blocked".
 tactnet::split_rule split_rule_of(std::string_view name);
 std::string_view name_of(tactnet::split_rule rule);
+
+/// What --recipe takes.
+const std::vector<std::string>& recipe_names();
+/// Whether it can be trained by the thorough recipe: a network that begins by chance.
+bool may_be_thorough(const method& what);
 
 /// The recipe for a method, with the user's changes. Throws usage_error.
 tactnet::recipe recipe_for(const method& what, const training_settings& settings);

@@ -71,7 +71,8 @@ study_plan plan_of(const study_options& o) {
         }
         std::vector<std::string> tried; // recipes that come to the same
         for (const std::string& recipe : o.recipes) {
-            if (recipe == "published" && !(m->is_network() && m->published))
+            if ((recipe == "published" && !(m->is_network() && m->published)) ||
+                (recipe == "thorough" && !may_be_thorough(*m)))
                 continue;
             settings.recipe = recipe;
             const std::string name(recipe_for(*m, settings).name);

@@ -181,6 +181,8 @@ TEST_SUITE("program") {
         shop.refuses(evaluate({"--epochs", "3"}), "expected a network, found svm-linear");
         shop.refuses(evaluate({"--recipe", "published"}),
                      "expected default, since nothing was published for svm-linear");
+        shop.refuses(evaluate({"--recipe", "thorough"}),
+                     "a thorough training is one of a network that begins by chance, not of svm-linear");
 
         // They are described by their own settings, and by no recipe of networks.
         const auto described = lines_of(kept);

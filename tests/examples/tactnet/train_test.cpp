@@ -89,7 +89,7 @@ TEST_SUITE("program") {
         REQUIRE(shop.train({"--epochs", "4", "--output", "c", "--seed", "6"}).status == 0);
         CHECK(text_of(shop / "a") == text_of(shop / "b"));
         CHECK(text_of(shop / "a") != text_of(shop / "c"));
-        for (const char* recipe : {"published", "default"})
+        for (const char* recipe : {"published", "thorough", "default"})
             for (const char* augmentation : {"none", "each-epoch", "sixfold"})
                 CHECK(shop.train({"--epochs", "2", "--output", "d", "--recipe", recipe, "--augmentation",
                                   augmentation, "--input", "scale", "--split", "blocked"})
