@@ -136,11 +136,11 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
 }
 
 void report(const std::filesystem::path& folder, const std::vector<study_row>& rows,
-            const std::string& images) {
+            const std::vector<peer_time>& peers, const std::string& images) {
     tactnet::write_file(folder / "study.jsonl", study_json_lines(rows));
     tactnet::write_file(folder / "study.csv", study_csv(rows));
     std::vector<drawn_study_picture> drawn;
-    for (const study_picture& picture : study_pictures(rows))
+    for (const study_picture& picture : study_pictures(rows, peers))
         drawn.push_back({picture.caption, draw_study_picture(picture, folder)});
     tactnet::write_file(folder / "study.md", study_markdown(rows, images));
     tactnet::write_file(folder / "study.html", study_page(rows, drawn, images));
@@ -159,6 +159,8 @@ void check(const study_options& o, const study_plan& plan) {
     std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))
         inputs.push_back({"--pretrained", file});
+    if (!o.peers.empty())
+        inputs.push_back({"--peers", o.peers});
     check_places(inputs, outputs, o.data);
     tidy_folders_of(outputs);
     if (std::ranges::any_of(plan.candidates, [](const candidate& c) { return c.what->keeps_features(); }))
@@ -176,6 +178,8 @@ int study(const study_options& o) {
         throw usage_error("--report-only, --shard: expected one of them, found both; a part has no report");
     study_plan plan = plan_of(o);
     check(o, plan);
+    const std::vector<peer_time> peers =
+        o.peers.empty() ? std::vector<peer_time>{} : read_peer_times(o.peers);
     const split_plan splits = splits_of(o);
     const std::size_t count = plan.candidates.size();
     const candidate_list candidates(o.data, std::move(plan.candidates));
@@ -220,7 +224,7 @@ int study(const study_options& o) {
     std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings);
     std::ranges::move(plan.missing, std::back_inserter(rows));
     const image_data& data = *candidates.begin()->data;
-    report(folder, rows,
+    report(folder, rows, peers,
            fmt::format("{} images of {} classes in {}; {} {} splits", data.images.size(),
                        data.images.classes.size(), printable(o.data), o.splits,
                        o.split == "both" ? "random and as many blocked" : o.split));
@@ -264,6 +268,11 @@ command add_study(CLI::App& program) {
            "one")
         ->type_name("NAME=FILE,...")
         ->delimiter(',');
+    app->add_option(
+           "--peers", o->peers,
+           "Other libraries' times for the same networks on this machine, drawn beside: the table of "
+           "benchmark_inference")
+        ->type_name("FILE");
     app->add_option("--jobs", o->jobs, "Trainings at the same time, 1 to 1024 (default: one a core)")
         ->type_name("N")
         ->check(whole_number(1, 1024));

@@ -24,9 +24,9 @@ namespace {
 
 using tactnet::split_rule;
 
-// Three hues that people who confuse colours tell apart, on light and dark ground; grey for the paper.
+// Hues that people who confuse colours tell apart, on light and dark ground; grey for the paper.
 constexpr std::string_view of_touches = "#2a78d6", of_photographs = "#d9622b", machines = "#199e70",
-                           of_paper = "#8a8a86";
+                           of_peers = "#b0479a", of_paper = "#8a8a86";
 
 struct family {
     std::string_view title, colour;
@@ -61,8 +61,30 @@ std::string accuracy_axis(double lowest) {
                        std::max(0.0, 5 * std::floor((lowest - 1) / 5)));
 }
 
-/// Accuracy against microseconds: each method, the front, and the paper.
-study_picture costs_picture(const std::vector<study_row>& rows) {
+/// A line for each peer's time of a network that the rows have.
+std::string peer_lines(const std::vector<study_row>& rows, const std::vector<peer_time>& peers,
+                       split_rule rule) {
+    std::string lines;
+    for (const peer_time& peer : peers) {
+        const study_row* same = nullptr;
+        double best = 0;
+        for (const study_row& row : rows)
+            if (const auto* a = find_accuracy(row, rule);
+                a != nullptr && row.method == peer.method && row.rows == peer.rows &&
+                row.columns == peer.columns && a->test.mean > best) {
+                same = &row;
+                best = a->test.mean;
+            }
+        if (same != nullptr)
+            lines +=
+                fmt::format("{} {} \"{} {}x{} by {}\\n{:.1f} µs a frame\"\n", peer.microseconds, 100 * best,
+                            peer.method, peer.rows, peer.columns, peer.peer, peer.microseconds);
+    }
+    return lines;
+}
+
+/// Accuracy against microseconds: each method, the front, other libraries, and the paper.
+study_picture costs_picture(const std::vector<study_row>& rows, const std::vector<peer_time>& peers) {
     const split_rule rule = shown_rule(rows);
     std::string data, plot;
     double lowest = 100, fastest = 1e6;
@@ -84,6 +106,14 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
         plot += fmt::format("${0} using 1:2:3:4 with yerrorbars pt 7 ps 0.8 lc rgb '{1}' title '{2}', "
                             "${0} using 1:2:5 with labels hypertext point pt 7 ps 0.8 lc rgb '{1}' notitle, ",
                             name, f.colour, f.title);
+    }
+    const std::string others = peer_lines(rows, peers, rule);
+    if (!others.empty()) {
+        data += gnuplot_data("peers", others);
+        plot += fmt::format(
+            "$peers using 1:2 with points pt 2 ps 0.8 lc rgb '{0}' title 'the same by other libraries', "
+            "$peers using 1:2:3 with labels hypertext point pt 2 ps 0.8 lc rgb '{0}' notitle, ",
+            of_peers);
     }
     std::string paper, front, labels;
     for (const published_result& p : published_results)
@@ -117,8 +147,11 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
     return {"accuracy_and_time",
             fmt::format("Test accuracy over {} splits against the time of a frame on one core; bars are "
                         "standard deviations. "
-                        "The paper's figures are of its own images and machine.",
-                        name_of(rule)),
+                        "The paper's figures are of its own images and machine.{}",
+                        name_of(rule),
+                        others.empty()
+                            ? ""
+                            : " A cross is the same network, run by another library on this machine."),
             data + std::string(gnuplot_style) + accuracy_axis(lowest) +
                 fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
                             0.03 * fastest) +
@@ -182,8 +215,9 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
 
 } // namespace
 
-std::vector<study_picture> study_pictures(const std::vector<study_row>& rows) {
-    std::vector<study_picture> pictures{costs_picture(rows)};
+std::vector<study_picture> study_pictures(const std::vector<study_row>& rows,
+                                          const std::vector<peer_time>& peers) {
+    std::vector<study_picture> pictures{costs_picture(rows, peers)};
     if (study_picture sizes = sizes_picture(rows); !sizes.name.empty())
         pictures.push_back(std::move(sizes));
     if (study_picture curves = learning_curves_picture(rows); !curves.name.empty())

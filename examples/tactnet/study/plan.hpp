@@ -14,7 +14,7 @@
 #include <vector>
 
 struct study_options {
-    std::string data, results = "study", shard;
+    std::string data, results = "study", shard, peers;
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged;
     std::string split = "both";
     std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
