@@ -81,6 +81,28 @@ TEST_CASE(
           std::array<double, 4>{});
 }
 
+TEST_CASE("image_motion::draw: a part is erased as often as asked, with sides of a tenth to a third, inside "
+          "the image") {
+    const augmentation_ranges ranges{.erase = 0.25};
+    int erased = 0;
+    double least = 1, most = 0, farthest = 0;
+    constexpr int n = 4000;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        random_stream random(1, draw::augmentation, 0, i);
+        const image_part part = image_motion::draw(ranges, random).erased;
+        if (part.empty())
+            continue;
+        ++erased;
+        least = std::min({least, part.rows, part.columns}), most = std::max({most, part.rows, part.columns});
+        farthest = std::max({farthest, part.row + part.rows, part.column + part.columns});
+        CHECK((part.row >= 0 && part.column >= 0));
+    }
+    CHECK(std::abs(erased - n / 4) < 5 * std::sqrt(n * 0.1875));
+    CHECK((least >= 0.1 && least < 0.102));
+    CHECK((most <= 1.0 / 3 && most > 0.33));
+    CHECK((farthest <= 1 + 1e-12 && farthest > 0.98));
+}
+
 TEST_CASE("augmentation_ranges: as published at the published sizes") {
     const auto published = [](std::size_t rows, std::size_t columns) {
         const augmentation_ranges r = augmentation_ranges::published(rows, columns);

@@ -76,12 +76,15 @@ std::string text(tactnet::augmentation_rule rule) {
 }
 
 std::string text(const tactnet::augmentation_ranges& ranges) {
-    const auto& [reflect_rows, reflect_columns, translation, rotation, scale, pressure, shear] = ranges;
+    const auto& [reflect_rows, reflect_columns, translation, rotation, scale, pressure, shear, erase] =
+        ranges;
     std::string all =
         fmt::format("reflect rows {} columns {} translation {} rotation {} scale {} pressure {}",
                     reflect_rows, reflect_columns, translation, rotation, scale, pressure);
     if (shear != 0) // of which descriptions made before say nothing, and mean none
         all += fmt::format(" shear {}", shear);
+    if (erase != 0)
+        all += fmt::format(" erase {}", erase);
     return all;
 }
 

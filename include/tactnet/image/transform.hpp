@@ -51,6 +51,19 @@ void pad_image(const Count* from, float gain, float* padded) {
     fill_rows(before + Shape.rows, behind, before + Shape.rows - 1);
 }
 
+/// Zeros in a part of one channel, whose sides are rounded to whole pixels.
+template <shape Shape>
+void erase_part(const image_part& part, float* channel) {
+    const auto pixel = [](double share, std::size_t pixels) {
+        return static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(pixels) + 0.5);
+    };
+    const std::size_t left = pixel(part.column, Shape.columns),
+                      right = pixel(part.column + part.columns, Shape.columns);
+    for (std::size_t y = pixel(part.row, Shape.rows); y < pixel(part.row + part.rows, Shape.rows); ++y)
+        if (left < right)
+            std::fill_n(channel + y * Shape.columns + left, right - left, 0.0f);
+}
+
 template <shape Shape, interpolation Interpolation, fill Fill, class Count>
 void transform_image(const image_transform& t, const Count* from, float* to) {
     static_assert(Shape.size() > 0,
@@ -68,6 +81,8 @@ void transform_image(const image_transform& t, const Count* from, float* to) {
             pad_image<Shape, sampling, Fill>(from + channel * Shape.area(), static_cast<float>(t.gain),
                                              padded.data());
             sampling::run(positions, padded.data(), to + channel * Shape.area());
+            if (!t.erased.empty())
+                erase_part<Shape>(t.erased, to + channel * Shape.area());
         }
     }
 }

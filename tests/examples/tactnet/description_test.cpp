@@ -92,16 +92,19 @@ TEST_SUITE("program") {
         }
     }
 
-    TEST_CASE("description: a checkpoint from before shears were said is of a training without any") {
-        const auto ranges = [](double shear) {
+    TEST_CASE("description: a checkpoint from before shears and erased parts were said is of a training "
+              "without any") {
+        const auto ranges = [](double shear, double erase = 0) {
             recipe r;
             r.ranges = {.reflect_rows = 0.5, .reflect_columns = 0.5, .translation = 3, .rotation = 10};
             r.ranges.shear = shear;
+            r.ranges.erase = erase;
             return describe_recipe(r).at("augmentation_ranges");
         };
         const std::string before =
             "reflect rows 0.5 columns 0.5 translation 3 rotation 10 scale 0 pressure 0";
         CHECK(ranges(0) == before);
         CHECK(ranges(0.25) == before + " shear 0.25");
+        CHECK(ranges(0, 0.5) == before + " erase 0.5");
     }
 }
