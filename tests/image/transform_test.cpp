@@ -313,20 +313,20 @@ TEST_CASE("transform_image: the same bits on any number of threads, and in place
 }
 
 TEST_CASE("transform_image: an erased part has no contact, in every channel; all else is as without it") {
-    constexpr shape size{8, 10, 2};
-    tensor<float, size> image, without, with;
+    constexpr shape small{8, 10, 2};
+    tensor<float, small> image, without, with;
     random_stream random(7, draw::augmentation);
     for (float& value : image)
         value = static_cast<float>(random.uniform(1, 255));
     const auto erase = [&](image_part part) {
         image_transform t = image_transform::of({.rotation = 7, .pressure = 1.25});
-        transform_image<size, interpolation::bilinear, fill::edge>(t, image.view(), without.view());
+        transform_image<small, interpolation::bilinear, fill::edge>(t, image.view(), without.view());
         t.erased = part;
-        transform_image<size, interpolation::bilinear, fill::edge>(t, image.view(), with.view());
+        transform_image<small, interpolation::bilinear, fill::edge>(t, image.view(), with.view());
         std::size_t zeros = 0, changed = 0;
-        for (std::size_t channel = 0; channel < size.channels; ++channel)
-            for (std::size_t y = 0; y < size.rows; ++y)
-                for (std::size_t x = 0; x < size.columns; ++x) {
+        for (std::size_t channel = 0; channel < small.channels; ++channel)
+            for (std::size_t y = 0; y < small.rows; ++y)
+                for (std::size_t x = 0; x < small.columns; ++x) {
                     const bool inside = y >= 2 && y < 4 && x >= 5 && x < 10;
                     const float here = with(y, x, channel);
                     zeros += here == 0;
