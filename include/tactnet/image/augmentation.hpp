@@ -43,9 +43,10 @@ struct augmentation_ranges {
 
 /// A rectangle of an image, in shares of its sides, 0 … 1.
 struct image_part {
-    double row = 0, column = 0; ///< its upper left corner
-    double rows = 0, columns = 0;
+    double row = 0, column = 0;   ///< its upper left corner
+    double rows = 0, columns = 0; ///< its size
 
+    /// Whether it has no pixel.
     [[nodiscard]] constexpr bool empty() const { return !(rows > 0 && columns > 0); }
 };
 
@@ -87,7 +88,7 @@ struct image_transform {
     double row_by_row = 1, row_by_column = 0, row_shift = 0;
     double column_by_row = 0, column_by_column = 1, column_shift = 0;
     double gain = 1;
-    image_part erased{};
+    image_part erased{}; ///< what shows no contact
 
     /// The inverse of a motion, since each output asks where it comes from. Multiples of 90° are exact.
     [[nodiscard]] static image_transform of(const image_motion& m) {
