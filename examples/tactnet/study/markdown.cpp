@@ -7,7 +7,10 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstddef>
 #include <string_view>
 
 namespace {
@@ -90,10 +93,41 @@ std::string methods(const std::vector<study_row>& rows) {
     return text + (reasons.empty() ? "" : "\n" + reasons);
 }
 
+/// For each method of the paper the fastest here that is at least as accurate over random splits, and how
+/// many times as fast; empty where nothing is to be compared.
+std::string against_paper(const std::vector<study_row>& rows) {
+    std::string text;
+    const auto ours = pareto_front(rows, split_rule::random); // the fastest first, each more accurate
+    for (const published_result& paper : published_results) {
+        if (paper.seconds == 0)
+            continue;
+        const auto accuracy = [](const study_row* row) {
+            return find_accuracy(*row, split_rule::random)->test.mean;
+        };
+        const auto row = std::ranges::find_if(
+            ours, [&](const study_row* r) { return 100 * accuracy(r) >= paper.accuracy; });
+        if (row == ours.end())
+            continue;
+        text += line_of({std::string(paper.title), fmt::format("{:.2f}", paper.accuracy),
+                         grouped(static_cast<std::size_t>(std::lround(1e3 * paper.seconds))),
+                         plain(title_of(**row)), accuracy_of(find_accuracy(**row, split_rule::random)),
+                         microseconds_of(**row),
+                         grouped(static_cast<std::size_t>(1e6 * paper.seconds / (*row)->latency->median))});
+    }
+    if (text.empty())
+        return {};
+    return line_of({"in the paper", "accuracy, %", "ms an image", "here, at least as accurate", "accuracy, %",
+                    "µs a frame", "times as fast"}) +
+           line_of(std::vector<std::string>(7, "---")) + text;
+}
+
 } // namespace
 
 std::string study_markdown(const std::vector<study_row>& rows, const std::string& images) {
     const auto program = describe_program();
+    const bool touches =
+        std::ranges::any_of(rows, [](const study_row& row) { return row.published != nullptr; });
+    const std::string against = touches ? against_paper(rows) : "";
     return fmt::format("# What accuracy costs in time\n\n{}. {}, {}, {}; tactnet {}; {:%Y-%m-%d}. Accuracy "
                        "on test images: "
                        "mean ± standard deviation (number of splits). Times: median of single frames on one "
@@ -102,5 +136,9 @@ std::string study_markdown(const std::vector<study_row>& rows, const std::string
                        program.at("library"),
                        fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now()))) +
            "Methods with which no other is both faster and more accurate:\n\n" +
-           between("front", front(rows)) + "\nAll methods:\n\n" + between("methods", methods(rows));
+           between("front", front(rows)) + "\nAll methods:\n\n" + between("methods", methods(rows)) +
+           (against.empty()
+                ? ""
+                : "\nThe paper's methods, and of these the fastest that is at least as accurate:\n\n" +
+                      between("against", against));
 }

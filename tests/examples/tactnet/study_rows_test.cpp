@@ -195,6 +195,18 @@ TEST_SUITE("program") {
         CHECK(has(study_csv(rows), ",12,0.905,0.0075,"));
     }
 
+    TEST_CASE("study_markdown: beside each of the paper's methods the fastest that is at least as accurate") {
+        std::vector<study_row> rows{studied("slow", 0.96, 1000), studied("fast", 0.95, 10),
+                                    studied("fastest", 0.7, 1)};
+        CHECK(!has(study_markdown(rows, ""), "study against")); // of other images than the paper's
+        rows[1].published = find_published("tactnet6", 28, 50);
+        const std::string text = study_markdown(rows, "");
+        CHECK(has(text, "| SURF-SVM | 77.64 | 29 | fast 7x13 | 95.00 ± 1.00 (20) | 10.0 | 2 900 |"));
+        CHECK(has(text, "| ResNet-NN | 95.36 | 27 039 | slow 7x13 | 96.00 ± 1.00 (20) | 1000.0 | 27 039 |"));
+        rows[0].accuracies.clear();
+        CHECK(!has(study_markdown(rows, ""), "| ResNet-NN |")); // nothing here is as accurate
+    }
+
     TEST_CASE("study_page: says over which splits its figures are") {
         std::vector<study_row> rows{studied("fast", 0.8, 10), studied("best", 0.9, 20)};
         CHECK(has(study_page(rows, {}, ""), "more accurate, over random splits."));
