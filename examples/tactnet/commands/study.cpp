@@ -222,6 +222,8 @@ int study(const study_options& o) {
     else if (!time_all(candidates, timings, folder))
         return stopped();
     std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings);
+    if (o.only_trained)
+        std::erase_if(rows, [](const study_row& row) { return row.accuracies.empty(); });
     std::ranges::move(plan.missing, std::back_inserter(rows));
     const image_data& data = *candidates.begin()->data;
     report(folder, rows, peers,
@@ -282,6 +284,8 @@ command add_study(CLI::App& program) {
         ->type_name("FOLDER,...")
         ->delimiter(',');
     app->add_flag("--report-only", o->report_only, "Train and time nothing; write what is there");
+    app->add_flag("--only-trained", o->only_trained,
+                  "Leave out of the report what no training is there of; what cannot be had stays");
     app->add_flag("--times-only", o->times_only,
                   "Train nothing and write no page; time the methods, for programs compiled for other "
                   "instruction sets")

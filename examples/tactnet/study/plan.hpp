@@ -18,7 +18,7 @@ struct study_options {
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged;
     std::string split = "both";
     std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
-    bool report_only = false, times_only = false;
+    bool report_only = false, only_trained = false, times_only = false;
 };
 
 /// "squeezenet=FILE" by the name in front. Throws usage_error.

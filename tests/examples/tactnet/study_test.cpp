@@ -156,6 +156,15 @@ TEST_SUITE("program") {
         CHECK(fewer.out.find(" (2 of 5)") != std::string::npos);
         CHECK(fewer.error.starts_with("warning: 4 of 10 trainings are there, 2 of 2 methods are timed\n"));
         CHECK(text_of(shop / "s/study.html").find("2 of 5 splits") != std::string::npos);
+
+        // Of another kind of split nothing is there: rows without accuracies, or none.
+        CHECK(
+            shop.run(study(shop, "s", {"--split", "random", "--report-only"})).out.find("not trained yet") !=
+            std::string::npos);
+        const outcome none =
+            shop.run(study(shop, "s", {"--split", "random", "--report-only", "--only-trained"}));
+        REQUIRE_MESSAGE(none.status == 0, none.error);
+        CHECK(text_of(shop / "s/study.csv").empty());
         shop.refuses(study(shop, "s", {"--report-only", "--shard", "1/2"}),
                      "expected one of them, found both");
     }
