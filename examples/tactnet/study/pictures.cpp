@@ -3,6 +3,7 @@
 #include "console/standard_streams.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/gnuplot.hpp"
+#include "study/accuracy_axis.hpp"
 #include "study/gnuplot_text.hpp"
 #include "study/learning_curves.hpp"
 
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <printable.hpp>
 #include <set>
@@ -38,6 +38,11 @@ constexpr std::array families{
     family{"support vector machines", machines, method_family::machines},
 };
 
+/// For bars, which names of points may cross.
+std::string pale(std::string_view colour) {
+    return fmt::format("#a0{}", colour.substr(1)); // in front of red stands how much shines through
+}
+
 bool has_paper(const std::vector<study_row>& rows) {
     return std::ranges::any_of(rows, [](const study_row& row) { return row.published != nullptr; });
 }
@@ -55,10 +60,15 @@ std::string words_of(const study_row& row) {
     return text;
 }
 
-/// From the lowest of all accuracies, rounded down, to 100 %: nothing is more.
-std::string accuracy_axis(double lowest) {
-    return fmt::format("set ylabel 'test accuracy, %'\nset yrange [{}:100]\n",
-                       std::max(0.0, 5 * std::floor((lowest - 1) / 5)));
+accuracy_axis axis_of(const std::vector<study_row>& rows, split_rule rule) {
+    accuracy_axis axis;
+    for (const study_row& row : rows)
+        if (const auto* a = find_accuracy(row, rule))
+            axis.add(100 * a->test.mean, 100 * a->test.deviation);
+    if (has_paper(rows))
+        for (const published_result& p : published_results)
+            axis.add(p.accuracy, p.deviation);
+    return axis;
 }
 
 /// A line for each peer's time of a network that the rows have.
@@ -86,8 +96,9 @@ std::string peer_lines(const std::vector<study_row>& rows, const std::vector<pee
 /// Accuracy against microseconds: each method, the front, other libraries, and the paper.
 study_picture costs_picture(const std::vector<study_row>& rows, const std::vector<peer_time>& peers) {
     const split_rule rule = shown_rule(rows);
+    const accuracy_axis axis = axis_of(rows, rule);
     std::string data, plot;
-    double lowest = 100, fastest = 1e6;
+    double fastest = 1e6;
     for (const family& f : families) {
         std::string lines;
         for (const study_row& row : rows)
@@ -95,17 +106,17 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
                 a != nullptr && row.latency && row.family == f.which) {
                 const double mean = 100 * a->test.mean, deviation = 100 * a->test.deviation;
                 lines += fmt::format("{} {} {} {} \"{}\"\n", row.latency->median, mean, mean - deviation,
-                                     std::min(100.0, mean + deviation), words_of(row));
-                lowest = std::min(lowest, mean - deviation);
+                                     std::min(axis.last(), mean + deviation), words_of(row));
                 fastest = std::min(fastest, row.latency->median);
             }
         if (lines.empty())
             continue;
         const std::string name = fmt::format("family{}", &f - families.data());
         data += gnuplot_data(name, lines);
-        plot += fmt::format("${0} using 1:2:3:4 with yerrorbars pt 7 ps 0.8 lc rgb '{1}' title '{2}', "
-                            "${0} using 1:2:5 with labels hypertext point pt 7 ps 0.8 lc rgb '{1}' notitle, ",
-                            name, f.colour, f.title);
+        plot += fmt::format("${0} using 1:2:3:4 with yerrorbars pt 7 ps 0 lc rgb '{1}' notitle, "
+                            "${0} using 1:2 with points pt 7 ps 0.8 lc rgb '{2}' title '{3}', "
+                            "${0} using 1:2:5 with labels hypertext point pt 7 ps 0.8 lc rgb '{2}' notitle, ",
+                            name, pale(f.colour), f.colour, f.title);
     }
     const std::string others = peer_lines(rows, peers, rule);
     if (!others.empty()) {
@@ -121,18 +132,17 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
             paper += fmt::format("{} {} {} {} \"the paper: {}\\n{:.2f} ± {:.2f} %, {:.0f} ms an image\"\n",
                                  1e6 * p.seconds, p.accuracy, p.accuracy - p.deviation,
                                  p.accuracy + p.deviation, p.title, p.accuracy, p.deviation, 1e3 * p.seconds);
-            lowest = std::min(lowest, p.accuracy - p.deviation);
         }
     data += gnuplot_data("paper", paper);
     const auto best = pareto_front(rows, rule);
-    double labelled = 200; // from the top, each well below the one before, so that none covers another
+    double labelled = 2; // from the top, each well below the one before, so that none covers another
     for (auto row = best.rbegin(); row != best.rend(); ++row) {
         const double accuracy = 100 * find_accuracy(**row, rule)->test.mean;
         front = fmt::format("{} {}\n", (*row)->latency->median, accuracy) + front;
-        if (labelled - accuracy < 0.04 * (100 - lowest))
+        if (labelled - axis.height(accuracy) < 0.04)
             continue;
         labels += fmt::format("{} {} \"{}\"\n", (*row)->latency->median, accuracy, title_of(**row));
-        labelled = accuracy;
+        labelled = axis.height(accuracy);
     }
     if (!front.empty()) {
         data += gnuplot_data("front", front) + gnuplot_data("names", labels);
@@ -141,9 +151,10 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
                         of_touches) +
             plot + "$names using 1:2:3 with labels right offset -0.8,0.5 font ',10' notitle, ";
     }
-    plot += fmt::format("$paper using 1:2:3:4 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'the paper', "
+    plot += fmt::format("$paper using 1:2:3:4 with yerrorbars pt 6 ps 0 lc rgb '{1}' notitle, "
+                        "$paper using 1:2 with points pt 6 ps 0.8 lc rgb '{0}' title 'the paper', "
                         "$paper using 1:2:5 with labels hypertext point pt 6 ps 0.8 lc rgb '{0}' notitle",
-                        of_paper);
+                        of_paper, pale(of_paper));
     return {"accuracy_and_time",
             fmt::format("Test accuracy over {} splits against the time of a frame on one core; bars are "
                         "standard deviations. "
@@ -152,7 +163,7 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
                         others.empty()
                             ? ""
                             : " A cross is the same network, run by another library on this machine."),
-            data + std::string(gnuplot_style) + accuracy_axis(lowest) +
+            data + std::string(gnuplot_style) + axis.text() +
                 fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
                             0.03 * fastest) +
                 "set xtics ('1 µs' 1, '10 µs' 10, '100 µs' 1e2, '1 ms' 1e3, '10 ms' 1e4, '100 ms' 1e5, "
@@ -166,7 +177,6 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
     std::map<std::string, std::string> lines;
     std::map<std::string, std::size_t> counts;
     std::set<std::size_t> tactels;
-    double lowest = 100;
     for (const study_row& row : rows)
         if (const auto* a = find_accuracy(row, rule)) {
             const std::string name = fmt::format("{}, {}", row.method, row.recipe);
@@ -190,23 +200,20 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
     }
     if (series == 0)
         return {};
-    for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, rule))
-            lowest = std::min(lowest, 100 * (a->test.mean - a->test.deviation));
     std::string paper;
     for (const published_result& p : published_results)
         if (p.method == "tactnet6" && has_paper(rows)) {
             paper += fmt::format("{} {} {}\n", p.rows * p.columns, p.accuracy, p.deviation);
             tactels.insert(p.rows * p.columns);
-            lowest = std::min(lowest, p.accuracy - p.deviation);
         }
     data += gnuplot_data("paper", paper);
     plot += fmt::format("$paper using 1:2:3 with yerrorbars pt 6 ps 0.8 lc rgb '{0}' title 'TactNet-6 in the "
                         "paper', $paper using 1:2 with lines dt 2 lc rgb '{0}' notitle",
                         of_paper);
+    const accuracy_axis axis = axis_of(rows, rule);
     return {"accuracy_and_tactels",
             fmt::format("Test accuracy over {} splits against the number of tactels.", name_of(rule)),
-            data + std::string(gnuplot_style) + accuracy_axis(lowest) +
+            data + std::string(gnuplot_style) + axis.text() +
                 fmt::format("set logscale x\nset xrange [{}:{}]\nset xlabel 'tactels'\nset xtics ({})\n",
                             0.8 * static_cast<double>(*tactels.begin()),
                             1.25 * static_cast<double>(*tactels.rbegin()), fmt::join(tactels, ", ")) +
