@@ -2,6 +2,7 @@
 // as another weight file.
 
 #include "commands/commands.hpp"
+#include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "evaluation/stored_split.hpp"
 #include "files/places.hpp"

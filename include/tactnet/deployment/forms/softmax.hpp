@@ -7,8 +7,27 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// A form whose outputs become probabilities, where it writes those of the network.
+template <class Form>
+struct softmax_form {
+    using step = softmax_within<typename Form::step>;
+    static void fold(const parameter_source& list, float* to) { Form::fold(list, to); }
+};
+template <class Form>
+    requires requires { typename Form::leaving; }
+struct softmax_form<Form> {
+    using step = softmax_within<typename Form::step>;
+    struct leaving {
+        using step = softmax_behind<typename Form::leaving::step>;
+        static void fold(const parameter_source& list, float* to) { Form::leaving::fold(list, to); }
+    };
+    static void fold(const parameter_source& list, float* to) { Form::fold(list, to); }
+};
+
 template <>
 struct deployed_form<softmax> {
+    template <class Form>
+    using finishing = softmax_form<Form>;
     template <class Place>
     using at = form_without_parameters<
         softmax_step<typename Place::format, Place::layer::output, Place::input_stride>>;

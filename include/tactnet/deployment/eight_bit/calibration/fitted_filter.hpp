@@ -19,7 +19,7 @@ namespace detail {
 /// Sums over many pixels: of inputs, of what filters should make of them, and of products of both.
 class pixel_moments {
 public:
-    pixel_moments(std::size_t taps, std::size_t filters)
+    [[gnu::cold]] pixel_moments(std::size_t taps, std::size_t filters)
         : taps_(taps), x_(taps), y_(filters), yy_(filters), xx_(taps * taps), xy_(filters * taps) {}
 
     /// A pixel: those of its inputs that are not 0, by tap, and what each filter should come to.

@@ -29,7 +29,7 @@ public:
     static constexpr std::size_t most_taps = 2048;
 
     /// `exact`: folded numbers whose weights are not rounded, with ranges and scales.
-    weights_fit(const plain_network& net, std::span<const map_range> ranges, std::span<const float> exact,
+    [[gnu::cold]] weights_fit(const plain_network& net, std::span<const map_range> ranges, std::span<const float> exact,
                 std::size_t images, const frame_writer& write_frame)
         : net_(net),
           ranges_(ranges),
@@ -65,7 +65,7 @@ private:
         return net_.maps[map].range == plain_network::none ? any : ranges_[net_.maps[map].range];
     }
 
-    void fit(const plain_step& step, const plain_run& exactly) {
+    [[gnu::cold]] void fit(const plain_step& step, const plain_run& exactly) {
         const std::size_t of_group = step.filters / step.groups;
         for (std::size_t group = 0; group < step.groups; ++group) {
             pixel_moments seen(step.taps(), of_group), judges(step.taps(), of_group);
@@ -77,7 +77,7 @@ private:
                 fit_filter(step, group * of_group + f, f, best, seen, judges);
         }
     }
-    void fit_filter(const plain_step& step, std::size_t filter, std::size_t in_group, filter_fit& best,
+    [[gnu::cold]] void fit_filter(const plain_step& step, std::size_t filter, std::size_t in_group, filter_fit& best,
                     const pixel_moments& seen, const pixel_moments& judges) {
         const std::size_t taps = step.taps(), all = step.filters * taps;
         float* const of_step = folded_.data() + step.folded;

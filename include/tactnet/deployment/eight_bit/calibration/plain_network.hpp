@@ -24,13 +24,14 @@ struct plain_map {
 
 /// One step. Which of the other members count, says its kind.
 struct plain_step {
-    enum class kind { convolution, norm, relu, largest, mean };
+    enum class kind { convolution, norm, relu, root, largest, mean };
     kind what = kind::relu;
     sliding_window window{{0, 0, 0}, 1, 1}; ///< of a convolution, or of the largest numbers
     kernels::average_windows means{};  ///< of mean numbers
     std::size_t groups = 1;            ///< of a convolution; its window has the channels of all
     std::size_t filters = 0;           ///< of all groups
     extent pool = 1;                   ///< of the largest sums of a convolution
+    double offset = 0;                 ///< of a root
     bool rectified = false;            ///< of a convolution or a norm
     bool adds = false;                 ///< to the map `added`
     std::size_t input = 0, added = 0;  ///< maps
@@ -52,10 +53,10 @@ struct plain_network {
     std::vector<plain_step> steps;
     std::size_t ranges = 1;    ///< how many there are
     std::size_t numbers = 0;   ///< of all maps
-    bool ends_in_softmax = false;
+    bool ends_in_softmax = false; ///< which is none of the steps
 
     /// Returns which it is.
-    std::size_t add_map(shape size, std::size_t range) {
+    [[gnu::cold]] std::size_t add_map(shape size, std::size_t range) {
         maps.push_back({size, range, numbers});
         numbers += size.size();
         return maps.size() - 1;
@@ -68,7 +69,7 @@ struct plain_network {
         return false;
     }
     /// Writes ranges to the folded numbers of all steps, and the scales of their weights, which follow.
-    void set_ranges(float* folded, std::span<const map_range> of_maps) const {
+    [[gnu::cold]] void set_ranges(float* folded, std::span<const map_range> of_maps) const {
         const auto range = [&](std::size_t map) {
             return maps[map].range == none ? map_range{} : of_maps[maps[map].range];
         };

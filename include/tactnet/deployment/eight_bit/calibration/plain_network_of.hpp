@@ -85,6 +85,13 @@ private:
         return add_parameters<step>(
             {.what = plain_step::kind::norm, .rectified = Rectified, .input = input}, into);
     }
+    template <class Input, shape Map, std::size_t Stride, class Offset>
+    std::size_t add(const square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>*,
+                    std::size_t input, std::size_t into) {
+        using step = square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>;
+        return add_parameters<step>(
+            {.what = plain_step::kind::root, .offset = step::offset, .input = input}, into);
+    }
     template <class Output, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
     std::size_t
     add(const average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>*,
@@ -92,6 +99,11 @@ private:
         using step = average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>;
         return add_parameters<step>(
             {.what = plain_step::kind::mean, .means = Windows, .input = input}, into);
+    }
+    template <class Step>
+    std::size_t add(const softmax_behind<Step>*, std::size_t input, std::size_t into) {
+        net_.ends_in_softmax = true;
+        return append<Step>(input, into);
     }
     /// Bytes stay what they are.
     template <sliding_window Window, std::size_t Stride>
@@ -120,9 +132,12 @@ private:
         step.output = output, step.folded = folded_;
         if constexpr (Step::folded > 0)
             step.set_ranges = &Step::set_ranges;
-        folded_ += Step::folded;
-        net_.steps.push_back(step);
+        push(step, Step::folded);
         return output;
+    }
+    [[gnu::cold, gnu::noinline]] void push(const plain_step& step, std::size_t folded) {
+        folded_ += folded;
+        net_.steps.push_back(step);
     }
 
     plain_network net_;
@@ -133,7 +148,7 @@ private:
 
 /// Of a deployed_view in 8 bits.
 template <class View>
-[[nodiscard]] detail::plain_network plain_network_of() {
+[[nodiscard]] [[gnu::cold]] detail::plain_network plain_network_of() {
     detail::plain_description description(View::input_shape, View::steps_folded);
     description.append<typename View::steps>(0);
     return description.network();

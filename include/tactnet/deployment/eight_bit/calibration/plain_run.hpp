@@ -28,7 +28,7 @@ public:
 
     /// `folded`: all folded numbers of the network. `rounded`: weights and what is written become those of 8
     /// bits; ranges and scales are among the folded numbers.
-    plain_run(const plain_network& net, const plain_step& step, std::span<const float> folded, bool rounded)
+    [[gnu::cold]] plain_run(const plain_network& net, const plain_step& step, std::span<const float> folded, bool rounded)
         : net_(net),
           step_(step),
           of_step_(folded.data() + step.folded),
@@ -58,6 +58,13 @@ public:
         case plain_step::kind::relu:
             for (std::size_t e = 0; e < from.size(); ++e)
                 write(e / from.channels, e % from.channels, std::max(in[e], 0.0f));
+            return;
+        case plain_step::kind::root:
+            for (std::size_t e = 0; e < from.size(); ++e)
+                write(e / from.channels, e % from.channels,
+                      static_cast<float>(
+                          std::sqrt(std::max(static_cast<double>(in[e]), 0.0) + step_.offset) -
+                          std::sqrt(step_.offset)));
             return;
         case plain_step::kind::largest:
             return for_each_output(net_.maps[step_.output].size, [&](std::size_t y, std::size_t x) {
@@ -154,7 +161,7 @@ private:
                 body(y, x);
     }
 
-    void order_weights(bool as_bytes) {
+    [[gnu::cold]] void order_weights(bool as_bytes) {
         const std::size_t taps = step_.taps(), all = step_.filters * taps;
         padded_ = kernels::padded_size<float>(step_.filters / step_.groups);
         weights_.assign(step_.groups * taps * padded_, 0.0f);

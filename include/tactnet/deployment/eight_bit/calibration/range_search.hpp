@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/calibration/fitted_weights.hpp>
+#include <tactnet/kernels/rows/softmax.hpp>
 
 #include <algorithm>
 #include <array>
@@ -32,14 +33,13 @@ public:
 
     /// `folded`: the mean frame, two places for what words hold, then the numbers of all steps with room for
     /// ranges. The input is (count − mean) × scale.
-    range_search(plain_network net, std::vector<float> folded, float scale, std::vector<float> images,
+    [[gnu::cold]] range_search(plain_network net, std::vector<float> folded, float scale, std::vector<float> images,
                  recognise_all recognise)
         : net_(std::move(net)),
           folded_(std::move(folded)),
           scale_(scale),
           images_(std::move(images)),
-          recognise_(std::move(recognise)),
-          outputs_(net_.maps[net_.steps.back().output].size.size()) {
+          recognise_(std::move(recognise)) {
         fill_words();
         check();
         choose_searched();
@@ -58,7 +58,7 @@ private:
     [[nodiscard]] std::size_t count() const { return images_.size() / input().size(); }
 
     /// How many steps a count has in words of 16 bits: as many as fit, a power of two.
-    void fill_words() {
+    [[gnu::cold]] void fill_words() {
         const std::size_t size = input().size();
         float furthest = 255;
         for (std::size_t e = 0; e < images_.size(); ++e)
@@ -71,7 +71,7 @@ private:
         folded_[size] = steps, folded_[size + 1] = 32700 / steps;
     }
     /// What no network has, in single precision or in 8 bits.
-    void check() const {
+    [[gnu::cold]] void check() const {
         constexpr float largest = 1e30f;
         const auto refuse = [](const std::string& what, float found) {
             throw std::invalid_argument("deploy: expected " + what + " that give finite numbers up to 1e30, found " +
@@ -89,11 +89,11 @@ private:
             if (!(std::abs(images_[e]) <= largest))
                 refuse_image(e / input().size());
     }
-    [[noreturn]] static void refuse_image(std::size_t which) {
+    [[noreturn, gnu::cold, gnu::noinline]] static void refuse_image(std::size_t which) {
         throw std::invalid_argument("deploy: expected calibration images that the network recognises, found number " +
                                     std::to_string(which) + " of those taken broken");
     }
-    void choose_searched() {
+    [[gnu::cold]] void choose_searched() {
         const std::size_t used = std::min(count(), most_searched), size = input().size();
         for (std::size_t i = 0; i < used; ++i) {
             const auto first = images_.begin() + static_cast<std::ptrdiff_t>(i * count() / used * size);
@@ -102,7 +102,7 @@ private:
     }
 
     /// The first map of an image: as it is, or as words round it.
-    void write_frame(const float* image, bool rounded, float* to) const {
+    [[gnu::cold]] void write_frame(const float* image, bool rounded, float* to) const {
         const float steps = folded_[input().size()];
         for (std::size_t e = 0; e < input().size(); ++e) {
             const std::size_t channel = e / input().area(), pixel = e % input().area();
@@ -113,7 +113,7 @@ private:
         }
     }
     /// What each map held, and the outputs.
-    void observe() {
+    [[gnu::cold]] void observe() {
         lowest_.assign(net_.ranges, 0), highest_.assign(net_.ranges, 0);
         std::vector<plain_run> runs;
         for (const plain_step& step : net_.steps)
@@ -135,8 +135,12 @@ private:
             append_outputs(&maps[net_.maps[net_.steps.back().output].begin], i);
         }
     }
-    void append_outputs(const float* map, std::size_t image) {
+    [[gnu::cold]] void append_outputs(float* map, std::size_t image) {
         const shape size = net_.maps[net_.steps.back().output].size;
+        if (net_.ends_in_softmax)
+            for (std::size_t pixel = 0; pixel < size.area(); ++pixel)
+                kernels::softmax_of<float>(std::span<const float>(map + pixel * size.channels, size.channels),
+                                           std::span(map + pixel * size.channels, size.channels));
         for (std::size_t channel = 0; channel < size.channels; ++channel)
             for (std::size_t pixel = 0; pixel < size.area(); ++pixel) {
                 const float output = map[pixel * size.channels + channel];
@@ -149,7 +153,7 @@ private:
     /// The largest fraction first, so that of equal ones it is kept.
     static constexpr std::array fractions{1.0, 0.95, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5};
 
-    void search() {
+    [[gnu::cold]] void search() {
         std::vector<double> of_full(net_.ranges, 1.0);
         set_ranges(of_full);
         error_ = error_of(folded_);
@@ -169,7 +173,7 @@ private:
         set_ranges(of_full);
         error_of_rounded_ = error_;
     }
-    void set_ranges(const std::vector<double>& of_full) {
+    [[gnu::cold]] void set_ranges(const std::vector<double>& of_full) {
         ranges_.assign(net_.ranges, {});
         ranges_[0] = {scale_ / folded_[input().size()], 0};
         for (std::size_t m = 1; m < net_.ranges; ++m)
@@ -177,7 +181,7 @@ private:
                                        static_cast<double>(highest_[m]) * of_full[m]);
         net_.set_ranges(folded_.data(), ranges_);
     }
-    void fit() {
+    [[gnu::cold]] void fit() {
         const weights_fit found(net_, ranges_, folded_, count(),
                                 [&](std::size_t image, bool rounded, float* to) {
                                     write_frame(images_.data() + image * input().size(), rounded, to);
@@ -186,7 +190,7 @@ private:
             error_ = error, folded_.assign(found.folded().begin(), found.folded().end());
     }
     /// The mean square of what outputs differ by.
-    [[nodiscard]] double error_of(std::span<const float> folded) const {
+    [[nodiscard]] [[gnu::cold]] double error_of(std::span<const float> folded) const {
         std::vector<float> found(wanted_.size());
         if (!recognise_(folded, searched_, found))
             return std::numeric_limits<double>::infinity();
@@ -203,7 +207,6 @@ private:
     float scale_;
     std::vector<float> images_, searched_, wanted_;
     recognise_all recognise_;
-    std::size_t outputs_;
     std::vector<float> lowest_, highest_; ///< of each range
     std::vector<map_range> ranges_;
     double error_ = 0, error_of_rounded_ = 0;
