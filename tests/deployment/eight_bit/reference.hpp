@@ -195,11 +195,11 @@ struct reference_step<
         const reference_range input = reference_range::next(folded), output = reference_range::next(folded);
         const auto offset = static_cast<float>(static_cast<double>(Offset::num) /
                                                static_cast<double>(Offset::den) / input.scale);
-        const auto root = [&](std::int64_t steps) { // in parts of 1/128
+        const auto root = [&](std::int64_t steps) { // in parts of 1/1024
             const float sum = static_cast<float>(std::max<std::int64_t>(steps, 0)) + offset;
-            return static_cast<std::int64_t>(std::nearbyint(static_cast<double>(std::sqrt(sum)) * 128));
+            return static_cast<std::int64_t>(std::nearbyint(static_cast<double>(std::sqrt(sum)) * 1024));
         };
-        const float part = static_cast<float>(1 / 128.0 / output.scale),
+        const float part = static_cast<float>(1 / 1024.0 / output.scale),
                     factor = std::sqrt(static_cast<float>(input.scale)) * part;
         whole_map result(Map);
         for (std::size_t i = 0; i < result.whole.size(); ++i)

@@ -14,12 +14,12 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// From whole numbers to bytes: √(number − zero + offset) − √offset, times a factor; of a number below the
-/// zero, that of the zero. Roots are rounded as IEEE 754 says, then to 1/128, so that all that follows is whole:
+/// zero, that of the zero. Roots are rounded as IEEE 754 says, then to 1/1024, so that all that follows is whole:
 /// the same bytes with every instruction set.
 template <class Number>
 void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, float offset, float factor,
                     const byte_range& range, std::uint8_t* to) noexcept {
-    constexpr float parts = 128, largest_root = 32767; // a product of both is below 2²²
+    constexpr float parts = 1024, largest_root = 4095; // a product of both is below 2²²
     const auto whole = [&](float root) {
         return nearest<1>(numbers<1>{(root < largest_root ? root : largest_root) * parts});
     };
