@@ -201,8 +201,7 @@ int train(const train_options& o) {
     const tactnet::split_rule rule = split_rule_of(o.split);
     tactnet::data_split split =
         tactnet::split_data(data.images.labels, classes.size(), rule, o.seed, o.training.shares);
-    const tactnet::file_metadata settings =
-        describe_training(what, o.training, rule, o.seed, data);
+    const tactnet::file_metadata settings = describe_training(what, o.training, rule, o.seed, data);
 
     if (o.resume) // before anything is found that another training may have kept
         check_resumable(files.checkpoint, settings);

@@ -4,7 +4,8 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
-using net = tactnet::network<tactnet::shape{8, 8}, tactnet::conv2d<4, 3>, tactnet::softmax, tactnet::dense<2>>;
+using net =
+    tactnet::network<tactnet::shape{8, 8}, tactnet::conv2d<4, 3>, tactnet::softmax, tactnet::dense<2>>;
 tactnet::frame_status recognise(const tactnet::deployed<net, tactnet::eight_bit>& deployed,
                                 tactnet::tensor_view<const float, net::input_shape> frame,
                                 std::span<float, net::outputs> logits) {

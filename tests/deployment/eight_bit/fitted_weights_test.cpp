@@ -28,15 +28,15 @@ using all_steps =
 /// The map that a description writes last, of a frame of counts with a mean of zero.
 template <class Network>
 std::vector<float> plain_outputs(const detail::plain_network& steps, std::span<const float> folded,
-                                 std::span<const map_range> ranges, std::span<const float> counts, float scale,
-                                 bool rounded) {
+                                 std::span<const map_range> ranges, std::span<const float> counts,
+                                 float scale, bool rounded) {
     constexpr shape input = Network::input_shape;
     std::vector<float> maps(steps.numbers);
     for (std::size_t e = 0; e < input.size(); ++e)
         maps[e % input.area() * input.channels + e / input.area()] = counts[e] * scale;
     for (const detail::plain_step& step : steps.steps) {
         const detail::plain_map& to = steps.maps[step.output];
-        detail::plain_run (steps, step, folded, rounded)(
+        detail::plain_run(steps, step, folded, rounded)(
             maps.data(), to.range == detail::plain_network::none ? map_range{} : ranges[to.range]);
     }
     std::vector<float> outputs(maps.end() - static_cast<std::ptrdiff_t>(Network::outputs), maps.end());
@@ -51,7 +51,8 @@ std::vector<map_range> ranges_of(const detail::plain_network& steps, const folde
     for (const detail::plain_step& step : steps.steps)
         for (const folded_step& of : layout.steps)
             if (of.arrays[0].begin == step.folded)
-                for (const auto& [map, name] : {std::pair{step.input, "input"}, std::pair{step.output, "output"}})
+                for (const auto& [map, name] :
+                     {std::pair{step.input, "input"}, std::pair{step.output, "output"}})
                     if (const auto* const array = of.find(name))
                         ranges[steps.maps[map].range] = map_range::read(&folded[array->begin]);
     return ranges;
@@ -86,8 +87,7 @@ deviations deviations_of() {
     deployment_plan<Network, eight_bit>::fold(
         {net->learnable_values().data(), net->running_statistics().data(), net->epsilon},
         exact.data() + view::steps_folded);
-    const std::vector<map_range> ranges =
-        ranges_of(steps, folded_layout_of<view>(), calibration.folded());
+    const std::vector<map_range> ranges = ranges_of(steps, folded_layout_of<view>(), calibration.folded());
     deviations sums;
     double usual = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -107,6 +107,17 @@ deviations deviations_of() {
     return {std::sqrt(sums.exact / usual), std::sqrt(sums.rounded / usual), std::sqrt(sums.rounding / usual)};
 }
 
+/// Numbers less than its one folded number become it.
+struct at_least_step {
+    static constexpr shape output{1, 3, 2};
+    static constexpr std::size_t folded = 3, ranges = 1;
+    static void set_ranges(float* to, const step_ranges& ranges) { ranges.input.write(to + 1); }
+    static void exactly(const float* numbers, const float* in, float* out) {
+        for (std::size_t e = 0; e < output.size(); ++e)
+            out[e] = std::max(in[e], numbers[0]);
+    }
+};
+
 /// Weights [output][input] for a dense layer over two inputs, and images of it.
 using pair_net = network<shape{1, 2}, dense<1>>;
 eight_bit_calibration<pair_net> on_pairs(const std::vector<float>& images) {
@@ -120,28 +131,43 @@ eight_bit_calibration<pair_net> on_pairs(const std::vector<float>& images) {
 } // namespace
 
 TEST_CASE("plain_run: a description gives what the deployed network gives, exact and rounded") {
-    // Sums in another order may fall on the other side of a tie, and the byte beside be written: the more maps
-    // there are, the more often.
+    // Sums in another order may fall on the other side of a tie, and the byte beside be written: the more
+    // maps there are, the more often.
     const auto check = [](const deviations& found, double most) {
         CHECK(found.exact < 1e-4);
         CHECK(found.rounding > 1e-3);
         CHECK(found.rounded < most * found.rounding);
     };
     check(deviations_of<network<shape{11, 10, 2}, conv2d<8, 3>, relu, dense<5>>>(), 0.02);
-    check(deviations_of<network<shape{11, 10, 2}, square_root<>, conv2d<8, 3>, relu, dense<5>>>(),
-          0.3);
+    check(deviations_of<network<shape{11, 10, 2}, square_root<>, conv2d<8, 3>, relu, dense<5>>>(), 0.3);
     check(deviations_of<network<shape{11, 10, 2}, conv2d<8, 3>, relu, max_pool<2>, batch_norm, relu,
                                 average_pool<2, 1>, dense<5>>>(),
           0.02);
-    check(deviations_of<network<shape{11, 10, 2}, conv2d<8, 3>, relu,
-                                residual<sequence<conv2d<8, 3>, relu, conv2d<12, 3>>, sequence<conv2d<12, 1>>>,
-                                conv2d<6, 2, 1, same, conv2d_options{.groups = 2}>, dense<5>>>(),
-          0.3);
+    check(
+        deviations_of<network<shape{11, 10, 2}, conv2d<8, 3>, relu,
+                              residual<sequence<conv2d<8, 3>, relu, conv2d<12, 3>>, sequence<conv2d<12, 1>>>,
+                              conv2d<6, 2, 1, same, conv2d_options{.groups = 2}>, dense<5>>>(),
+        0.3);
     check(deviations_of<network<shape{11, 10, 2}, conv2d<8, 3>, relu,
                                 concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<8, 3>, relu>>,
                                 dense<5>, softmax>>(),
           0.3);
     check(deviations_of<all_steps>(), 0.5);
+}
+
+TEST_CASE("plain_run: a step of one's own is run as it says") {
+    detail::plain_description description(at_least_step::output, 4);
+    CHECK(description.append<at_least_step>(0) == 1);
+    const detail::plain_network& steps = description.network();
+    REQUIRE(steps.steps.size() == 1);
+    std::vector<float> folded{9, 9, 9, 9, 0.5f, 0, 0};
+    const std::vector<map_range> ranges{{0.25f, 7}};
+    steps.set_ranges(folded.data(), ranges);
+    CHECK(folded == std::vector<float>{9, 9, 9, 9, 0.5f, 0.25f, 7});
+    std::vector<float> maps{-1, 0.25f, 0.75f, 3, 0, 0.5f, 0, 0, 0, 0, 0, 0};
+    detail::plain_run(steps, steps.steps[0], folded, false)(maps.data(), {});
+    CHECK(std::vector<float>(maps.begin() + 6, maps.end()) ==
+          std::vector<float>{0.5f, 0.5f, 0.75f, 3, 0.5f, 0.5f});
 }
 
 TEST_CASE("eight_bit_calibration: fitted weights bring outputs nearer, on frames that it has not seen") {
@@ -172,7 +198,8 @@ TEST_CASE("eight_bit_calibration: fitted weights bring outputs nearer, on frames
                             rounded.begin() + static_cast<std::ptrdiff_t>(array.begin));
     round_weights(layout, rounded);
     const support::byte_network<net> with_fit(fitted.folded()),
-        without(std::span<const float>(rounded).first<support::byte_network<net>::view_type::folded_elements>());
+        without(
+            std::span<const float>(rounded).first<support::byte_network<net>::view_type::folded_elements>());
     const auto exact = deploy(*network, mean_frame, support::input_scale);
     double of_fitted = 0, of_rounded = 0;
     for (std::size_t i = 0; i < 60; ++i) {

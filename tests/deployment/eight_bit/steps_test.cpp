@@ -75,5 +75,6 @@ TEST_CASE("eight_bit: a softmax at the end gives the probabilities of the plain 
     CHECK(frames_that_differ<network<shape{7, 6}, conv2d<5, 3>, relu, conv2d<3, 2>, softmax>>(33, 20) == 0);
     // Lists inside lists.
     CHECK(frames_that_differ<
-              network<shape{7, 6}, conv2d<6, 3>, sequence<relu, sequence<average_pool<3, 2>>, softmax>>>(34, 20) == 0);
+              network<shape{7, 6}, conv2d<6, 3>, sequence<relu, sequence<average_pool<3, 2>>, softmax>>>(
+              34, 20) == 0);
 }

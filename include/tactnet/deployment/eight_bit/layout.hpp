@@ -69,9 +69,8 @@ namespace detail {
     to.steps.push_back(std::move(step));
 }
 /// Of a part of a step.
-[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string part_name(const std::string& name,
-                                                                        const char* part,
-                                                                        std::size_t place = 0) {
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string
+part_name(const std::string& name, const char* part, std::size_t place = 0) {
     return name + (name.empty() ? "" : ".") + part + (place > 0 ? std::to_string(place) : "");
 }
 

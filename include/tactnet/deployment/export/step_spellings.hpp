@@ -169,7 +169,8 @@ struct step_spelling<softmax_step<Format, Map, Stride>> {
 template <class Step>
 struct step_spelling<softmax_behind<Step>> {
     static spelled_step of(step_text& text, const shape& input, const std::string& stride) {
-        return {"Softmax of what that leaves", "tactnet::softmax_behind<" + text.define<Step>(input, stride) + ">"};
+        return {"Softmax of what that leaves",
+                "tactnet::softmax_behind<" + text.define<Step>(input, stride) + ">"};
     }
 };
 template <>

@@ -14,7 +14,9 @@ struct softmax_form {
     static void fold(const parameter_source& list, float* to) { Form::fold(list, to); }
 };
 template <class Form>
-    requires requires { typename Form::leaving; }
+    requires requires {
+        typename Form::leaving;
+    }
 struct softmax_form<Form> {
     using step = softmax_within<typename Form::step>;
     struct leaving {

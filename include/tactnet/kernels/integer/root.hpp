@@ -14,8 +14,8 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// From whole numbers to bytes: √(number − zero + offset) − √offset, times a factor; of a number below the
-/// zero, that of the zero. Roots are rounded as IEEE 754 says, then to 1/1024, so that all that follows is whole:
-/// the same bytes with every instruction set.
+/// zero, that of the zero. Roots are rounded as IEEE 754 says, then to 1/1024, so that all that follows is
+/// whole: the same bytes with every instruction set.
 template <class Number>
 void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, float offset, float factor,
                     const byte_range& range, std::uint8_t* to) noexcept {

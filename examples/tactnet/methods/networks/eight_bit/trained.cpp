@@ -15,7 +15,8 @@ namespace {
 class eight_bit_network final : public trained_network {
 public:
     eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes,
-                      std::vector<float> folded, std::vector<std::string> classes, std::string calibration = {})
+                      std::vector<float> folded, std::vector<std::string> classes,
+                      std::string calibration = {})
         : code_(code),
           layout_(bytes.layout()),
           folded_(std::move(folded)),
@@ -114,9 +115,10 @@ make_eight_bit_network(const compiled_network& code, const compiled_eight_bit& b
     calibrated_numbers found = bytes.calibrate(model, shown);
     return std::make_unique<eight_bit_network>(
         code, bytes, std::move(found.folded), model.classes,
-        fmt::format("outputs differ by {:.2g} from those in single precision, by {:.2g} if weights were merely "
-                    "rounded (roots of mean squares, on images of the training)",
-                    found.output_error, found.output_error_of_rounded));
+        fmt::format(
+            "outputs differ by {:.2g} from those in single precision, by {:.2g} if weights were merely "
+            "rounded (roots of mean squares, on images of the training)",
+            found.output_error, found.output_error_of_rounded));
 }
 
 std::unique_ptr<trained_network> load_eight_bit_network(const compiled_network& code,

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-// Whole weights of a filter that know the rounding: those with which its sums, of inputs as 8 bits round them,
-// come nearest to what they should be.
+// Whole weights of a filter that know the rounding: those with which its sums, of inputs as 8 bits round
+// them, come nearest to what they should be.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

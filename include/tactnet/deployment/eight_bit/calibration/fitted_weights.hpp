@@ -17,9 +17,9 @@ namespace detail {
 /// Writes the frame of an image to the first of its maps: as it is, or as words round it.
 using frame_writer = std::function<void(std::size_t image, bool rounded, float* to)>;
 
-/// Gives a network weights and biases that know the rounding, step by step: those with which sums, made of maps
-/// as 8 bits round them, come nearest to the exact ones. So each step also mends what those before it have
-/// left. A filter keeps weights that are merely rounded where others do not come nearer on every eighth
+/// Gives a network weights and biases that know the rounding, step by step: those with which sums, made of
+/// maps as 8 bits round them, come nearest to the exact ones. So each step also mends what those before it
+/// have left. A filter keeps weights that are merely rounded where others do not come nearer on every eighth
 /// image, which the fit does not see.
 class weights_fit {
 public:
@@ -29,8 +29,9 @@ public:
     static constexpr std::size_t most_taps = 2048;
 
     /// `exact`: folded numbers whose weights are not rounded, with ranges and scales.
-    [[gnu::cold]] weights_fit(const plain_network& net, std::span<const map_range> ranges, std::span<const float> exact,
-                std::size_t images, const frame_writer& write_frame)
+    [[gnu::cold]] weights_fit(const plain_network& net, std::span<const map_range> ranges,
+                              std::span<const float> exact, std::size_t images,
+                              const frame_writer& write_frame)
         : net_(net),
           ranges_(ranges),
           exact_(exact),
@@ -77,8 +78,8 @@ private:
                 fit_filter(step, group * of_group + f, f, best, seen, judges);
         }
     }
-    [[gnu::cold]] void fit_filter(const plain_step& step, std::size_t filter, std::size_t in_group, filter_fit& best,
-                    const pixel_moments& seen, const pixel_moments& judges) {
+    [[gnu::cold]] void fit_filter(const plain_step& step, std::size_t filter, std::size_t in_group,
+                                  filter_fit& best, const pixel_moments& seen, const pixel_moments& judges) {
         const std::size_t taps = step.taps(), all = step.filters * taps;
         float* const of_step = folded_.data() + step.folded;
         const std::span<float> weights(of_step + filter * taps, taps);

@@ -24,19 +24,21 @@ struct plain_map {
 
 /// One step. Which of the other members count, says its kind.
 struct plain_step {
-    enum class kind { convolution, norm, relu, root, largest, mean };
+    enum class kind { convolution, norm, relu, root, largest, mean, own };
     kind what = kind::relu;
     sliding_window window{{0, 0, 0}, 1, 1}; ///< of a convolution, or of the largest numbers
-    kernels::average_windows means{};  ///< of mean numbers
-    std::size_t groups = 1;            ///< of a convolution; its window has the channels of all
-    std::size_t filters = 0;           ///< of all groups
-    extent pool = 1;                   ///< of the largest sums of a convolution
-    double offset = 0;                 ///< of a root
-    bool rectified = false;            ///< of a convolution or a norm
-    bool adds = false;                 ///< to the map `added`
-    std::size_t input = 0, added = 0;  ///< maps
-    std::size_t output = 0, first = 0; ///< a map, and the first of its channels that is written
-    std::size_t folded = 0;            ///< the first of its numbers among all folded ones
+    kernels::average_windows means{};       ///< of mean numbers
+    std::size_t groups = 1;                 ///< of a convolution; its window has the channels of all
+    std::size_t filters = 0;                ///< of all groups
+    extent pool = 1;                        ///< of the largest sums of a convolution
+    double offset = 0;                      ///< of a root
+    bool rectified = false;                 ///< of a convolution or a norm
+    bool adds = false;                      ///< to the map `added`
+    std::size_t input = 0, added = 0;       ///< maps
+    std::size_t output = 0, first = 0;      ///< a map, and the first of its channels that is written
+    std::size_t folded = 0;                 ///< the first of its numbers among all folded ones
+    /// Of a kind of its own: what it makes of a map, in single precision.
+    void (*exactly)(const float* folded, const float* in, float* out) = nullptr;
     /// Writes ranges to its folded numbers; null where it has none.
     void (*set_ranges)(float* folded, const step_ranges& ranges) = nullptr;
 
@@ -51,8 +53,8 @@ struct plain_network {
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
     std::vector<plain_map> maps;
     std::vector<plain_step> steps;
-    std::size_t ranges = 1;    ///< how many there are
-    std::size_t numbers = 0;   ///< of all maps
+    std::size_t ranges = 1;       ///< how many there are
+    std::size_t numbers = 0;      ///< of all maps
     bool ends_in_softmax = false; ///< which is none of the steps
 
     /// Returns which it is.
@@ -75,9 +77,9 @@ struct plain_network {
         };
         for (const plain_step& step : steps)
             if (step.set_ranges != nullptr)
-                step.set_ranges(folded + step.folded, {range(step.input),
-                                                       step.adds ? range(step.added) : map_range{},
-                                                       range(step.output)});
+                step.set_ranges(
+                    folded + step.folded,
+                    {range(step.input), step.adds ? range(step.added) : map_range{}, range(step.output)});
     }
 };
 

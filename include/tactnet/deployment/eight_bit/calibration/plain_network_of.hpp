@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <type_traits>
 
-// The description of a network from the types of its steps. Overloads take a step by its base: a dense layer is
-// a convolution.
+// The description of a network from the types of its steps. Overloads take a step by its base: a dense layer
+// is a convolution.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -82,23 +82,34 @@ private:
     std::size_t add(const norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>*,
                     std::size_t input, std::size_t into) {
         using step = norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>;
-        return add_parameters<step>(
-            {.what = plain_step::kind::norm, .rectified = Rectified, .input = input}, into);
+        return add_parameters<step>({.what = plain_step::kind::norm, .rectified = Rectified, .input = input},
+                                    into);
     }
     template <class Input, shape Map, std::size_t Stride, class Offset>
     std::size_t add(const square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>*,
                     std::size_t input, std::size_t into) {
         using step = square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>;
-        return add_parameters<step>(
-            {.what = plain_step::kind::root, .offset = step::offset, .input = input}, into);
+        return add_parameters<step>({.what = plain_step::kind::root, .offset = step::offset, .input = input},
+                                    into);
     }
     template <class Output, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
     std::size_t
     add(const average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>*,
         std::size_t input, std::size_t into) {
         using step = average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>;
-        return add_parameters<step>(
-            {.what = plain_step::kind::mean, .means = Windows, .input = input}, into);
+        return add_parameters<step>({.what = plain_step::kind::mean, .means = Windows, .input = input}, into);
+    }
+    /// A step that says `exactly` itself.
+    template <class Step>
+        requires requires {
+            &Step::exactly;
+        }
+    std::size_t add(const Step*, std::size_t input, std::size_t into) {
+        const plain_step step{.what = plain_step::kind::own, .input = input, .exactly = &Step::exactly};
+        if constexpr (requires { Step::ranges; })
+            return add_parameters<Step>(step, into);
+        else
+            return add_step<Step>(step, net_.add_map(Step::output, net_.maps[input].range));
     }
     template <class Step>
     std::size_t add(const softmax_behind<Step>*, std::size_t input, std::size_t into) {

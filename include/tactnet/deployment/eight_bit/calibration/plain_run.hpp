@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-// One step of a description, run by plain loops in single precision: as it is, or with every number rounded as
-// 8 bits round it.
+// One step of a description, run by plain loops in single precision: as it is, or with every number rounded
+// as 8 bits round it.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -28,7 +28,8 @@ public:
 
     /// `folded`: all folded numbers of the network. `rounded`: weights and what is written become those of 8
     /// bits; ranges and scales are among the folded numbers.
-    [[gnu::cold]] plain_run(const plain_network& net, const plain_step& step, std::span<const float> folded, bool rounded)
+    [[gnu::cold]] plain_run(const plain_network& net, const plain_step& step, std::span<const float> folded,
+                            bool rounded)
         : net_(net),
           step_(step),
           of_step_(folded.data() + step.folded),
@@ -62,17 +63,15 @@ public:
         case plain_step::kind::root:
             for (std::size_t e = 0; e < from.size(); ++e)
                 write(e / from.channels, e % from.channels,
-                      static_cast<float>(
-                          std::sqrt(std::max(static_cast<double>(in[e]), 0.0) + step_.offset) -
-                          std::sqrt(step_.offset)));
+                      static_cast<float>(std::sqrt(std::max(static_cast<double>(in[e]), 0.0) + step_.offset) -
+                                         std::sqrt(step_.offset)));
             return;
         case plain_step::kind::largest:
             return for_each_output(net_.maps[step_.output].size, [&](std::size_t y, std::size_t x) {
                 const auto [top, bottom] = pixels(y, step_.window.kernel.rows, step_.window.stride.rows,
                                                   step_.window.top, from.rows);
-                const auto [left, right] = pixels(x, step_.window.kernel.columns,
-                                                  step_.window.stride.columns, step_.window.left,
-                                                  from.columns);
+                const auto [left, right] = pixels(x, step_.window.kernel.columns, step_.window.stride.columns,
+                                                  step_.window.left, from.columns);
                 for (std::size_t c = 0; c < from.channels; ++c) {
                     float most = -std::numeric_limits<float>::infinity();
                     for (std::size_t i = top; i < bottom; ++i)
@@ -81,6 +80,14 @@ public:
                     write(y * net_.maps[step_.output].size.columns + x, c, most);
                 }
             });
+        case plain_step::kind::own: {
+            const shape to = net_.maps[step_.output].size;
+            std::vector<float> out(to.size());
+            step_.exactly(of_step_, in, out.data());
+            for (std::size_t e = 0; e < out.size(); ++e)
+                write(e / to.channels, e % to.channels, out[e]);
+            return;
+        }
         case plain_step::kind::mean:
             step_.means.for_each([&](std::size_t o, kernels::pixel_range rows, kernels::pixel_range columns,
                                      std::size_t divisor) {
@@ -142,15 +149,16 @@ public:
     }
 
 private:
-    [[nodiscard]] float rectified(float value) const { return step_.rectified ? std::max(value, 0.0f) : value; }
+    [[nodiscard]] float rectified(float value) const {
+        return step_.rectified ? std::max(value, 0.0f) : value;
+    }
     /// What the byte stands for that a number becomes.
     [[nodiscard]] static float nearest(float value, const map_range& range) {
         return (std::clamp(std::nearbyint(value / range.scale) + range.zero, 0.0f, 255.0f) - range.zero) *
                range.scale;
     }
-    static std::pair<std::size_t, std::size_t> pixels(std::size_t index, std::size_t kernel,
-                                                      std::size_t stride, std::size_t before,
-                                                      std::size_t size) {
+    static std::pair<std::size_t, std::size_t>
+    pixels(std::size_t index, std::size_t kernel, std::size_t stride, std::size_t before, std::size_t size) {
         const std::size_t begin = index * stride;
         return {std::max(begin, before) - before, std::min(begin + kernel - before, size)};
     }
@@ -201,7 +209,7 @@ private:
     const plain_step& step_;
     const float* of_step_;
     bool rounded_;
-    std::size_t padded_ = 0; ///< filters of a group, whole vectors
+    std::size_t padded_ = 0;                 ///< filters of a group, whole vectors
     aligned_vector<float> weights_, biases_; ///< [group][tap][filter], [group][filter]
 };
 

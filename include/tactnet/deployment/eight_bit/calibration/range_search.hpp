@@ -15,7 +15,8 @@
 #include <utility>
 #include <vector>
 
-// From a description, folded numbers and images to ranges and weights of 8 bits: compiled once for all networks.
+// From a description, folded numbers and images to ranges and weights of 8 bits: compiled once for all
+// networks.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -33,8 +34,8 @@ public:
 
     /// `folded`: the mean frame, two places for what words hold, then the numbers of all steps with room for
     /// ranges. The input is (count − mean) × scale.
-    [[gnu::cold]] range_search(plain_network net, std::vector<float> folded, float scale, std::vector<float> images,
-                 recognise_all recognise)
+    [[gnu::cold]] range_search(plain_network net, std::vector<float> folded, float scale,
+                               std::vector<float> images, recognise_all recognise)
         : net_(std::move(net)),
           folded_(std::move(folded)),
           scale_(scale),
@@ -74,7 +75,8 @@ private:
     [[gnu::cold]] void check() const {
         constexpr float largest = 1e30f;
         const auto refuse = [](const std::string& what, float found) {
-            throw std::invalid_argument("deploy: expected " + what + " that give finite numbers up to 1e30, found " +
+            throw std::invalid_argument("deploy: expected " + what +
+                                        " that give finite numbers up to 1e30, found " +
                                         std::to_string(found) + " once batch norms are folded in");
         };
         for (std::size_t e = 0; e < input().size(); ++e)
@@ -90,8 +92,9 @@ private:
                 refuse_image(e / input().size());
     }
     [[noreturn, gnu::cold, gnu::noinline]] static void refuse_image(std::size_t which) {
-        throw std::invalid_argument("deploy: expected calibration images that the network recognises, found number " +
-                                    std::to_string(which) + " of those taken broken");
+        throw std::invalid_argument(
+            "deploy: expected calibration images that the network recognises, found number " +
+            std::to_string(which) + " of those taken broken");
     }
     [[gnu::cold]] void choose_searched() {
         const std::size_t used = std::min(count(), most_searched), size = input().size();

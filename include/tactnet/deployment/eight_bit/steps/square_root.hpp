@@ -25,7 +25,8 @@ struct square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Off
     static constexpr std::size_t folded = arrays.numbers();
 
 private:
-    // In steps of the input, of an output of 1/1024 where a step is 1, and the root of that step; then two bytes.
+    // In steps of the input, of an output of 1/1024 where a step is 1, and the root of that step; then two
+    // bytes.
     static constexpr std::size_t of_offset = 0, of_part = of_offset + sizeof(float),
                                  of_step = of_part + sizeof(float), bytes = of_step + sizeof(float);
 
@@ -42,7 +43,8 @@ public:
             return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
         };
         detail::store_number(to + of_offset, static_cast<float>(offset / static_cast<double>(input.scale)));
-        detail::store_number(to + of_part, static_cast<float>(1 / 1024.0 / static_cast<double>(result.scale)));
+        detail::store_number(to + of_part,
+                             static_cast<float>(1 / 1024.0 / static_cast<double>(result.scale)));
         detail::store_number(to + of_step, input.scale);
         to[bytes] = as_byte(input.zero), to[bytes + 1] = as_byte(result.zero);
     }
