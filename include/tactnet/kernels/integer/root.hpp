@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>
