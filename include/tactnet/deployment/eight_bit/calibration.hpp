@@ -40,8 +40,9 @@ public:
     /// std::invalid_argument unless there is at least one whole image, and if a form cannot be made of the
     /// network or an image is broken.
     template <class Count>
-    eight_bit_calibration(const Network& network, std::span<const float, input_shape.size()> mean,
-                          float scale, std::span<const Count> frames)
+    [[gnu::cold]] eight_bit_calibration(const Network& network,
+                                        std::span<const float, input_shape.size()> mean, float scale,
+                                        std::span<const Count> frames)
         : found_(plain_network_of<view>(), folded_of(network, mean), scale, chosen(frames), recognise) {
         std::vector<float> folded(found_.folded().begin(), found_.folded().end());
         round_weights(folded_layout_of<view>(), folded);
@@ -59,8 +60,8 @@ public:
     [[nodiscard]] std::size_t maps() const { return found_.maps(); }
 
 private:
-    static std::vector<float> folded_of(const Network& network,
-                                        std::span<const float, input_shape.size()> mean) {
+    [[gnu::cold]] static std::vector<float> folded_of(const Network& network,
+                                                      std::span<const float, input_shape.size()> mean) {
         std::vector<float> folded(view::folded_elements);
         std::copy(mean.begin(), mean.end(), folded.begin());
         plan::fold({network.learnable_values().data(), network.running_statistics().data(), network.epsilon},
@@ -68,7 +69,7 @@ private:
         return folded;
     }
     template <class Count>
-    static std::vector<float> chosen(std::span<const Count> frames) {
+    [[gnu::cold]] static std::vector<float> chosen(std::span<const Count> frames) {
         constexpr std::size_t size = input_shape.size();
         const std::size_t count = frames.size() / size, used = std::min(count, most_images);
         if (count == 0 || count * size != frames.size())

@@ -76,7 +76,7 @@ private:
 /// What all filters over the same inputs have in common.
 class filter_fit {
 public:
-    filter_fit(const pixel_moments& seen, std::size_t taps)
+    [[gnu::cold]] filter_fit(const pixel_moments& seen, std::size_t taps)
         : seen_(seen), taps_(taps), covariance_(taps * taps), rest_(taps) {
         for (std::size_t t = 0; t < taps; ++t)
             for (std::size_t u = 0; u < taps; ++u)

@@ -39,71 +39,51 @@ public:
     }
 
     /// From maps of an image to one of them. `output` is the range of that map.
-    void operator()(float* maps, const map_range& output) const {
-        const auto write = [&, to = maps + net_.maps[step_.output].begin,
-                            channels = net_.maps[step_.output].size.channels](
-                               std::size_t pixel, std::size_t channel, float value) {
-            to[pixel * channels + step_.first + channel] = rounded_ ? nearest(value, output) : value;
-        };
+    [[gnu::cold]] void operator()(float* maps, const map_range& output) const {
         const float* const in = maps + net_.maps[step_.input].begin;
-        const shape from = net_.maps[step_.input].size;
+        float* const out = maps + net_.maps[step_.output].begin;
+        const shape from = net_.maps[step_.input].size, to = net_.maps[step_.output].size;
+        const auto each = [&](const auto& what) {
+            for (std::size_t e = 0; e < from.size(); ++e)
+                out[e] = what(in[e], e % from.channels);
+        };
         switch (step_.what) {
         case plain_step::kind::convolution:
-            return convolve(maps, write);
+            convolve(maps, out, to);
+            break;
         case plain_step::kind::norm:
-            for (std::size_t e = 0; e < from.size(); ++e) {
-                const std::size_t c = e % from.channels;
-                write(e / from.channels, c, rectified(of_step_[c] * in[e] + of_step_[from.channels + c]));
-            }
-            return;
+            each([&](float x, std::size_t c) {
+                return rectified(of_step_[c] * x + of_step_[from.channels + c]);
+            });
+            break;
         case plain_step::kind::relu:
-            for (std::size_t e = 0; e < from.size(); ++e)
-                write(e / from.channels, e % from.channels, std::max(in[e], 0.0f));
-            return;
+            each([](float x, std::size_t) { return std::max(x, 0.0f); });
+            break;
         case plain_step::kind::root:
-            for (std::size_t e = 0; e < from.size(); ++e)
-                write(e / from.channels, e % from.channels,
-                      static_cast<float>(std::sqrt(std::max(static_cast<double>(in[e]), 0.0) + step_.offset) -
-                                         std::sqrt(step_.offset)));
-            return;
+            each([&](float x, std::size_t) {
+                return static_cast<float>(std::sqrt(std::max(static_cast<double>(x), 0.0) + step_.offset) -
+                                          std::sqrt(step_.offset));
+            });
+            break;
         case plain_step::kind::largest:
-            return for_each_output(net_.maps[step_.output].size, [&](std::size_t y, std::size_t x) {
-                const auto [top, bottom] = pixels(y, step_.window.kernel.rows, step_.window.stride.rows,
-                                                  step_.window.top, from.rows);
-                const auto [left, right] = pixels(x, step_.window.kernel.columns, step_.window.stride.columns,
-                                                  step_.window.left, from.columns);
-                for (std::size_t c = 0; c < from.channels; ++c) {
-                    float most = -std::numeric_limits<float>::infinity();
-                    for (std::size_t i = top; i < bottom; ++i)
-                        for (std::size_t j = left; j < right; ++j)
-                            most = std::max(most, in[(i * from.columns + j) * from.channels + c]);
-                    write(y * net_.maps[step_.output].size.columns + x, c, most);
-                }
-            });
-        case plain_step::kind::own: {
-            const shape to = net_.maps[step_.output].size;
-            std::vector<float> out(to.size());
-            step_.exactly(of_step_, in, out.data());
-            for (std::size_t e = 0; e < out.size(); ++e)
-                write(e / to.channels, e % to.channels, out[e]);
-            return;
-        }
+            find_largest(in, out, from, to);
+            break;
         case plain_step::kind::mean:
-            step_.means.for_each([&](std::size_t o, kernels::pixel_range rows, kernels::pixel_range columns,
-                                     std::size_t divisor) {
-                for (std::size_t c = 0; c < from.channels; ++c) {
-                    float sum = 0;
-                    for (std::size_t y = rows.begin; y < rows.end; ++y)
-                        for (std::size_t x = columns.begin; x < columns.end; ++x)
-                            sum += in[(y * from.columns + x) * from.channels + c];
-                    write(o, c, sum / static_cast<float>(divisor));
-                }
-            });
+            find_means(in, out, from);
+            break;
+        case plain_step::kind::own:
+            step_.exactly(of_step_, in, out);
         }
+        if (rounded_)
+            for (std::size_t pixel = 0; pixel < to.area(); ++pixel)
+                for (std::size_t c = 0; c < (step_.is_convolution() ? step_.filters : to.channels); ++c) {
+                    float& number = out[pixel * to.channels + step_.first + c];
+                    number = nearest(number, output);
+                }
     }
 
     /// Of a convolution, at one of its pixels: what its filters come to, with bias and what it adds to.
-    void sums_at(const float* maps, std::size_t y, std::size_t x, sums& to) const {
+    [[gnu::noinline]] void sums_at(const float* maps, std::size_t y, std::size_t x, sums& to) const {
         const plain_map& from = net_.maps[step_.input];
         const std::size_t in_group = padded_ * step_.taps();
         std::copy(biases_.begin(), biases_.end(), to.begin());
@@ -162,11 +142,31 @@ private:
         const std::size_t begin = index * stride;
         return {std::max(begin, before) - before, std::min(begin + kernel - before, size)};
     }
-    template <class Body>
-    static void for_each_output(shape map, Body&& body) {
-        for (std::size_t y = 0; y < map.rows; ++y)
-            for (std::size_t x = 0; x < map.columns; ++x)
-                body(y, x);
+    [[gnu::cold]] void find_largest(const float* in, float* out, shape from, shape to) const {
+        const sliding_window& w = step_.window;
+        for (std::size_t e = 0; e < to.size(); ++e) {
+            const std::size_t pixel = e / to.channels, c = e % to.channels;
+            const auto [top, bottom] =
+                pixels(pixel / to.columns, w.kernel.rows, w.stride.rows, w.top, from.rows);
+            const auto [left, right] =
+                pixels(pixel % to.columns, w.kernel.columns, w.stride.columns, w.left, from.columns);
+            out[e] = -std::numeric_limits<float>::infinity();
+            for (std::size_t y = top; y < bottom; ++y)
+                for (std::size_t x = left; x < right; ++x)
+                    out[e] = std::max(out[e], in[(y * from.columns + x) * from.channels + c]);
+        }
+    }
+    [[gnu::cold]] void find_means(const float* in, float* out, shape from) const {
+        step_.means.for_each(
+            [&](std::size_t o, kernels::pixel_range rows, kernels::pixel_range columns, std::size_t divisor) {
+                for (std::size_t c = 0; c < from.channels; ++c) {
+                    float sum = 0;
+                    for (std::size_t y = rows.begin; y < rows.end; ++y)
+                        for (std::size_t x = columns.begin; x < columns.end; ++x)
+                            sum += in[(y * from.columns + x) * from.channels + c];
+                    out[o * from.channels + c] = sum / static_cast<float>(divisor);
+                }
+            });
     }
 
     [[gnu::cold]] void order_weights(bool as_bytes) {
@@ -186,23 +186,22 @@ private:
             }
         }
     }
-    template <class Write>
-    void convolve(const float* maps, const Write& write) const {
-        const shape output = net_.maps[step_.output].size;
+    void convolve(const float* maps, float* out, shape to) const {
         const std::size_t rows = step_.window.output_rows(), columns = step_.window.output_columns();
         sums here = make_sums(), most = make_sums();
-        for_each_output(output, [&](std::size_t y, std::size_t x) {
-            const std::size_t top = y * step_.pool.rows, left = x * step_.pool.columns;
+        for (std::size_t pixel = 0; pixel < to.area(); ++pixel) {
+            const std::size_t top = pixel / to.columns * step_.pool.rows,
+                              left = pixel % to.columns * step_.pool.columns;
             std::fill(most.begin(), most.end(), -std::numeric_limits<float>::infinity());
-            for (std::size_t i = top; i < std::min(top + step_.pool.rows, rows); ++i)
-                for (std::size_t j = left; j < std::min(left + step_.pool.columns, columns); ++j) {
-                    sums_at(maps, i, j, here);
-                    std::transform(here.begin(), here.end(), most.begin(), most.begin(),
-                                   [](float a, float b) { return std::max(a, b); });
+            for (std::size_t y = top; y < std::min(top + step_.pool.rows, rows); ++y)
+                for (std::size_t x = left; x < std::min(left + step_.pool.columns, columns); ++x) {
+                    sums_at(maps, y, x, here);
+                    for (std::size_t i = 0; i < most.size(); ++i)
+                        most[i] = std::max(most[i], here[i]);
                 }
             for (std::size_t f = 0; f < step_.filters; ++f)
-                write(y * output.columns + x, f, rectified(most[place_of(f)]));
-        });
+                out[pixel * to.channels + step_.first + f] = rectified(most[place_of(f)]);
+        }
     }
 
     const plain_network& net_;
