@@ -111,7 +111,7 @@ deviations deviations_of() {
 struct at_least_step {
     static constexpr shape output{1, 3, 2};
     static constexpr std::size_t folded = 3, ranges = 1;
-    static void set_ranges(float* to, const step_ranges& ranges) { ranges.input.write(to + 1); }
+    static void set_ranges(float* to, const step_ranges& of_maps) { of_maps.input.write(to + 1); }
     static void exactly(const float* numbers, const float* in, float* out) {
         for (std::size_t e = 0; e < output.size(); ++e)
             out[e] = std::max(in[e], numbers[0]);
