@@ -15,7 +15,9 @@ struct softmax_form {
 };
 /// The same of a form that can write the outputs of a network.
 template <class Form>
-    requires requires { typename Form::leaving; }
+    requires requires {
+        typename Form::leaving;
+    }
 struct softmax_form<Form> {
     /// Where others follow.
     using step = softmax_within<typename Form::step>;
