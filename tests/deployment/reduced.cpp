@@ -5,7 +5,7 @@
 #include "deployed_network.hpp"
 #include "eight_bit/reference.hpp"
 
-#include <tactnet/deployment/eight_bit/observed.hpp>
+#include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 
 #include <array>
@@ -50,8 +50,6 @@ template <class Network>
 void append_whole(reduced_result& result, std::uint64_t seed) {
     using in_bytes = deployed<Network, eight_bit>;
     using view = typename in_bytes::view_type;
-    using both = detail::observed_step<typename deployment_plan<Network, single_precision>::step,
-                                       typename deployment_plan<Network, eight_bit>::step>;
     constexpr std::size_t size = Network::input_shape.size();
     support::numbers draw(seed);
     // Whole numbers divided by powers of two: no product with them is contracted into another number.
@@ -64,10 +62,11 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
     for (std::size_t e = 0; e < size; ++e)
         folded[e] = next(0, 60, 1024);
     folded[size] = 64, folded[size + 1] = 500; // steps of a count, the largest count
-    std::array<map_range, both::maps> ranges;
-    for (map_range& range : ranges)
-        range = {next(2, 6, 16) / 128, next(60, 200, 1)};
-    both::set_ranges(folded.data() + view::steps_folded, {1.0f / 2048, 0}, {}, ranges.data());
+    const detail::plain_network steps = plain_network_of<view>();
+    std::vector<map_range> ranges{{1.0f / 2048, 0}}; // the frame's
+    while (ranges.size() < steps.ranges)
+        ranges.push_back({next(2, 6, 16) / 128, next(60, 200, 1)});
+    steps.set_ranges(folded.data(), ranges);
 
     const in_bytes network{std::span<const float, view::folded_elements>(folded)};
     for (std::uint64_t frame = 0; frame < 4; ++frame) {

@@ -2,6 +2,7 @@
 // as another weight file.
 
 #include "commands/commands.hpp"
+#include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "evaluation/stored_split.hpp"
 #include "files/places.hpp"
@@ -110,6 +111,7 @@ int export_network(const export_options& o) {
     if (o.bits == 8) {
         in_bytes = turned_to_bytes(o, weights);
         network = in_bytes.get();
+        tell("in 8 bits {}\n", in_bytes->calibration());
     }
     if (is_weight_file(o)) {
         make_folder_of(o.output);

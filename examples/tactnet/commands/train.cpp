@@ -145,7 +145,7 @@ std::string finish(const train_options& o, const output_files& files, const imag
     const auto tested = [&](const trained_method& which) {
         return which.evaluate(data.view(), training.split().test, threads);
     };
-    std::unique_ptr<trained_method> whole; // in 8 bits
+    std::unique_ptr<trained_network> whole; // in 8 bits
     if (o.training.bits == 8)
         whole = in_eight_bits(*trained, data.view(), training.split().training);
     const trained_method* const best = whole ? whole.get() : trained.get();
@@ -175,6 +175,8 @@ std::string finish(const train_options& o, const output_files& files, const imag
         line += ", test accuracy " + accuracy(test.confusion);
     if (test.confusion.total() > 0 && whole)
         line += fmt::format(" in 8 bits, {} in single precision", accuracy(tested(*trained).confusion));
+    if (whole)
+        line += "\nin 8 bits " + whole->calibration();
     return line + '\n';
 }
 
@@ -199,8 +201,7 @@ int train(const train_options& o) {
     const tactnet::split_rule rule = split_rule_of(o.split);
     tactnet::data_split split =
         tactnet::split_data(data.images.labels, classes.size(), rule, o.seed, o.training.shares);
-    const tactnet::file_metadata settings =
-        describe_training(what, o.training, rule, o.seed, data);
+    const tactnet::file_metadata settings = describe_training(what, o.training, rule, o.seed, data);
 
     if (o.resume) // before anything is found that another training may have kept
         check_resumable(files.checkpoint, settings);

@@ -92,6 +92,8 @@ public:
     /// std::invalid_argument for weights that cannot be deployed.
     virtual std::string header(const tactnet::header_description& says,
                                std::span<const std::uint8_t> frame) const = 0;
+    /// Of a network that has just become one in 8 bits: what that did to its outputs, as a sentence.
+    virtual std::string calibration() const { return {}; }
     /// The same in 8 bits, for methods that have has_eight_bit_form; the chosen images tell what numbers its
     /// maps hold. Throws std::invalid_argument for weights that cannot be deployed so.
     virtual std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images&,

@@ -112,6 +112,8 @@ private:
             using behind = place<I, Form::step::output_stride>;
             if constexpr (absorbs<Form, spec<I>, behind>)
                 return extend<typename decltype(Form::template absorb<spec<I>, behind>())::type, I + 1>();
+            else if constexpr (finishes<Form, spec<I>, behind>)
+                return extend<typename deployed_form<spec<I>>::template finishing<Form>, I + 1>();
             else
                 return extended<Form, I>{};
         }

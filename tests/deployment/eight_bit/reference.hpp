@@ -188,11 +188,52 @@ struct reference_step<
     }
 };
 
+template <class Input, tactnet::shape Map, std::size_t Stride, class Offset>
+struct reference_step<
+    tactnet::square_root_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        const reference_range input = reference_range::next(folded), output = reference_range::next(folded);
+        const auto offset = static_cast<float>(static_cast<double>(Offset::num) /
+                                               static_cast<double>(Offset::den) / input.scale);
+        const auto root = [&](std::int64_t steps) { // in parts of 1/1024
+            const float sum = static_cast<float>(std::max<std::int64_t>(steps, 0)) + offset;
+            return static_cast<std::int64_t>(std::nearbyint(static_cast<double>(std::sqrt(sum)) * 1024));
+        };
+        const float part = static_cast<float>(1 / 1024.0 / output.scale),
+                    factor = std::sqrt(static_cast<float>(input.scale)) * part;
+        whole_map result(Map);
+        for (std::size_t i = 0; i < result.whole.size(); ++i)
+            result.whole[i] =
+                reference_byte(root(in.whole[i] - input.zero) - root(0), factor, output.zero, true);
+        return result;
+    }
+};
+
 template <tactnet::shape Map, std::size_t Stride>
 struct reference_step<tactnet::relu_step<tactnet::eight_bit, Map, Stride>> {
     static whole_map run(const float* folded, whole_map map, const whole_map&) {
         for (std::int64_t& byte : map.whole)
             byte = std::max(byte, static_cast<std::int64_t>(folded[1]));
+        return map;
+    }
+};
+
+/// In double precision, rounded once.
+template <class Step>
+struct reference_step<tactnet::softmax_behind<Step>> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
+        whole_map map = reference_step<Step>::run(folded, in, other);
+        for (std::size_t pixel = 0; pixel < map.floats.size(); pixel += map.channels) {
+            double largest = -INFINITY, sum = 0;
+            for (std::size_t c = 0; c < map.channels; ++c)
+                largest = std::max(largest, static_cast<double>(map.floats[pixel + c]));
+            for (std::size_t c = 0; c < map.channels; ++c)
+                sum += std::exp(static_cast<double>(map.floats[pixel + c]) - largest);
+            for (std::size_t c = 0; c < map.channels; ++c) {
+                float& value = map.floats[pixel + c];
+                value = static_cast<float>(std::exp(static_cast<double>(value) - largest) / sum);
+            }
+        }
         return map;
     }
 };

@@ -63,3 +63,18 @@ TEST_CASE("eight_bit: the last step may be a convolution, with ReLU and pool, or
     // The only one: it reads the sensor's words and writes floats.
     CHECK(frames_that_differ<network<shape{5, 4, 2}, dense<7>>>(22, 20) == 0);
 }
+
+TEST_CASE("eight_bit: square roots of counts and of maps give the bits of the plain reference") {
+    using roots = network<shape{9, 7}, square_root<std::ratio<3, 8>>, conv2d<6, 3>, batch_norm, square_root<>,
+                          conv2d<5, 2>, relu, dense<3>>;
+    CHECK(frames_that_differ<roots>(31, 40) == 0);
+}
+
+TEST_CASE("eight_bit: a softmax at the end gives the probabilities of the plain reference") {
+    CHECK(frames_that_differ<network<shape{7, 6}, conv2d<6, 3>, relu, dense<4>, softmax>>(32, 20) == 0);
+    CHECK(frames_that_differ<network<shape{7, 6}, conv2d<5, 3>, relu, conv2d<3, 2>, softmax>>(33, 20) == 0);
+    // Lists inside lists.
+    CHECK(frames_that_differ<
+              network<shape{7, 6}, conv2d<6, 3>, sequence<relu, sequence<average_pool<3, 2>>, softmax>>>(
+              34, 20) == 0);
+}

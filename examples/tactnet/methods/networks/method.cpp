@@ -211,7 +211,7 @@ public:
         any_model model{code_->make(), std::vector<float>(rows * columns), 1, {}};
         draw_arrays(*model.network);
         std::shared_ptr<any_deployed> deployed =
-            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_frames(4 * rows * columns)))
+            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_frames(4 * rows * columns)).folded)
                       : code_->deploy(model);
         return
             [deployed = std::move(deployed), pixels = rows * columns, outputs = code_->outputs,

@@ -40,7 +40,8 @@ inline constexpr float smallest_scale = std::numeric_limits<float>::min(), large
 /// Looks at one step after the other, and keeps the first problem.
 class folded_checker {
 public:
-    folded_checker(const folded_layout& layout, std::span<const float> folded) : folded_(folded) {
+    [[gnu::cold]] folded_checker(const folded_layout& layout, std::span<const float> folded)
+        : folded_(folded) {
         check_frame(layout.input.size());
         for (const folded_step& step : layout.steps) {
             if (problem_)
@@ -53,13 +54,13 @@ public:
     [[nodiscard]] const std::optional<folded_problem>& problem() const { return problem_; }
 
 private:
-    void require(bool holds, const std::string& array, std::size_t element, const char* expected,
-                 double found) {
+    [[gnu::cold, gnu::noinline]] void require(bool holds, const std::string& array, std::size_t element,
+                                              const char* expected, double found) {
         if (!holds && !problem_)
             problem_ = folded_problem{array, element, expected, short_number(found)};
     }
 
-    void check_frame(std::size_t size) {
+    [[gnu::cold]] void check_frame(std::size_t size) {
         const float steps = folded_[size], most = folded_[size + 1];
         // Of a power of two that is a normal number, all bits behind the exponent are 0.
         const bool power = steps >= smallest_scale && (std::bit_cast<std::uint32_t>(steps) & 0x7fffff) == 0;
@@ -72,11 +73,11 @@ private:
                     "a mean from which no count of 8 bits is further than the largest number of the words",
                     static_cast<double>(folded_[e]));
     }
-    void check_scale(const std::string& array, std::size_t element, float value) {
+    [[gnu::cold]] void check_scale(const std::string& array, std::size_t element, float value) {
         require(value >= smallest_scale && value <= largest_scale, array, element,
                 "a scale (a normal number above 0, at most 1e30)", static_cast<double>(value));
     }
-    void check_numbers(const folded_step& step) {
+    [[gnu::cold]] void check_numbers(const folded_step& step) {
         for (const folded_step::array& array : step.arrays) {
             const float* const values = folded_.data() + array.begin;
             if (array.kind == folded_kind::range) {
@@ -98,12 +99,13 @@ private:
         return array == nullptr ? map_range{} : map_range::read(folded_.data() + array->begin);
     }
     /// The factor from sums to what the step writes.
-    void check_factor(const std::string& array, std::size_t element, double unit, const map_range& output) {
+    [[gnu::cold]] void check_factor(const std::string& array, std::size_t element, double unit,
+                                    const map_range& output) {
         const double factor = unit / static_cast<double>(output.scale);
         require(factor <= static_cast<double>(std::numeric_limits<float>::max()), array, element,
                 "scales whose product over that of the output is a number of single precision", factor);
     }
-    void check_sums(const folded_step& step) {
+    [[gnu::cold]] void check_sums(const folded_step& step) {
         const step_ranges ranges{range_of(step, "input"), range_of(step, "added"), range_of(step, "output")};
         const folded_step::array *const weights = step.find("weight"), *const biases = step.find("bias"),
                                         *const scales = step.find("scale");
@@ -119,8 +121,8 @@ private:
                 check_filter(step, *weights, f, bias, folded_[scales->begin + f], ranges);
         }
     }
-    void check_filter(const folded_step& step, const folded_step::array& weights, std::size_t filter,
-                      float bias, float scale, const step_ranges& ranges) {
+    [[gnu::cold]] void check_filter(const folded_step& step, const folded_step::array& weights,
+                                    std::size_t filter, float bias, float scale, const step_ranges& ranges) {
         const std::size_t of_one = weights.size / weights.extents[0];
         const float* const values = folded_.data() + weights.begin + filter * of_one;
         for (std::size_t i = 0; i < of_one; ++i)
@@ -141,8 +143,8 @@ private:
 } // namespace detail
 
 /// The first problem of as many numbers as the layout says, if there is one.
-[[nodiscard]] inline std::optional<folded_problem> find_problem(const folded_layout& layout,
-                                                                std::span<const float> folded) {
+[[nodiscard]] [[gnu::cold]] inline std::optional<folded_problem> find_problem(const folded_layout& layout,
+                                                                              std::span<const float> folded) {
     return detail::folded_checker(layout, folded).problem();
 }
 

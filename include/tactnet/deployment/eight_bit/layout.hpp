@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 // The folded numbers of a network in 8 bits, array by array with a name for each, as the steps say them: for
@@ -48,9 +49,36 @@ struct folded_layout {
     std::vector<folded_step> steps; ///< those with folded numbers
 };
 
+namespace detail {
+
+// What the templates of layout_of.hpp have in common. Not inlined: text is not worth the compiler's time.
+
+/// Appends a step with these arrays.
+[[gnu::cold, gnu::noinline]] inline void append_step(folded_layout& to, const std::string& name,
+                                                     const folded_arrays& arrays, double largest_input) {
+    folded_step step{name, largest_input, {}};
+    for (std::size_t i = 0; i < arrays.count; ++i) {
+        const folded_array& says = arrays.list[i];
+        folded_step::array array{name + "." + says.name, says.kind, {}, to.numbers, says.size()};
+        for (const std::size_t extent : says.extents)
+            if (extent > 0)
+                array.extents.push_back(extent);
+        step.arrays.push_back(std::move(array));
+        to.numbers += says.size();
+    }
+    to.steps.push_back(std::move(step));
+}
+/// Of a part of a step.
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string
+part_name(const std::string& name, const char* part, std::size_t place = 0) {
+    return name + (name.empty() ? "" : ".") + part + (place > 0 ? std::to_string(place) : "");
+}
+
+} // namespace detail
+
 /// Weights that are no whole multiples of their scales become the nearest ones, as they are packed: what a
 /// file gives back.
-inline void round_weights(const folded_layout& layout, std::span<float> folded) {
+[[gnu::cold]] inline void round_weights(const folded_layout& layout, std::span<float> folded) {
     for (const folded_step& step : layout.steps)
         if (const auto* const weights = step.find("weight"), * const scales = step.find("scale");
             weights != nullptr && scales != nullptr) {

@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <string>
-#include <utility>
 
 // The layout of the folded numbers of a network, from the types of its steps: each says its own arrays, and
 // here stands where steps are inside others.
@@ -19,50 +18,35 @@ namespace detail {
 template <class Step>
 struct layout_of_step {
     static void append(folded_layout& to, const std::string& name) {
-        if constexpr (requires { Step::arrays; }) {
-            folded_step step{name, 0, {}};
-            if constexpr (requires { Step::largest_input; })
-                step.largest_input = Step::largest_input;
-            for (std::size_t i = 0; i < Step::arrays.count; ++i)
-                append_array(to, step, Step::arrays.list[i]);
-            to.steps.push_back(std::move(step));
-        } else {
+        if constexpr (requires { Step::largest_input; })
+            append_step(to, name, Step::arrays, Step::largest_input);
+        else if constexpr (requires { Step::arrays; })
+            append_step(to, name, Step::arrays, 0);
+        else
             static_assert(Step::folded == 0, "a step in 8 bits with folded numbers says its arrays");
-        }
-    }
-
-private:
-    static void append_array(folded_layout& to, folded_step& step, const folded_array& says) {
-        folded_step::array array{step.name + "." + says.name, says.kind, {}, to.numbers, says.size()};
-        for (const std::size_t extent : says.extents)
-            if (extent > 0)
-                array.extents.push_back(extent);
-        step.arrays.push_back(std::move(array));
-        to.numbers += says.size();
     }
 };
+template <class Step>
+struct layout_of_step<softmax_behind<Step>> : layout_of_step<Step> {};
 template <class... Steps>
 struct layout_of_step<step_chain<Steps...>> {
     static void append(folded_layout& to, const std::string& name) {
         std::size_t place = 0;
-        (layout_of_step<Steps>::append(to,
-                                       (name.empty() ? "step" : name + ".step") + std::to_string(++place)),
-         ...);
+        (layout_of_step<Steps>::append(to, part_name(name, "step", ++place)), ...);
     }
 };
 template <class Main, class Skip, std::size_t InputStride>
 struct layout_of_step<residual_step<Main, Skip, InputStride>> {
     static void append(folded_layout& to, const std::string& name) {
-        layout_of_step<Main>::append(to, name + ".main");
-        layout_of_step<Skip>::append(to, name + ".skip");
+        layout_of_step<Main>::append(to, part_name(name, "main"));
+        layout_of_step<Skip>::append(to, part_name(name, "skip"));
     }
 };
 template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
 struct layout_of_step<concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
     static void append(folded_layout& to, const std::string& name) {
         std::size_t place = 0;
-        (layout_of_step<typename Branches::step>::append(to, name + ".branch" + std::to_string(++place)),
-         ...);
+        (layout_of_step<typename Branches::step>::append(to, part_name(name, "branch", ++place)), ...);
     }
 };
 
@@ -70,7 +54,7 @@ struct layout_of_step<concatenation_step<Format, Input, InputStride, Stride, Bra
 
 /// Of a deployed_view in 8 bits.
 template <class View>
-[[nodiscard]] folded_layout folded_layout_of() {
+[[nodiscard]] [[gnu::cold, gnu::noinline]] folded_layout folded_layout_of() {
     using last = typename View::steps::template at<View::steps::size - 1>;
     folded_layout layout{View::input_shape, View::outputs, View::steps_folded, View::steps_folded, false, {}};
     detail::layout_of_step<typename View::steps>::append(layout, "");

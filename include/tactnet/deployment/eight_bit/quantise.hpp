@@ -63,9 +63,10 @@ struct filter_scale {
 /// A filter of weights [count] and a bias, with steps of `weight_scale`. `largest_input` is the largest
 /// magnitude of a staged input, `offset` what has been subtracted from it. Any positive scales give numbers;
 /// whether sums fit into 32 bits is for the caller to ask.
-[[nodiscard]] constexpr filter_scale filter_of(const float* weights, std::size_t count, double bias,
-                                               float weight_scale, const step_ranges& ranges, bool adds,
-                                               double largest_input, int offset) {
+[[nodiscard]] [[gnu::noinline]] constexpr filter_scale filter_of(const float* weights, std::size_t count,
+                                                                 double bias, float weight_scale,
+                                                                 const step_ranges& ranges, bool adds,
+                                                                 double largest_input, int offset) {
     // Beyond this nothing fits, and whole numbers of 64 bits still hold it.
     const auto whole = [](double value) { return nearest_even(std::clamp(value, -0x1p40, 0x1p40)); };
     filter_scale result;
@@ -92,8 +93,9 @@ struct filter_scale {
 
 /// The scale of a filter's weights: the largest is 127 steps, unless a sum might then pass 32 bits. Where the
 /// step adds, the other map's step is a whole number of units. If nothing fits, the last that was tried.
-[[nodiscard]] constexpr float scale_of_filter(const float* weights, std::size_t count, double bias,
-                                              const step_ranges& ranges, bool adds, double largest_input) {
+[[nodiscard]] [[gnu::noinline]] constexpr float scale_of_filter(const float* weights, std::size_t count,
+                                                                double bias, const step_ranges& ranges,
+                                                                bool adds, double largest_input) {
     // Scales are normal numbers in single precision, so that files can hold them.
     constexpr double least = static_cast<double>(std::numeric_limits<float>::min()), most = 0x1p99;
     double largest = 0;

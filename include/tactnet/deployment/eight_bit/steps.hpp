@@ -7,4 +7,5 @@
 #include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
 #include <tactnet/deployment/eight_bit/steps/first.hpp>
 #include <tactnet/deployment/eight_bit/steps/pool.hpp>
+#include <tactnet/deployment/eight_bit/steps/square_root.hpp>
 #include <tactnet/deployment/steps.hpp>

@@ -166,6 +166,13 @@ struct step_spelling<softmax_step<Format, Map, Stride>> {
         return {"Softmax", detail::step_type<Format>("softmax_step", {text_of(Map), stride})};
     }
 };
+template <class Step>
+struct step_spelling<softmax_behind<Step>> {
+    static spelled_step of(step_text& text, const shape& input, const std::string& stride) {
+        return {"Softmax of what that leaves",
+                "tactnet::softmax_behind<" + text.define<Step>(input, stride) + ">"};
+    }
+};
 template <>
 struct step_spelling<no_step> {
     static spelled_step of(step_text&, const shape&, const std::string&) {

@@ -27,11 +27,12 @@
 //   rectifies = true      max(x, 0)
 //   channels<Place>       x · factor(channel) + offset: a batch norm; constructible from a parameter_source
 //   maximum<Place>        the sliding_window whose largest value it takes
-// A form on which the sum of a residual block can be left says `adding<bool Rectified>`: the form that adds
-// to what lies in the output already, with a ReLU behind the sum or not. One that can write among the
-// channels of a wider map says `fits_among<MapStride, MapOffset>`, and `among<MapStride, MapOffset>` is the
-// form that does. One that can write the outputs of a network in a format whose maps hold something else says
-// `leaving`: the form at Place::leaving.
+// Where maps hold something else than floats, a layer may say `finishing<Form>`: a form and what the layer
+// makes of its outputs, which are floats. A form on which the sum of a residual block can be left says
+// `adding<bool Rectified>`: the form that adds to what lies in the output already, with a ReLU behind the sum
+// or not. One that can write among the channels of a wider map says `fits_among<MapStride, MapOffset>`, and
+// `among<MapStride, MapOffset>` is the form that does. One that can write the outputs of a network in a
+// format whose maps hold something else says `leaving`: the form at Place::leaving.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -95,6 +96,11 @@ concept scales_channels = requires {
 template <class Spec, class Place>
 concept takes_maximum = requires {
     { deployed_form<Spec>::template maximum<Place> } -> std::convertible_to<sliding_window>;
+};
+
+template <class Form, class Spec, class Place>
+concept finishes = Place::format::leaves_apart && requires {
+    sizeof(typename deployed_form<Spec>::template finishing<Form>);
 };
 
 /// Whether a form takes up a layer behind it.

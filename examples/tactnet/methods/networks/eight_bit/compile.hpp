@@ -22,7 +22,7 @@ public:
     tactnet::folded_layout layout() const override {
         return tactnet::folded_layout_of<typename bytes::view_type>();
     }
-    std::vector<float> calibrate(const any_model& model,
+    calibrated_numbers calibrate(const any_model& model,
                                  std::span<const std::uint8_t> images) const override {
         const auto network = std::make_unique<Network>();
         std::ranges::copy(model.network->learnable_values(), network->learnable_values().begin());
@@ -31,7 +31,9 @@ public:
         const tactnet::eight_bit_calibration<Network> calibration(
             *network, std::span(model.mean).template first<Network::input_shape.size()>(), model.scale,
             images);
-        return {calibration.folded().begin(), calibration.folded().end()};
+        return {{calibration.folded().begin(), calibration.folded().end()},
+                calibration.output_error(),
+                calibration.output_error_of_rounded()};
     }
     std::unique_ptr<any_deployed> deploy(std::span<const float> folded) const override {
         return std::make_unique<deployed_network<Network, tactnet::eight_bit>>(

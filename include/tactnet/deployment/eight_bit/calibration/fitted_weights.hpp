@@ -1,0 +1,151 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/calibration/fitted_filter.hpp>
+#include <tactnet/deployment/eight_bit/calibration/plain_run.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace detail {
+
+/// Writes the frame of an image to the first of its maps: as it is, or as words round it.
+using frame_writer = std::function<void(std::size_t image, bool rounded, float* to)>;
+
+/// Gives a network weights and biases that know the rounding, step by step: those with which sums, made of
+/// maps as 8 bits round them, come nearest to the exact ones. So each step also mends what those before it
+/// have left. A filter keeps weights that are merely rounded where others do not come nearer on every eighth
+/// image, which the fit does not see.
+class weights_fit {
+public:
+    /// Of each image all maps are kept, exact and rounded.
+    static constexpr std::size_t most_kept = std::size_t{1} << 25, fewest_images = 8;
+    /// Convolutions with more are left as they are: the time grows with their square.
+    static constexpr std::size_t most_taps = 2048;
+
+    /// `exact`: folded numbers whose weights are not rounded, with ranges and scales.
+    [[gnu::cold]] weights_fit(const plain_network& net, std::span<const map_range> ranges,
+                              std::span<const float> exact, std::size_t images,
+                              const frame_writer& write_frame)
+        : net_(net),
+          ranges_(ranges),
+          exact_(exact),
+          folded_(exact.begin(), exact.end()),
+          images_(std::min(images, std::max(most_kept / (2 * net.numbers), fewest_images))) {
+        if (images_ < fewest_images)
+            return;
+        exact_maps_.resize(images_ * net.numbers), rounded_maps_.resize(images_ * net.numbers);
+        for (std::size_t i = 0; i < images_; ++i) {
+            const std::size_t image = i * images / images_;
+            write_frame(image, false, exact_maps_.data() + i * net.numbers);
+            write_frame(image, true, rounded_maps_.data() + i * net.numbers);
+        }
+        for (const plain_step& step : net.steps) {
+            const plain_run exactly(net, step, exact_, false);
+            if (step.is_convolution() && step.taps() <= most_taps)
+                fit(step, exactly);
+            const plain_run roundly(net, step, folded_, true);
+            const map_range& range = range_of(step.output);
+            for (std::size_t i = 0; i < images_; ++i) {
+                exactly(exact_maps_.data() + i * net.numbers, range);
+                roundly(rounded_maps_.data() + i * net.numbers, range);
+            }
+        }
+    }
+    /// Of the network, with the weights that were found.
+    [[nodiscard]] std::span<const float> folded() const { return folded_; }
+
+private:
+    [[nodiscard]] const map_range& range_of(std::size_t map) const {
+        static constexpr map_range any;
+        return net_.maps[map].range == plain_network::none ? any : ranges_[net_.maps[map].range];
+    }
+
+    [[gnu::cold]] void fit(const plain_step& step, const plain_run& exactly) {
+        const std::size_t of_group = step.filters / step.groups;
+        for (std::size_t group = 0; group < step.groups; ++group) {
+            pixel_moments seen(step.taps(), of_group), judges(step.taps(), of_group);
+            add_pixels(step, exactly, group, seen, judges);
+            if (seen.empty() || judges.empty())
+                continue;
+            filter_fit best(seen, step.taps());
+            for (std::size_t f = 0; f < of_group; ++f)
+                fit_filter(step, group * of_group + f, f, best, seen, judges);
+        }
+    }
+    [[gnu::cold]] void fit_filter(const plain_step& step, std::size_t filter, std::size_t in_group,
+                                  filter_fit& best, const pixel_moments& seen, const pixel_moments& judges) {
+        const std::size_t taps = step.taps(), all = step.filters * taps;
+        float* const of_step = folded_.data() + step.folded;
+        const std::span<float> weights(of_step + filter * taps, taps);
+        float& bias = of_step[all + filter];
+        const float scale = of_step[all + step.filters + filter];
+        std::vector<float> rounded(taps), fitted(taps);
+        for (std::size_t t = 0; t < taps; ++t)
+            rounded[t] = static_cast<float>(quantised(weights[t], static_cast<double>(scale))) * scale;
+        best(in_group, weights, scale, fitted);
+        const auto fitted_bias = static_cast<float>(seen.best_bias(in_group, fitted));
+        const step_ranges ranges{range_of(step.input), range_of(step.added), range_of(step.output)};
+        const double largest_input = net_.maps[step.input].range == 0 ? 32768 : 255;
+        const bool fits = filter_of(fitted.data(), taps, static_cast<double>(fitted_bias), scale, ranges,
+                                    step.adds, largest_input, 0)
+                              .fits();
+        if (!fits || !(judges.error(in_group, fitted, static_cast<double>(fitted_bias)) <
+                       judges.error(in_group, rounded, static_cast<double>(bias))))
+            return;
+        std::copy(fitted.begin(), fitted.end(), weights.begin());
+        bias = fitted_bias;
+    }
+
+    /// Of all images and pixels, or of some in even distances where many tell no more.
+    void add_pixels(const plain_step& step, const plain_run& exactly, std::size_t group, pixel_moments& seen,
+                    pixel_moments& judges) const {
+        const std::size_t rows = step.window.output_rows(), columns = step.window.output_columns();
+        const std::size_t enough = std::max<std::size_t>(8 * step.taps(), 8192);
+        const std::size_t every = images_ * rows * columns / enough | 1; // odd, to meet all columns
+        const std::size_t of_group = step.filters / step.groups;
+        plain_run::sums sums = exactly.make_sums();
+        std::vector<std::pair<std::size_t, float>> inputs;
+        std::vector<float> wanted(of_group);
+        std::size_t pixel = 0;
+        for (std::size_t i = 0; i < images_; ++i) {
+            const float* const in = rounded_maps_.data() + i * net_.numbers;
+            for (std::size_t y = 0; y < rows; ++y)
+                for (std::size_t x = 0; x < columns; ++x) {
+                    if (pixel++ % every != 0)
+                        continue;
+                    exactly.sums_at(exact_maps_.data() + i * net_.numbers, y, x, sums);
+                    for (std::size_t f = 0; f < of_group; ++f) {
+                        const std::size_t filter = group * of_group + f;
+                        wanted[f] = sums[exactly.place_of(filter)];
+                        if (step.adds) // the other map is what it is
+                            wanted[f] -= in[net_.maps[step.added].begin +
+                                            (y * columns + x) * net_.maps[step.added].size.channels + filter];
+                    }
+                    inputs.clear();
+                    exactly.for_each_tap(y, x, [&](std::size_t g, std::size_t tap, std::size_t place) {
+                        const float value = in[net_.maps[step.input].begin + place];
+                        if (g == group && value != 0)
+                            inputs.emplace_back(tap, value);
+                    });
+                    (i % 8 == 7 ? judges : seen).add(inputs, wanted);
+                }
+        }
+    }
+
+    const plain_network& net_;
+    std::span<const map_range> ranges_;
+    std::span<const float> exact_;
+    std::vector<float> folded_;
+    std::size_t images_;
+    std::vector<float> exact_maps_, rounded_maps_;
+};
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet
