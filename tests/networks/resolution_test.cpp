@@ -19,7 +19,8 @@ constexpr std::pair<shape, resolution> published[] = {{{7, 13}, resolution::r7x1
 
 TEST_CASE("form_of: up to a published size in both directions its form, a tactel more the next one") {
     for (std::size_t i = 0; i < 5; ++i) {
-        const auto [size, form] = published[i];
+        const shape size = published[i].first;
+        const resolution form = published[i].second;
         const resolution next = published[i < 4 ? i + 1 : 4].second;
         CAPTURE(size.rows);
         CHECK(form_of(size) == form);
