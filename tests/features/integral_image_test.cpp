@@ -4,7 +4,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 
 using namespace tactnet;
@@ -62,6 +65,21 @@ TEST_CASE("integral_image: a second image leaves nothing of the first") {
         for (std::ptrdiff_t c = -2; c <= 8; ++c)
             CHECK(integral.corner_row(r)[c] == fresh.corner_row(r)[c]);
     CHECK(integral.rounding() == fresh.rounding());
+}
+
+TEST_CASE("integral_image: how large its pixels are, and what may be lost of them") {
+    constexpr shape size{2, 3};
+    tensor<float, size> image;
+    const float pixels[] = {-1.0F, 2.5F, 0.0F, -4.0F, 8.0F, -0.5F};
+    std::copy(std::begin(pixels), std::end(pixels), image.data());
+    integral_image<float, size> integral;
+    CHECK(integral.magnitude() == 0);
+    integral.compute(image);
+    CHECK(integral.magnitude() == 16);
+    CHECK(integral.rounding() == 16 * 5 * std::numeric_limits<double>::epsilon());
+    integral_image<std::uint8_t, size> whole;
+    whole.compute(random_image<std::uint8_t, size>(3));
+    CHECK(whole.magnitude() == 0);
 }
 
 TEST_CASE("integral_image: NaN and infinity anywhere are seen, also when they would cancel") {

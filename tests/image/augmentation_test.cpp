@@ -113,6 +113,11 @@ TEST_CASE("augmentation_ranges: as published at the published sizes") {
         return std::array{r.translation, r.rotation};
     };
     CHECK(published(28, 50) == std::array{3.0, 10.0});
+    // A tactel more is the next ones.
+    CHECK(published(11, 18) == std::array{2.0, 3.0});
+    CHECK(published(10, 19) == std::array{2.0, 3.0});
+    CHECK(published(21, 35) == std::array{3.0, 10.0});
+    CHECK(published(20, 36) == std::array{3.0, 10.0});
     CHECK(published(20, 35) == std::array{2.0, 3.0});
     CHECK(published(14, 25) == std::array{2.0, 3.0});
     CHECK(published(10, 18) == std::array{1.0, 2.0});

@@ -66,6 +66,7 @@ TEST_CASE("text: names in messages cannot break the line or the terminal") {
     using namespace std::string_view_literals;
     using tactnet::in_quotes;
     CHECK(in_quotes("conv1.weight") == "'conv1.weight'");
+    CHECK(in_quotes("a b~\x1F") == "'a b~\\x1f'");
     CHECK(in_quotes("a\nb\x1B[2J\x7F") == "'a\\x0ab\\x1b[2J\\x7f'");
     CHECK(in_quotes("a\0b"sv) == "'a\\x00b'");
     CHECK(in_quotes("\xC3\xA9\xC3") == "'\xC3\xA9\\xc3'");

@@ -54,3 +54,23 @@ execute_process(COMMAND ${command} OUTPUT_VARIABLE again)
 if(again MATCHES "min left" OR NOT again MATCHES "\\| all \\|")
     message(FATAL_ERROR "Expected the table alone, found:\n${again}")
 endif()
+
+# All at once: the same is noticed where a switch can show it, and what runs only while compiling is left to the other way.
+file(REMOVE "${FOLDER}/tests/mutation/mutants.jsonl")
+execute_process(COMMAND ${command} --together OUTPUT_VARIABLE output ERROR_VARIABLE errors RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+    message(FATAL_ERROR "scripts/mutate --together failed: ${errors}")
+endif()
+foreach(
+    expected IN
+    ITEMS "sums.hpp:2: no switch shows it"
+          "sums.hpp:3 '\\*' to '/': killed by room/sums_test.cpp: sums: products and signs"
+          "sums.hpp:5 '>' to '>=': survived"
+          "sums.hpp:8: no switch shows it"
+          "sums.hpp:10 '7' to '8': survived"
+          "sums.hpp:10 'to.0. = 7' to '': killed by room/sums_test.cpp: sums: products and signs"
+)
+    if(NOT output MATCHES "${expected}")
+        message(FATAL_ERROR "Expected '${expected}' in:\n${output}")
+    endif()
+endforeach()

@@ -148,3 +148,21 @@ TEST_CASE("random_stream: shuffle keeps the elements and gives every order alike
     random.shuffle(one);
     CHECK(one[0] == 7);
 }
+
+TEST_CASE("philox: the published answers when a program runs, as when it is compiled") {
+    volatile std::uint32_t most = 0xffffffff; // so that nothing is known while compiling
+    CHECK(philox({most, most, most, most}, {most, most}) ==
+          std::array<std::uint32_t, 4>{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
+    volatile std::uint32_t first = 0x243f6a88;
+    CHECK(philox({first, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}) ==
+          std::array<std::uint32_t, 4>{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
+}
+TEST_CASE("random_stream: begins with the first counter of its item, and items are 0 if nothing is said") {
+    const std::uint64_t seed = 0x0123456789abcdef;
+    const auto first = [&](std::uint32_t major, std::uint32_t minor) {
+        return philox({0, other.number(), major, minor}, {0x89abcdef, 0x01234567})[0];
+    };
+    CHECK(random_stream(seed, other).bits() == first(0, 0));
+    CHECK(random_stream(seed, other, 5).bits() == first(5, 0));
+    CHECK(random_stream(seed, other, 5, 7).bits() == first(5, 7));
+}

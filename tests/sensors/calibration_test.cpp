@@ -33,9 +33,9 @@ TEST_CASE("calibration: gains of an equilibration make its frame even") {
     description.rows = 1;
     description.columns = 4;
     description.mask = {1, 1, 0, 1};
-    const std::vector<float> mean{100, 50, 0, 150};
+    const std::vector<float> mean{50, 100, 0, 150};
     const auto gains = equilibration_gains(mean, description);
-    CHECK(gains == std::vector<float>{1, 2, 1, static_cast<float>(100. / 150)});
+    CHECK(gains == std::vector<float>{2, 1, 1, static_cast<float>(100. / 150)});
     const calibration even({.saturation_pressure = 255, .gains = gains});
     std::vector<float> pascal(4);
     CHECK(even(mean, pascal));
@@ -55,6 +55,13 @@ TEST_CASE("calibration: gains of an equilibration make its frame even") {
 
 TEST_CASE("calibration: of a recording that tells its saturation pressure") {
     tactnet::recording_description description;
+    CHECK(!calibration::of(description));
+    description.saturation_pressure = 0.5;
+    CHECK(calibration::of(description));
+    description.saturation_pressure = 0;
+    CHECK(!calibration::of(description));
+    description.saturation_pressure.reset();
+    description.unit = tactnet::pressure_unit::raw;
     CHECK(!calibration::of(description));
     description.saturation_pressure = 510;
     const auto found = calibration::of(description);

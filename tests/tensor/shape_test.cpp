@@ -63,6 +63,46 @@ TEST_CASE("sliding_window: 'same' keeps ceil(size / stride) outputs, whatever th
             }
 }
 
+// One window after another, as a reader counts them: in ceil mode the last one may reach over the padding's
+// end, but has to begin before it.
+TEST_CASE("sliding_window: ceil mode adds the window that hangs over, and only that") {
+    for (std::size_t size = 1; size <= 12; ++size)
+        for (std::size_t kernel = 1; kernel <= 5; ++kernel)
+            for (std::size_t stride = 1; stride <= 4; ++stride)
+                for (std::size_t before = 0; before <= 2; ++before) {
+                    // As PyTorch, which refuses padding of more than half a kernel.
+                    if (size + 2 * before < kernel || 2 * before > kernel)
+                        continue;
+                    CAPTURE(size);
+                    CAPTURE(kernel);
+                    CAPTURE(stride);
+                    CAPTURE(before);
+                    std::size_t outputs = 1;
+                    while ((outputs - 1) * stride + kernel < size + 2 * before)
+                        ++outputs;
+                    while (outputs > 1 && (outputs - 1) * stride >= size + before)
+                        --outputs;
+                    padding around = pad(before);
+                    around.how = padding::rule::ceil_mode;
+                    const sliding_window w =
+                        sliding_window::over({size, size + stride, 1}, kernel, stride, around);
+                    const std::size_t end = (outputs - 1) * stride + kernel;
+                    CHECK(w.output_rows() == outputs);
+                    CHECK(w.top == before);
+                    CHECK(w.bottom == (end > size + 2 * before ? end - size - before : before));
+                    if (end >= size + 2 * before)
+                        CHECK(w.output_columns() == outputs + 1);
+                }
+}
+
+TEST_CASE("sliding_window: a stride of zero counts as one") {
+    for (const extent stride : {extent{0, 2}, extent{2, 0}, extent{0, 0}}) {
+        const sliding_window w = sliding_window::over({7, 9, 1}, 3, stride, valid);
+        CHECK(w.output_rows() == (stride.rows == 0 ? 5U : 3U));
+        CHECK(w.output_columns() == (stride.columns == 0 ? 7U : 4U));
+    }
+}
+
 TEST_CASE("sliding_window: taps on pixels, counted one by one") {
     for (const std::size_t rows : {1u, 4u, 7u})
         for (const std::size_t columns : {1u, 5u})

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <simulation/effect_frames.hpp>
+#include <span>
 #include <vector>
 
 using namespace tactnet;
@@ -48,6 +49,15 @@ TEST_CASE("gain_map: mean one, the deviation asked for, skewed as the paper's se
                                {0.75, 0.13},  {0.95, 0.47},  {0.99, 0.81}};
     for (const auto& [share, gain] : measured)
         CHECK(std::abs(gains[static_cast<std::size_t>(share * n)] - 1 - gain) < 0.1);
+}
+TEST_CASE("gain_map: multiplies every tactel by its gain, and nothing behind the last") {
+    const gain_map::bound<size> bound({}, {.unit = {1}});
+    std::vector<float> values(size.size() + 1, 2.0F);
+    bound.apply(tensor_view<float, size>(std::span<float, size.size()>(values.data(), size.size())), {});
+    for (std::size_t i = 0; i < size.size(); ++i)
+        CHECK(values[i] == 2 * bound.gains().data()[i]);
+    CHECK(values.back() == 2.0F);
+    CHECK(bound.gains().data()[0] != 1.0F);
 }
 TEST_CASE("gain_map: stays with the sensor, frame after frame") {
     CHECK(support::same_bits(gains_of(1), gains_of(1)));

@@ -36,6 +36,20 @@ TEST_CASE("linearity: right at both ends, and at most so far from the straight l
     CHECK(support::after<shape{1, 1}>(linearity{0.1, full}, support::filled<shape{1, 1}>(5e3f)).data()[0] ==
           doctest::Approx(5e3).epsilon(1e-6));
 }
+TEST_CASE("linearity: every tactel, the first too, and none beyond full scale") {
+    constexpr shape one{1, 1};
+    const auto bent = [&](double error, float pressure) {
+        return static_cast<double>(
+            support::after<one>(linearity{error, 1000}, support::filled<one>(pressure)).data()[0]);
+    };
+    // The curve (1 + b) x / (1 + b x) with b = ((1 + e) / (1 - e))^2 - 1, at e = 1/3: b = 3; half gives 4/5.
+    CHECK(bent(1.0 / 3, 500) == doctest::Approx(800).epsilon(1e-6));
+    CHECK(bent(1.0 / 3, 1500) == doctest::Approx(1500).epsilon(1e-6));
+    // Nine tenths are the most.
+    CHECK(bent(0.95, 500) == bent(0.9, 500));
+    CHECK(bent(-0.95, 500) == bent(-0.9, 500));
+    CHECK(bent(0.9, 500) != bent(0.89, 500));
+}
 TEST_CASE("linearity: none is none; never NaN") {
     constexpr shape size{5, 7};
     const double nan = std::numeric_limits<double>::quiet_NaN();

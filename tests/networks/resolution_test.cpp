@@ -1,0 +1,43 @@
+#include <tactnet/networks/resolution.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <utility>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr std::pair<shape, resolution> published[] = {{{7, 13}, resolution::r7x13},
+                                                      {{10, 18}, resolution::r10x18},
+                                                      {{14, 25}, resolution::r14x25},
+                                                      {{20, 35}, resolution::r20x35},
+                                                      {{28, 50}, resolution::r28x50}};
+
+} // namespace
+
+TEST_CASE("form_of: up to a published size in both directions its form, a tactel more the next one") {
+    for (std::size_t i = 0; i < 5; ++i) {
+        const shape size = published[i].first;
+        const resolution form = published[i].second;
+        const resolution next = published[i < 4 ? i + 1 : 4].second;
+        CAPTURE(size.rows);
+        CHECK(form_of(size) == form);
+        CHECK(form_of({size.rows, 1}) == form);
+        CHECK(form_of({1, size.columns}) == form);
+        CHECK(form_of({size.rows + 1, size.columns}) == next);
+        CHECK(form_of({size.rows, size.columns + 1}) == next);
+    }
+}
+
+TEST_CASE("within_published_range: from 7 x 13 to 28 x 50, either way up") {
+    for (std::size_t rows = 5; rows <= 52; ++rows)
+        for (std::size_t columns = 5; columns <= 52; ++columns) {
+            CAPTURE(rows);
+            CAPTURE(columns);
+            const bool lying = rows >= 7 && rows <= 28 && columns >= 13 && columns <= 50;
+            const bool standing = columns >= 7 && columns <= 28 && rows >= 13 && rows <= 50;
+            CHECK(within_published_range({rows, columns}) == (lying || standing));
+        }
+}
