@@ -68,5 +68,6 @@ TEST_CASE("memory: gaps that only the strides of a matrix tell are seen when cal
     using strided = Eigen::Map<Eigen::VectorXf, 0, Eigen::InnerStride<>>;
     CHECK(detail::lies_row_by_row(strided(whole.data(), 12, Eigen::InnerStride<>(1))));
     CHECK_FALSE(detail::lies_row_by_row(strided(whole.data(), 12, Eigen::InnerStride<>(2))));
+    CHECK_FALSE(detail::lies_row_by_row(strided(whole.data(), 2, Eigen::InnerStride<>(2))));
     CHECK(detail::lies_row_by_row(strided(whole.data(), 1, Eigen::InnerStride<>(2))));
 }

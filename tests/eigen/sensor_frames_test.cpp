@@ -22,6 +22,10 @@ TEST_CASE("sensor_frames: a decoded frame is a matrix in place, and a matrix a f
     CHECK(back.columns == 3);
     CHECK(back.cells.data() == cells.data());
     CHECK(back.as<shape{2, 3}>());
+
+    const frame_view first = view_sensor_frame(matrix);
+    CHECK(first.number == 0);
+    CHECK(!first.seconds);
 }
 
 TEST_CASE("sensor_frames: cells that are not rows x columns, and rows with gaps, are refused") {

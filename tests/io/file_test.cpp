@@ -90,6 +90,18 @@ TEST_CASE("file: what gives the pieces may fail half-way: the old file stays, an
     CHECK(entries_in(folder.path()) == 1);
 }
 
+TEST_CASE("file: a place that became a folder meanwhile is an error, and no other file stays") {
+    const support::temporary_folder folder;
+    CHECK_THROWS_AS(write_file(folder / "file",
+                               [&](const std::function<void(std::span<const std::byte>)>& take) {
+                                   take(std::vector<std::byte>(10));
+                                   std::filesystem::create_directories(folder / "file" / "within");
+                               }),
+                    file_error);
+    CHECK(entries_in(folder.path()) == 1);
+    CHECK(std::filesystem::is_directory(folder / "file" / "within"));
+}
+
 TEST_CASE("file: reading: each failure has its sentence") {
     const support::temporary_folder folder;
     const std::string missing = (folder / "missing").string();
