@@ -1,4 +1,4 @@
-#include "networks.hpp"
+#include "../networks.hpp"
 
 #include <tactnet/networks/tactnet4.hpp>
 
