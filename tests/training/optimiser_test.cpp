@@ -150,3 +150,16 @@ TEST_CASE(
     CHECK(std::isnan(state.first[0]));
     CHECK(std::isnan(state.second[0]));
 }
+
+TEST_CASE("decay_mask: weights decay, and norms where the rule says so, biases and statistics never") {
+    const std::vector<parameter> parameters{{"weight", role::weight, {2}, 0, 2, 1},
+                                            {"bias", role::bias, {1}, 2, 1, 1},
+                                            {"scale", role::scale, {1}, 3, 1, 1},
+                                            {"shift", role::shift, {1}, 4, 1, 1},
+                                            {"mean", role::running_mean, {1}, 0, 1, 1}};
+    const auto mask = [&](const optimiser& rule) { return detail::decay_mask(rule, parameters, 6); };
+    const aligned_vector<float> weights{1, 1, 0, 0, 0, 0}, norms_too{1, 1, 0, 1, 1, 0};
+    CHECK(mask(sgd{.l2 = 0.1}) == weights);
+    CHECK(mask(adamw{}) == weights);
+    CHECK(mask(sgd{.l2 = 0.1, .l2_of_norms = true}) == norms_too);
+}

@@ -58,16 +58,29 @@ TEST_CASE("recipe::on_features: no new samples are made, and the rate falls to n
 }
 
 TEST_CASE("recipe::published: as in the authors' programs at 28 x 50") {
-    const recipe r = recipe::published(28, 50, tactnet6_training);
+    const recipe r = recipe::published(28, 50, tactnet6_training({28, 50}));
     CHECK(std::get<sgd>(r.optimiser).momentum == 0.8);
     CHECK(std::get<sgd>(r.optimiser).l2 == 1e-4);
+    CHECK(std::get<sgd>(r.optimiser).l2_of_norms);
     CHECK(std::get<step_drop>(r.schedule).period == 150);
     CHECK(std::get<step_drop>(r.schedule).factor == 0.1);
     CHECK(std::get<fixed_normal>(r.initialisation).deviation == 0.01);
+    CHECK(r.epochs == 5000);
     CHECK(r.batch == 0);
     CHECK(r.rate == 0.01);
+    CHECK(r.input == input_rule::subtract_mean);
     CHECK(r.validate_every == 10);
     CHECK(r.patience == 4);
     CHECK(r.label_smoothing == 0);
-    CHECK(std::holds_alternative<constant_rate>(recipe::published(28, 50, tactresnet_training).schedule));
+}
+
+TEST_CASE("recipe::published: a network may have its own drops, validations and input") {
+    const recipe small = recipe::published(14, 25, tactnet6_training({14, 25}));
+    CHECK(std::get<step_drop>(small.schedule).factor == 0.7);
+    CHECK(small.validate_every == 15);
+    CHECK(small.patience == 7);
+    CHECK(small.ranges.rotation == 3);
+    const recipe residual = recipe::published(28, 50, tactresnet_training({28, 50}));
+    CHECK(std::holds_alternative<constant_rate>(residual.schedule));
+    CHECK(residual.input == input_rule::counts);
 }

@@ -368,7 +368,7 @@ TEST_CASE("trainer: validates when due, and stops when nothing gets better") {
     CHECK(idle.finished());
 }
 
-TEST_CASE("trainer: input as counts minus the mean of the training images, or scaled") {
+TEST_CASE("trainer: input as counts minus the mean of the training images, scaled, or as they are") {
     const support::toy_task task(20);
     thread_pool threads;
     recipe r = quick();
@@ -380,13 +380,18 @@ TEST_CASE("trainer: input as counts minus the mean of the training images, or sc
     training scaled(r, task.images(), split_of(task), 1, threads);
     CHECK(scaled.input_normalisation().scale == 1.0f / 255);
     CHECK(scaled.input_normalisation().mean(3, 3) == 0);
+    r.input = input_rule::counts;
+    training raw(r, task.images(), split_of(task), 1, threads);
+    CHECK(raw.input_normalisation().scale == 1);
+    CHECK(raw.input_normalisation().mean(3, 3) == 0);
+    r.input = input_rule::scale;
     CHECK(centred.samples_per_epoch() == 3 * 13);
     r.augmentation = augmentation_rule::sixfold;
     training six(r, task.images(), split_of(task), 1, threads);
     CHECK(six.samples_per_epoch() == 6 * centred.samples_per_epoch());
 }
 
-TEST_CASE("trainer: of a network that takes counts no mean is subtracted") {
+TEST_CASE("trainer: a network that takes counts wants them scaled, for it knows their scale") {
     const support::toy_task task(13);
     thread_pool threads;
     using of_counts = network<support::toy_task::size, square_root<>, dense<3>>;
@@ -398,6 +403,11 @@ TEST_CASE("trainer: of a network that takes counts no mean is subtracted") {
     CHECK_THROWS_WITH_AS(trainer<of_counts>(r, task.images(), split_of(task), 1, threads),
                          "trainer: expected input_rule::scale for a network that takes counts, found "
                          "input_rule::subtract_mean",
+                         std::invalid_argument);
+    r.input = input_rule::counts;
+    CHECK_THROWS_WITH_AS(trainer<of_counts>(r, task.images(), split_of(task), 1, threads),
+                         "trainer: expected input_rule::scale for a network that takes counts, found "
+                         "input_rule::counts",
                          std::invalid_argument);
 }
 

@@ -47,10 +47,10 @@ TEST_CASE("networks: trained as in the authors' programs") {
         CHECK(found.transfer->batch == batch);
         CHECK(found.transfer->epochs == epochs);
     };
-    is(squeezenet_nn_training, 1e-3, 64, 15);
-    is(alexnet_nn_training, 1e-4, 5, 10);
-    is(resnet50_nn_training, 1e-3, 16, 10);
-    is(vgg16_nn_training, 1e-4, 32, 10);
-    CHECK(alexnet_nn_training.transfer->new_layer_factor == 20);
-    CHECK(resnet50_nn_training.patience == 4);
+    is(squeezenet_nn_training(touch), 1e-3, 64, 15);
+    is(alexnet_nn_training(touch), 1e-4, 5, 10);
+    is(resnet50_nn_training(touch), 1e-3, 16, 10);
+    is(vgg16_nn_training(touch), 1e-4, 32, 10);
+    CHECK(alexnet_nn_training(touch).transfer->new_layer_factor == 20);
+    CHECK(resnet50_nn_training(touch).patience == 4);
 }

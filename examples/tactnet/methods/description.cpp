@@ -25,8 +25,8 @@ template <class Number>
     }
 
 std::string text(const tactnet::sgd& rule) {
-    const auto& [momentum, l2] = rule;
-    return fmt::format("sgd momentum {} l2 {}", momentum, l2);
+    const auto& [momentum, l2, l2_of_norms] = rule;
+    return fmt::format("sgd momentum {} l2 {}{}", momentum, l2, l2_of_norms ? " of norms too" : "");
 }
 std::string text(const tactnet::adamw& rule) {
     const auto& [beta1, beta2, decay, epsilon] = rule;
@@ -61,7 +61,15 @@ std::string text(const std::variant<Rules...>& rule) {
 }
 
 std::string text(tactnet::input_rule rule) {
-    return rule == tactnet::input_rule::scale ? "scale" : "mean";
+    switch (rule) {
+    case tactnet::input_rule::subtract_mean:
+        return "mean";
+    case tactnet::input_rule::scale:
+        return "scale";
+    case tactnet::input_rule::counts:
+        break;
+    }
+    return "counts";
 }
 std::string text(tactnet::augmentation_rule rule) {
     switch (rule) {

@@ -63,8 +63,9 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
         ->check(positive_number());
     command
         .add_option("--input", s.input,
-                    "Counts minus their 'mean' image, or 'scale'd by 1/255 (default: the recipe's)")
-        ->check(CLI::IsMember({"mean", "scale"}));
+                    "Counts minus their 'mean' image, 'scale'd by 1/255, or 'counts' as they are (default: "
+                    "the recipe's)")
+        ->check(CLI::IsMember({"mean", "scale", "counts"}));
     command
         .add_option("--augmentation", s.augmentation,
                     "New images: 'none', drawn anew 'each-epoch', or five for each image once: 'sixfold' "
@@ -167,7 +168,9 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
         r.rate *= 0.3; // of 0.3 and 1 what did best from simulated images, with 4 and with 32 real ones
                        // a class
     if (s.input)
-        r.input = *s.input == "mean" ? tactnet::input_rule::subtract_mean : tactnet::input_rule::scale;
+        r.input = *s.input == "mean"    ? tactnet::input_rule::subtract_mean
+                  : *s.input == "scale" ? tactnet::input_rule::scale
+                                        : tactnet::input_rule::counts;
     if (s.augmentation)
         r.augmentation = *s.augmentation == "none"         ? tactnet::augmentation_rule::none
                          : *s.augmentation == "each-epoch" ? tactnet::augmentation_rule::each_epoch

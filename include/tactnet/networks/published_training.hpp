@@ -18,8 +18,11 @@ struct published_transfer {
 /// this.
 struct published_training {
     double rate;          ///< first learning rate, that of a new last layer
-    double drop_period;   ///< epochs after which the rate falls to a tenth; 0 is never
+    double drop_period;   ///< epochs after which the rate is multiplied by drop_factor; 0 is never
     std::size_t patience; ///< validations without a smaller loss before it stops
+    double drop_factor = 0.1;
+    std::size_t validate_every = 10; ///< epochs
+    bool subtracts_mean = true;      ///< of the training images; else counts come as they are
     std::optional<published_transfer> transfer = {};
 };
 

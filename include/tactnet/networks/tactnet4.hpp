@@ -30,8 +30,10 @@ using tactnet4 = network<Input,                                                 
                          conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>, //
                          dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
-/// How the authors trained it.
-inline constexpr published_training tactnet4_training{.rate = 0.05, .drop_period = 200, .patience = 3};
+/// How the authors trained it at 28 × 50, for images of any size: of 14 × 25 nothing else is known.
+[[nodiscard]] constexpr published_training tactnet4_training(shape) {
+    return {.rate = 0.05, .drop_period = 200, .patience = 3};
+}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

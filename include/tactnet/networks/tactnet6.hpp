@@ -49,9 +49,26 @@ using tactnet6 = network<Input,                                                 
 template <shape Input, std::size_t Classes>
 using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()>;
 
-/// How the authors trained it, in either form.
-inline constexpr published_training tactnet6_training{.rate = 0.01, .drop_period = 150, .patience = 4},
-    tactnet6_economical_training = tactnet6_training;
+/// How the authors trained it at each of their five resolutions; sizes in between take the settings of the
+/// form that they take.
+[[nodiscard]] constexpr published_training tactnet6_training(shape image) {
+    switch (form_of(image)) {
+    case resolution::r7x13:
+    case resolution::r10x18:
+        return {.rate = 0.008, .drop_period = 150, .patience = 7, .drop_factor = 0.7, .validate_every = 15};
+    case resolution::r14x25:
+        return {.rate = 0.1, .drop_period = 100, .patience = 7, .drop_factor = 0.7, .validate_every = 15};
+    case resolution::r20x35:
+        return {.rate = 0.1, .drop_period = 100, .patience = 5, .drop_factor = 0.7, .validate_every = 15};
+    case resolution::r28x50:
+        break;
+    }
+    return {.rate = 0.01, .drop_period = 150, .patience = 4};
+}
+/// The same for the economical form, which was not published.
+[[nodiscard]] constexpr published_training tactnet6_economical_training(shape image) {
+    return tactnet6_training(image);
+}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

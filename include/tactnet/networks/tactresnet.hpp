@@ -43,8 +43,10 @@ using tactresnet = network<Input,                                               
                            max_pool<Form.last_pool, 1, valid>,                                          //
                            dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
-/// How the authors trained it.
-inline constexpr published_training tactresnet_training{.rate = 0.002, .drop_period = 0, .patience = 5};
+/// How the authors trained it at 28 × 50, for images of any size. Its input are counts as they are.
+[[nodiscard]] constexpr published_training tactresnet_training(shape) {
+    return {.rate = 0.002, .drop_period = 0, .patience = 5, .subtracts_mean = false};
+}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -82,19 +82,21 @@ public:
         detail::check_batches(*network_, shown_);
         network_->epsilon() = how.epsilon;
         if (samples_.are_images()) {
-            if (how.input == input_rule::subtract_mean && network_->takes_counts())
-                throw std::invalid_argument("trainer: expected input_rule::scale for a network that takes "
-                                            "counts, found input_rule::subtract_mean");
+            if (how.input != input_rule::scale && network_->takes_counts())
+                throw std::invalid_argument(
+                    std::string("trainer: expected input_rule::scale for a network that takes counts, found "
+                                "input_rule::") +
+                    (how.input == input_rule::counts ? "counts" : "subtract_mean"));
             if (how.input == input_rule::subtract_mean)
                 in_.subtract_mean(samples_.pixels(), split_.training);
-            else
+            else if (how.input == input_rule::scale)
                 in_.scale_by(1.0f / 255);
         }
         const std::size_t size = network_->learnable_values().size();
         optimiser_.resize(size);
         gradients_.assign(size, 0);
         const std::vector<parameter> parameters = network_->describe();
-        decayed_ = detail::decay_mask(parameters, size);
+        decayed_ = detail::decay_mask(how.optimiser, parameters, size);
         std::uint32_t index = 0;
         for (const parameter& p : parameters)
             detail::initialise(p, network_->values_of(p), how.initialisation, seed, index);

@@ -16,11 +16,12 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Stochastic gradient descent with momentum. `l2` is added to the gradient of weights, not of biases, scales
-/// and shifts (the authors' programs apply it to scales and shifts too).
+/// Stochastic gradient descent with momentum. The gradient of weights has `l2` times the weights added, not
+/// that of biases.
 struct sgd {
     double momentum = 0.9;
     double l2 = 0;
+    bool l2_of_norms = false; ///< scales and shifts of batch norms too, as the authors' programs do
 };
 
 /// Adam with decoupled weight decay (Loshchilov and Hutter, 2019), on weights only. A gradient beyond 1.8e19
@@ -49,11 +50,15 @@ struct optimiser_state {
 
 namespace detail {
 
-/// One for weights, zero for all else that is learnt, up to a whole vector: what weight decay applies to.
-inline aligned_vector<float> decay_mask(const std::vector<parameter>& parameters, std::size_t size) {
+/// One for weights, and for scales and shifts of batch norms if the rule says so, zero for all else that is
+/// learnt, up to a whole vector: what weight decay applies to.
+inline aligned_vector<float> decay_mask(const optimiser& rule, const std::vector<parameter>& parameters,
+                                        std::size_t size) {
+    const auto* const descent = std::get_if<sgd>(&rule);
+    const bool norms = descent && descent->l2_of_norms;
     aligned_vector<float> mask(size, 0.0f);
     for (const parameter& p : parameters)
-        if (p.what == role::weight)
+        if (p.what == role::weight || (norms && (p.what == role::scale || p.what == role::shift)))
             std::fill_n(mask.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size, 1.0f);
     return mask;
 }

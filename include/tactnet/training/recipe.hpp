@@ -17,7 +17,8 @@ inline namespace TACTNET_ARCH {
 /// How counts become the input of the network.
 enum class input_rule {
     subtract_mean, ///< minus the mean image of the training set, as the authors' TactNet-4 and 6
-    scale          ///< divided by 255
+    scale,         ///< divided by 255
+    counts         ///< as they are, as the authors' TactResNet
 };
 
 /// Where new images come from.
@@ -98,34 +99,34 @@ struct recipe {
     }
 
     /// How the authors trained, with what each network has of its own: for example tactnet4_training. The
-    /// settings are those of the authors' programs, since the paper's text has none. What differs (fewer
-    /// epochs, L2 on weights alone, the mean in front of TactResNet, TactNet-6 at low resolutions, which
-    /// weights are kept): docs/paper.md.
+    /// settings are those of the authors' programs, since the paper's text has none. What differs (for
+    /// example which weights are kept): docs/paper.md.
     [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns,
                                           const published_training& own) {
         recipe r;
         r.name = "published";
         if (own.transfer)
             return published(r, own, *own.transfer);
-        r.epochs = 1000;
+        r.epochs = 5000;
         r.batch = 0;
         r.rate = own.rate;
-        r.optimiser = sgd{.momentum = 0.8, .l2 = 1e-4};
-        r.schedule = own.drop_period > 0 ? schedule_type(step_drop{.period = own.drop_period, .factor = 0.1})
-                                         : constant_rate{};
+        r.optimiser = sgd{.momentum = 0.8, .l2 = 1e-4, .l2_of_norms = true};
+        if (own.drop_period > 0)
+            r.schedule = step_drop{.period = own.drop_period, .factor = own.drop_factor};
+        else
+            r.schedule = constant_rate{};
+        r.input = own.subtracts_mean ? input_rule::subtract_mean : input_rule::counts;
         r.initialisation = fixed_normal{0.01};
         r.ranges = augmentation_ranges::published(rows, columns);
         r.varies_as_taken = false;
         r.label_smoothing = 0;
         r.remeasure_statistics = true;
-        r.validate_every = 10;
+        r.validate_every = own.validate_every;
         r.patience = own.patience;
         return r;
     }
 
 private:
-    using schedule_type = tactnet::schedule;
-
     /// Of a network that begins with pretrained weights: as in the authors' programs.
     [[nodiscard]] static recipe published(recipe r, const published_training& own,
                                           const published_transfer& transfer) {
@@ -133,7 +134,7 @@ private:
         r.batch = transfer.batch;
         r.rate = own.rate;
         r.pretrained_rate = 1 / transfer.new_layer_factor;
-        r.optimiser = sgd{.momentum = 0.9, .l2 = 1e-4};
+        r.optimiser = sgd{.momentum = 0.9, .l2 = 1e-4, .l2_of_norms = true};
         r.schedule = constant_rate{};
         r.initialisation = fixed_normal{0.01};
         r.input = input_rule::scale;

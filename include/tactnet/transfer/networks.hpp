@@ -41,24 +41,31 @@ using resnet50_nn = behind_photograph<Touch, resnet50<shape{224, 224, 3}, Classe
 template <shape Touch, std::size_t Classes>
 using vgg16_nn = behind_photograph<Touch, vgg16<shape{224, 224, 3}, Classes>>;
 
-/// How the authors trained the head of each.
-inline constexpr published_training squeezenet_nn_training{
-    .rate = 1e-3,
-    .drop_period = 0,
-    .patience = 0,
-    .transfer = published_transfer{.epochs = 15, .batch = 64, .new_layer_factor = 1}},
-    alexnet_nn_training{.rate = 2e-3, // of the last layer
-                        .drop_period = 0,
-                        .patience = 0,
-                        .transfer = published_transfer{.epochs = 10, .batch = 5, .new_layer_factor = 20}},
-    resnet50_nn_training{.rate = 1e-3,
-                         .drop_period = 0,
-                         .patience = 4,
-                         .transfer = published_transfer{.epochs = 10, .batch = 16, .new_layer_factor = 1}},
-    vgg16_nn_training{.rate = 2e-3, // of the last layer
-                      .drop_period = 0,
-                      .patience = 0,
-                      .transfer = published_transfer{.epochs = 10, .batch = 32, .new_layer_factor = 20}};
+/// How the authors trained each, for images of any size. A rate beside a factor is that of the last layer.
+[[nodiscard]] constexpr published_training squeezenet_nn_training(shape) {
+    return {.rate = 1e-3,
+            .drop_period = 0,
+            .patience = 0,
+            .transfer = published_transfer{.epochs = 15, .batch = 64, .new_layer_factor = 1}};
+}
+[[nodiscard]] constexpr published_training alexnet_nn_training(shape) {
+    return {.rate = 2e-3,
+            .drop_period = 0,
+            .patience = 0,
+            .transfer = published_transfer{.epochs = 10, .batch = 5, .new_layer_factor = 20}};
+}
+[[nodiscard]] constexpr published_training resnet50_nn_training(shape) {
+    return {.rate = 1e-3,
+            .drop_period = 0,
+            .patience = 4,
+            .transfer = published_transfer{.epochs = 10, .batch = 16, .new_layer_factor = 1}};
+}
+[[nodiscard]] constexpr published_training vgg16_nn_training(shape) {
+    return {.rate = 2e-3,
+            .drop_period = 0,
+            .patience = 0,
+            .transfer = published_transfer{.epochs = 10, .batch = 32, .new_layer_factor = 20}};
+}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -45,6 +45,7 @@ std::vector<recipe> variations() {
     vary([](recipe& r) { r.optimiser = tactnet::sgd{}; });
     vary([](recipe& r) { r.optimiser = tactnet::sgd{.momentum = 0.8}; });
     vary([](recipe& r) { r.optimiser = tactnet::sgd{.l2 = 0.8}; });
+    vary([](recipe& r) { r.optimiser = tactnet::sgd{.l2_of_norms = true}; });
     vary([](recipe& r) { r.schedule = tactnet::constant_rate{}; });
     vary([](recipe& r) { r.schedule = tactnet::step_drop{}; });
     vary([](recipe& r) { r.schedule = tactnet::step_drop{.period = 8}; });
@@ -53,6 +54,7 @@ std::vector<recipe> variations() {
     vary([](recipe& r) { r.initialisation = tactnet::fixed_normal{}; });
     vary([](recipe& r) { r.initialisation = tactnet::fixed_normal{.deviation = 0.8}; });
     vary([](recipe& r) { r.input = tactnet::input_rule::scale; });
+    vary([](recipe& r) { r.input = tactnet::input_rule::counts; });
     vary([](recipe& r) { r.augmentation = tactnet::augmentation_rule::none; });
     vary([](recipe& r) { r.augmentation = tactnet::augmentation_rule::sixfold; });
     vary([](recipe& r) { r.ranges.reflect_rows = 0.8; });
