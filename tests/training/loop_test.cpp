@@ -6,6 +6,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -168,4 +170,53 @@ TEST_CASE("training_loop: features go to the network as they are") {
                                             found, split.test, threads);
     CHECK(by_images.loss == by_features.loss);
     CHECK(by_images.recognised == by_features.recognised);
+}
+
+TEST_CASE("training_loop: gradients from uphill teach something else, the same on any number of threads") {
+    const support::toy_task task(20);
+    recipe how;
+    how.epochs = 2;
+    how.batch = 16;
+    const data_split split = split_data(task.labels, 3, split_rule::random, 1);
+    const auto trained = [&](double radius, std::size_t threads) {
+        thread_pool pool(threads);
+        how.sharpness_radius = radius;
+        training_loop loop(std::make_unique<trainable_network<net>>(), how, task.images(), split, 1, pool);
+        const double first_loss = loop.run_epoch().loss;
+        CHECK(std::isfinite(first_loss));
+        loop.run_epoch();
+        const auto copy = loop.latest().copy();
+        std::vector<float> all(copy->learnable_values().begin(), copy->learnable_values().end());
+        all.insert(all.end(), copy->running_statistics().begin(), copy->running_statistics().end());
+        return all;
+    };
+    const std::vector<float> uphill = trained(0.1, 1);
+    CHECK(uphill != trained(0, 1));
+    CHECK(uphill == trained(0.1, 2));
+    // So near that single precision does not see it: as without.
+    CHECK(trained(1e-60, 1) == trained(0, 1));
+}
+
+TEST_CASE("training_loop: keeps the last network where the recipe says so") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe how;
+    how.epochs = 12;
+    how.batch = 16;
+    how.rate = 0.3; // at which the loss goes up and down
+    how.schedule = constant_rate{};
+    const data_split split = split_data(task.labels, 3, split_rule::random, 1);
+    const auto keeps_latest = [&](bool keeps_last) {
+        how.keeps_last = keeps_last;
+        training_loop loop(std::make_unique<trainable_network<net>>(), how, task.images(), split, 1, threads);
+        std::size_t same = 0;
+        while (!loop.finished()) {
+            loop.run_epoch();
+            same += static_cast<std::size_t>(std::ranges::equal(loop.best().copy()->learnable_values(),
+                                                                loop.latest().copy()->learnable_values()));
+        }
+        return same;
+    };
+    CHECK(keeps_latest(true) == 12);
+    CHECK(keeps_latest(false) < 12);
 }

@@ -26,8 +26,8 @@ TEST_CASE("recipe::published: as in the authors' programs for pretrained network
     CHECK(r.augmentation == augmentation_rule::none);
 }
 
-TEST_CASE(
-    "recipe::thorough: the same with three times as many epochs and erased parts, under a name of its own") {
+TEST_CASE("recipe::thorough: the same with three times as many epochs, erased parts and gradients from "
+          "uphill; the last is kept") {
     recipe expected = recipe::default_for(14, 25);
     const recipe found = expected.thorough();
     CHECK(found.name == "thorough");
@@ -36,6 +36,8 @@ TEST_CASE(
     expected.ranges.erase = 0.5;
     CHECK(found.ranges == expected.ranges);
     CHECK(found.averaging == expected.averaging);
+    CHECK(found.sharpness_radius == 0.1);
+    CHECK(found.keeps_last);
 }
 
 TEST_CASE("recipe::default_for: small images are learnt from longer, four times as long at most") {

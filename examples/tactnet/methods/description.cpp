@@ -110,8 +110,8 @@ std::string_view program_instruction_set() {
 
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
     const auto& [name, epochs, batch, rate, pretrained_rate, optimiser, schedule, initialisation, input,
-                 augmentation, ranges, varies_as_taken, label_smoothing, averaging, epsilon,
-                 remeasure_statistics, validate_every, patience] = recipe;
+                 augmentation, ranges, varies_as_taken, label_smoothing, sharpness_radius, averaging, epsilon,
+                 remeasure_statistics, validate_every, patience, keeps_last] = recipe;
     tactnet::file_metadata all{
         {"recipe", text(name)},
         {"epochs", text(epochs)},
@@ -131,8 +131,13 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
         {"patience", text(patience)},
     };
     static_cast<void>(varies_as_taken); // of images that were taken larger: see describe_training
-    if (pretrained_rate != 1)           // of which descriptions made before say nothing, and mean one
+    // Of what follows descriptions made before say nothing, and mean the default.
+    if (pretrained_rate != 1)
         all["pretrained_rate"] = text(pretrained_rate);
+    if (sharpness_radius != 0)
+        all["sharpness_radius"] = text(sharpness_radius);
+    if (keeps_last)
+        all["keeps"] = "last";
     return all;
 }
 

@@ -7,6 +7,7 @@
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/trainable.hpp>
+#include <tactnet/training/loop/uphill.hpp>
 #include <tactnet/training/recipe.hpp>
 
 #include <algorithm>
@@ -109,8 +110,10 @@ public:
     [[nodiscard]] const std::vector<epoch_report>& history() const { return progress_.history; }
     [[nodiscard]] std::size_t samples_per_epoch() const { return shown_.size(); }
     /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
-    /// where there are no validation images.
-    [[nodiscard]] const trainable& best() const { return split_.validation.empty() ? candidate() : *best_; }
+    /// where there are no validation images, or where the recipe keeps that.
+    [[nodiscard]] const trainable& best() const {
+        return split_.validation.empty() || how_.keeps_last ? candidate() : *best_;
+    }
     [[nodiscard]] const trainable& latest() const { return candidate(); }
     /// Inputs are (number − mean) × scale, of counts or of features.
     [[nodiscard]] std::span<const float> mean() const { return in_.mean(); }
@@ -248,17 +251,28 @@ private:
         for (std::size_t i = 0; i < count; ++i)
             labels[i] = shown_.label(places[i]);
 
-        const auto step = static_cast<std::uint32_t>(optimiser_.steps);
-        network_->prepare(threads_, *space_);
-        network_->forward(threads_, *space_, in_.samples(), out_, seed_, step);
-        const double loss = detail::softmax_cross_entropy<float>({count, out_.size(), sample_batch::lanes},
-                                                                 out_.data(), labels, samples_.classes(),
-                                                                 how_.label_smoothing, out_gradient_.data());
-        network_->backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
+        const double loss = find_gradients(labels);
+        if (how_.sharpness_radius > 0) {
+            uphill_.climb(*network_, gradients_, how_.sharpness_radius);
+            find_gradients(labels);
+            uphill_.come_back(*network_);
+        }
         take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_, decayed_,
                          rate_shares_);
         if (how_.averaging > 0)
             average();
+        return loss;
+    }
+
+    /// Of the batch in in_, where the network is now; returns its mean loss.
+    double find_gradients(std::span<const std::size_t> labels) {
+        const auto step = static_cast<std::uint32_t>(optimiser_.steps);
+        network_->prepare(threads_, *space_);
+        network_->forward(threads_, *space_, in_.samples(), out_, seed_, step);
+        const double loss = detail::softmax_cross_entropy<float>(
+            {labels.size(), out_.size(), sample_batch::lanes}, out_.data(), labels, samples_.classes(),
+            how_.label_smoothing, out_gradient_.data());
+        network_->backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
         return loss;
     }
 
@@ -316,6 +330,7 @@ private:
     aligned_vector<float> gradients_, decayed_;
     aligned_vector<float> rate_shares_; ///< empty where all learn at the same rate
     training_progress progress_;
+    detail::uphill uphill_;
     std::unique_ptr<trainable::workspace> space_;
     input_batch in_;
     sample_batch out_, out_gradient_;

@@ -66,6 +66,8 @@ std::vector<recipe> variations() {
     vary([](recipe& r) { r.ranges.shear = 0.8; });
     vary([](recipe& r) { r.ranges.shear = -0.8; });
     vary([](recipe& r) { r.label_smoothing = 0.8; });
+    vary([](recipe& r) { r.sharpness_radius = 0.8; });
+    vary([](recipe& r) { r.keeps_last = true; });
     vary([](recipe& r) { r.averaging = 0.8; });
     vary([](recipe& r) { r.epsilon = 0.8; });
     vary([](recipe& r) { r.remeasure_statistics = true; });
