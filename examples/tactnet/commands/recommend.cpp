@@ -34,7 +34,7 @@ struct recommend_options {
 /// What a study found of a network.
 struct studied_network {
     std::string method, recipe, declaration;
-    std::size_t rows, columns, splits, bytes;
+    std::size_t rows, columns, bits, splits, bytes;
     double accuracy, deviation, microseconds, p99;
 };
 
@@ -48,6 +48,7 @@ std::optional<studied_network> network_of(const nlohmann::json& line, const std:
                            line.at("declaration"),
                            line.at("rows"),
                            line.at("columns"),
+                           line.value("bits", std::size_t{32}), // of which earlier versions say nothing
                            line.at(split + "_splits"),
                            line.at("bytes"),
                            accuracy,
@@ -95,9 +96,9 @@ int recommend(const recommend_options& o) {
     if (all.empty())
         throw usage_error(
             fmt::format("expected a budget that a network of {} keeps, found none; the fastest, "
-                        "{} {}x{}, takes {:.2f} µs and {} bytes",
-                        path.string(), fastest.method, fastest.rows, fastest.columns, fastest.microseconds,
-                        fastest.bytes));
+                        "{} {}x{}{}, takes {:.2f} µs and {} bytes",
+                        path.string(), fastest.method, fastest.rows, fastest.columns,
+                        fastest.bits == 8 ? " in 8 bits" : "", fastest.microseconds, fastest.bytes));
     // A mean over few splits says little beside one over many.
     const std::size_t most = std::ranges::max_element(all, {}, &studied_network::splits)->splits;
     std::erase_if(all, [&](const studied_network& n) { return n.splits < most; });
@@ -106,10 +107,11 @@ int recommend(const recommend_options& o) {
     });
     const studied_network& best = all.front();
     print(fmt::format(
-        "{} {}x{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs a frame (p99 {:.2f}), "
+        "{} {}x{}{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs a frame (p99 {:.2f}), "
         "{} bytes of weights\n{}\n",
-        best.method, best.rows, best.columns, best.recipe, 100 * best.accuracy, 100 * best.deviation,
-        best.splits, o.split, best.microseconds, best.p99, grouped(best.bytes), best.declaration));
+        best.method, best.rows, best.columns, best.bits == 8 ? " in 8 bits" : "", best.recipe,
+        100 * best.accuracy, 100 * best.deviation, best.splits, o.split, best.microseconds, best.p99,
+        grouped(best.bytes), best.declaration));
     return success;
 }
 
@@ -123,7 +125,7 @@ command add_recommend(CLI::App& program) {
     app->add_option("--microseconds", o->microseconds, "The most that a frame may take")
         ->type_name("T")
         ->check(positive_number());
-    app->add_option("--bytes", o->bytes, "The most that its weights may take, in single precision")
+    app->add_option("--bytes", o->bytes, "The most that its weights may take")
         ->type_name("N")
         ->check(whole_number(1, 1'000'000'000'000));
     app->add_option("--rows", o->rows, "Rows of the sensor, or fewer after resizing")

@@ -9,6 +9,7 @@
 #include "files/places.hpp"
 #include "files/same_file.hpp"
 #include "methods/registry.hpp"
+#include "methods/training_settings.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
 #include "study/markdown.hpp"
@@ -85,25 +86,30 @@ void merge(const study_options& o, result_list& results) {
     }
 }
 
-std::vector<const method*> methods_of(const candidate_list& candidates) {
-    std::vector<const method*> methods;
+/// What is timed: methods, with weights of so many bits.
+using timed_form = std::pair<const method*, std::size_t>;
+
+std::vector<timed_form> forms_of(const candidate_list& candidates) {
+    std::vector<timed_form> forms;
     for (const candidate& c : candidates)
-        if (std::ranges::find(methods, c.what) == methods.end())
-            methods.push_back(c.what);
-    return methods;
+        for (const std::size_t bits : bits_of(c))
+            if (std::ranges::find(forms, timed_form(c.what, bits)) == forms.end())
+                forms.emplace_back(c.what, bits);
+    return forms;
 }
 
 /// What a report that trains and times nothing has, and has not.
 void tell_found(const candidate_list& candidates, const std::vector<task>& all, const result_list& results,
                 const timing_list& timings) {
-    const auto methods = methods_of(candidates);
+    const auto forms = forms_of(candidates);
     const auto trained = std::ranges::count_if(
                    all, [&](const task&t) { return results.find(t.settings) != nullptr; }),
-               timed = std::ranges::count_if(
-                   methods, [&](const method*what) { return timings.find(*what) != nullptr; });
-    const bool whole = trained == std::ssize(all) && timed == std::ssize(methods);
+               timed = std::ranges::count_if(forms, [&](const timed_form&form) {
+                   return timings.find(*form.first, form.second) != nullptr;
+               });
+    const bool whole = trained == std::ssize(all) && timed == std::ssize(forms);
     tell("{}{} of {} trainings are there, {} of {} methods are timed\n", whole ? "" : "warning: ", trained,
-         all.size(), timed, methods.size());
+         all.size(), timed, forms.size());
 }
 
 /// False if interrupted.
@@ -117,19 +123,22 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
         return false;
     timings.read_on();
     const pinned here;
-    std::vector<const method*> missing = methods_of(candidates);
-    std::erase_if(missing, [&](const method* what) { return timings.find(*what) != nullptr; });
+    std::vector<timed_form> missing = forms_of(candidates);
+    std::erase_if(missing,
+                  [&](const timed_form& form) { return timings.find(*form.first, form.second) != nullptr; });
     progress line;
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (interrupted()) {
             line.end_line();
             return false;
         }
-        const method& what = *missing[i];
-        const frame_latency found = measure_latency(what.make_work(), what.frames_together());
-        timings.add(what, found);
-        line.show(fmt::format("{} of {} methods timed: {} {}x{}, {:.1f} µs", i + 1, missing.size(), what.name,
-                              what.rows, what.columns, found.median),
+        const auto& [form, bits] = missing[i];
+        const method& what = *form;
+        const frame_latency found = measure_latency(what.make_work(bits), what.frames_together());
+        timings.add(what, bits, found);
+        line.show(fmt::format("{} of {} methods timed: {} {}x{}{}, {:.1f} µs", i + 1, missing.size(),
+                              what.name, what.rows, what.columns, bits == 8 ? " in 8 bits" : "",
+                              found.median),
                   i + 1 == missing.size());
     }
     return true;
@@ -275,6 +284,9 @@ command add_study(CLI::App& program) {
            "Other libraries' times for the same networks on this machine, drawn beside: the table of "
            "benchmark_inference")
         ->type_name("FILE");
+    add_bits_option(
+        *app, o->bits,
+        "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
     app->add_option("--jobs", o->jobs, "Trainings at the same time, 1 to 1024 (default: one a core)")
         ->type_name("N")
         ->check(whole_number(1, 1024));

@@ -59,7 +59,7 @@ std::string instruction_sets_table(const std::vector<study_row>& rows) {
     text += "</tr>\n";
     std::set<std::string> shown; // a recipe changes no time
     for (const study_row& row : rows) {
-        const std::string title = fmt::format("{} {}×{}", row.method, row.rows, row.columns);
+        const std::string title = fmt::format("{} {}×{}", method_title(row), row.rows, row.columns);
         if (row.by_instruction_set.size() < 2 || !shown.insert(title).second)
             continue;
         text += "<tr><td>" + escaped(title) + "</td>";

@@ -60,11 +60,11 @@ std::string front(const std::vector<study_row>& rows) {
                                 fmt::format("accuracy, {} splits, %", name_of(rule)), "parameters", "C++"}) +
                        line_of({"---", "---", "---", "---", "---", "---"});
     for (const study_row* row : pareto_front(rows, rule))
-        text +=
-            line_of({plain(row->method) + (row->recipe == "default" ? "" : ", " + row->recipe + " recipe"),
-                     fmt::format("{} × {}", row->rows, row->columns), microseconds_of(*row),
-                     accuracy_of(find_accuracy(*row, rule)), count_of(row->costs.parameters),
-                     row->declaration.empty() ? "" : "`" + plain(row->declaration) + "`"});
+        text += line_of(
+            {plain(method_title(*row)) + (row->recipe == "default" ? "" : ", " + row->recipe + " recipe"),
+             fmt::format("{} × {}", row->rows, row->columns), microseconds_of(*row),
+             accuracy_of(find_accuracy(*row, rule)), count_of(row->costs.parameters),
+             row->declaration.empty() ? "" : "`" + plain(row->declaration) + "`"});
     return text;
 }
 
@@ -78,7 +78,7 @@ std::string methods(const std::vector<study_row>& rows) {
     for (const study_row& row : rows) {
         const published_result* paper = row.published;
         text += line_of(
-            {plain(row.method), fmt::format("{} × {}", row.rows, row.columns),
+            {plain(method_title(row)), fmt::format("{} × {}", row.rows, row.columns),
              row.accuracies.empty() ? "" : row.recipe, accuracy_of(find_accuracy(row, split_rule::random)),
              reflected_of(find_accuracy(row, split_rule::random)),
              accuracy_of(find_accuracy(row, split_rule::blocked)),

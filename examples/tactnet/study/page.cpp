@@ -130,7 +130,8 @@ std::string methods_table(const std::vector<study_row>& rows) {
         "<th>µs a frame</th><th>p99, µs</th><th>jitter</th><th>in batch, µs</th>"
         "<th>paper, ms</th><th>parameters</th><th>multiply-adds</th><th>training, s</th></tr>\n";
     for (const study_row& row : rows) {
-        text += fmt::format("<tr><td title=\"{}\">{}</td>", escaped(row.declaration), escaped(row.method)) +
+        text += fmt::format("<tr><td title=\"{}\">{}</td>", escaped(row.declaration),
+                            escaped(method_title(row))) +
                 cell(fmt::format("{}×{}", row.rows, row.columns));
         if (row.accuracies.empty() && !row.latency) {
             text += "<td></td><td class=\"text\" colspan=\"2\">" + escaped(row.missing) + "</td>" +

@@ -49,7 +49,8 @@ bool has_paper(const std::vector<study_row>& rows) {
 
 /// What the pointer is told; no quotes, which would end gnuplot's text.
 std::string words_of(const study_row& row) {
-    std::string text = fmt::format("{} {}x{}, {} recipe", row.method, row.rows, row.columns, row.recipe);
+    std::string text =
+        fmt::format("{} {}x{}, {} recipe", method_title(row), row.rows, row.columns, row.recipe);
     for (const auto& a : row.accuracies)
         text += fmt::format("\\n{:.2f} ± {:.2f} %, {} {} splits", 100 * a.test.mean, 100 * a.test.deviation,
                             a.splits, name_of(a.rule));
@@ -80,7 +81,7 @@ std::string peer_lines(const std::vector<study_row>& rows, const std::vector<pee
         double best = 0;
         for (const study_row& row : rows)
             if (const auto* a = find_accuracy(row, rule);
-                a != nullptr && row.method == peer.method && row.rows == peer.rows &&
+                a != nullptr && row.bits == 32 && row.method == peer.method && row.rows == peer.rows &&
                 row.columns == peer.columns && a->test.mean > best) {
                 same = &row;
                 best = a->test.mean;
@@ -179,7 +180,7 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
     std::set<std::size_t> tactels;
     for (const study_row& row : rows)
         if (const auto* a = find_accuracy(row, rule)) {
-            const std::string name = fmt::format("{}, {}", row.method, row.recipe);
+            const std::string name = fmt::format("{}, {}", method_title(row), row.recipe);
             lines[name] += fmt::format("{} {} {} \"{}\"\n", row.rows * row.columns, 100 * a->test.mean,
                                        100 * a->test.deviation, words_of(row));
             ++counts[name];

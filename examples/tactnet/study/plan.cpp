@@ -75,6 +75,7 @@ study_plan plan_of(const study_options& o) {
                 (recipe == "thorough" && !may_be_thorough(*m)))
                 continue;
             settings.recipe = recipe;
+            settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
             const std::string name(recipe_for(*m, settings).name);
             if (std::ranges::find(tried, name) != tried.end())
                 continue;

@@ -18,6 +18,7 @@ struct study_options {
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged;
     std::string split = "both";
     std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
+    std::size_t bits = 8; ///< 8: networks in 8 bits too, where they have such a form
     bool report_only = false, only_trained = false, times_only = false;
 };
 
@@ -32,3 +33,8 @@ struct study_plan {
 
 /// Every method of the program at every size, and of the paper those that it lacks. Throws usage_error.
 study_plan plan_of(const study_options& o);
+
+/// What a candidate is told in: single precision, and 8 bits if its trainings are.
+inline std::vector<std::size_t> bits_of(const candidate& c) {
+    return c.training.bits == 8 ? std::vector<std::size_t>{32, 8} : std::vector<std::size_t>{32};
+}

@@ -2,6 +2,7 @@
 
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"
+#include "study/plan.hpp"
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
@@ -28,7 +29,7 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
     for (const task& t : tasks) {
         if (t.of != &c || t.rule != rule)
             continue;
-        const training_result* r = results.find(t.settings);
+        const training_result* r = results.find(row.bits == 8 ? t.settings : in_single_precision(t.settings));
         if (r == nullptr)
             continue;
         if (r->confusion.classes() != row.classes.size())
@@ -60,8 +61,11 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
 }
 
 nlohmann::ordered_json json_of(const study_row& row) {
-    nlohmann::ordered_json object{
-        {"method", row.method}, {"rows", row.rows}, {"columns", row.columns}, {"recipe", row.recipe}};
+    nlohmann::ordered_json object{{"method", row.method},
+                                  {"rows", row.rows},
+                                  {"columns", row.columns},
+                                  {"recipe", row.recipe},
+                                  {"bits", row.bits}};
     for (const tactnet::split_rule rule : {tactnet::split_rule::random, tactnet::split_rule::blocked}) {
         const split_accuracies* found = find_accuracy(row, rule);
         const auto put = [&](const char* what, auto value) {
@@ -96,7 +100,7 @@ nlohmann::ordered_json json_of(const study_row& row) {
     number("multiply_adds", costs, row.costs.multiply_adds);
     number("multiply_adds_on_pixels", costs, row.costs.multiply_adds_on_pixels);
     number("bytes", costs, row.costs.parameter_bytes);
-    number("activation_bytes", costs, row.costs.activation_bytes);
+    number("activation_bytes", row.costs.activation_bytes > 0, row.costs.activation_bytes);
     const bool published = row.published != nullptr;
     number("published_accuracy", published, published ? row.published->accuracy / 100 : 0);
     number("published_deviation", published, published ? row.published->deviation / 100 : 0);
@@ -105,6 +109,42 @@ nlohmann::ordered_json json_of(const study_row& row) {
     object["declaration"] = row.declaration;
     object["missing"] = row.missing;
     return object;
+}
+
+study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, const std::vector<task>& tasks,
+                 const result_list& results, const timing_list& timings) {
+    const method& what = *c.what;
+    study_row row{.method = what.name,
+                  .rows = what.rows,
+                  .columns = what.columns,
+                  .recipe = std::string(recipe_for(what, c.training).name),
+                  .bits = bits};
+    row.classes = c.data->images.classes;
+    row.confusion = tactnet::confusion_matrix(row.classes.size());
+    std::vector<double> seconds;
+    for (const tactnet::split_rule rule : plan.rules)
+        if (split_accuracies found = accuracies_of(c, rule, tasks, results, plan.splits, row, seconds);
+            found.splits > 0)
+            row.accuracies.push_back(std::move(found));
+    row.seconds = tactnet::mean_and_deviation::of(seconds).mean;
+    if (const frame_latency* found = timings.find(what, bits))
+        row.latency = *found;
+    row.by_instruction_set = timings.by_instruction_set(what, bits);
+    row.costs = what.costs(row.classes.size());
+    if (bits == 8) {
+        row.costs.parameter_bytes = what.eight_bit_bytes(row.classes.size());
+        row.costs.activation_bytes = 0; // nobody says
+    }
+    row.family = !what.is_network()  ? method_family::machines
+                 : what.pretrained() ? method_family::photographs
+                                     : method_family::touches;
+    row.declaration = what.declaration();
+    // Of the network as it was published, not of a user's of that name.
+    if (bits == 32 && (row.declaration.empty() || row.declaration.starts_with("tactnet::")))
+        row.published = find_published(row.method, row.rows, row.columns);
+    if (row.accuracies.empty())
+        row.missing = "not trained yet";
+    return row;
 }
 
 std::string percent(const split_accuracies* a) {
@@ -121,8 +161,12 @@ const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule 
     return found == row.accuracies.end() ? nullptr : &*found;
 }
 
+std::string method_title(const study_row& row) {
+    return row.method + (row.bits == 8 ? " in 8 bits" : "");
+}
+
 std::string title_of(const study_row& row) {
-    return fmt::format("{} {}x{}{}", row.method, row.rows, row.columns,
+    return fmt::format("{} {}x{}{}", method_title(row), row.rows, row.columns,
                        row.recipe == "default" ? "" : ", " + row.recipe);
 }
 
@@ -154,33 +198,9 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
                                const std::vector<task>& tasks, const result_list& results,
                                const timing_list& timings) {
     std::vector<study_row> rows;
-    for (const candidate& c : candidates) {
-        study_row row{.method = c.what->name,
-                      .rows = c.what->rows,
-                      .columns = c.what->columns,
-                      .recipe = std::string(recipe_for(*c.what, c.training).name)};
-        row.classes = c.data->images.classes;
-        row.confusion = tactnet::confusion_matrix(row.classes.size());
-        std::vector<double> seconds;
-        for (const tactnet::split_rule rule : plan.rules)
-            if (split_accuracies found = accuracies_of(c, rule, tasks, results, plan.splits, row, seconds);
-                found.splits > 0)
-                row.accuracies.push_back(std::move(found));
-        row.seconds = tactnet::mean_and_deviation::of(seconds).mean;
-        if (const frame_latency* found = timings.find(*c.what))
-            row.latency = *found;
-        row.by_instruction_set = timings.by_instruction_set(*c.what);
-        row.costs = c.what->costs(row.classes.size());
-        row.family = !c.what->is_network()  ? method_family::machines
-                     : c.what->pretrained() ? method_family::photographs
-                                            : method_family::touches;
-        row.declaration = c.what->declaration();
-        if (row.declaration.empty() || row.declaration.starts_with("tactnet::")) // not a user's of that name
-            row.published = find_published(row.method, row.rows, row.columns);
-        if (row.accuracies.empty())
-            row.missing = "not trained yet";
-        rows.push_back(std::move(row));
-    }
+    for (const candidate& c : candidates)
+        for (const std::size_t bits : bits_of(c))
+            rows.push_back(row_of(c, bits, plan, tasks, results, timings));
     return rows;
 }
 
@@ -222,7 +242,7 @@ std::string study_table(const std::vector<study_row>& rows) {
             return row.latency ? fmt::format("{:.1f}", (*row.latency).*what) : "";
         };
         cells.push_back(
-            {row.method, fmt::format("{}x{}", row.rows, row.columns), row.recipe,
+            {method_title(row), fmt::format("{}x{}", row.rows, row.columns), row.recipe,
              percent(find_accuracy(row, tactnet::split_rule::random)),
              percent(find_accuracy(row, tactnet::split_rule::blocked)),
              row.published == nullptr

@@ -27,6 +27,7 @@ struct study_row {
     std::string method;
     std::size_t rows, columns;
     std::string recipe;
+    std::size_t bits = 32; ///< of a weight
     method_family family = method_family::touches;
     std::string missing{}; ///< why it was not run; else empty
     method_costs costs{};
@@ -46,14 +47,17 @@ struct study_row {
 /// The accuracy by a rule, or nothing.
 const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule rule);
 
-/// "tactnet6 28x50", and the recipe where it is not the default.
+/// "tactnet6", or "tactnet6 in 8 bits".
+std::string method_title(const study_row& row);
+/// "tactnet6 in 8 bits 28x50", and the recipe where it is not the default.
 std::string title_of(const study_row& row);
 
 /// The mean over trainings: at each epoch of those that were still at work, if all of them have it.
 std::vector<tactnet::epoch_report>
 mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings);
 
-/// A row for each candidate. Throws tactnet::file_error for results of other classes.
+/// A row for each candidate, and one more if it is tried in 8 bits. Throws tactnet::file_error for results of
+/// other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
                                const timing_list& timings);

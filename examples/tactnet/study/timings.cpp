@@ -19,7 +19,7 @@ std::string machine_name() {
     return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
-tactnet::file_metadata key_of(const method& what) {
+tactnet::file_metadata key_of(const method& what, std::size_t bits) {
     tactnet::file_metadata key{{"method", what.name},
                                {"rows", fmt::to_string(what.rows)},
                                {"columns", fmt::to_string(what.columns)},
@@ -28,6 +28,8 @@ tactnet::file_metadata key_of(const method& what) {
                                {"compiler", compiler_name()}};
     key.merge(describe_program());
     key.merge(what.parts());
+    if (bits == 8) // of which timings made before say nothing, and mean single precision
+        key["bits"] = "8";
     return key;
 }
 
@@ -51,15 +53,16 @@ void timing_list::read_on() {
     });
 }
 
-const frame_latency* timing_list::find(const method& what) const {
-    const auto found = all_.find(key_of(what));
+const frame_latency* timing_list::find(const method& what, std::size_t bits) const {
+    const auto found = all_.find(key_of(what, bits));
     return found == all_.end() ? nullptr : &found->second;
 }
 
-std::map<std::string, frame_latency> timing_list::by_instruction_set(const method& what) const {
+std::map<std::string, frame_latency> timing_list::by_instruction_set(const method& what,
+                                                                     std::size_t bits) const {
     constexpr const char* name = "instruction_set";
     std::map<std::string, frame_latency> found;
-    const tactnet::file_metadata wanted = key_of(what);
+    const tactnet::file_metadata wanted = key_of(what, bits);
     for (const auto& [settings, latency] : all_) {
         tactnet::file_metadata here = settings;
         const auto set = here.find(name);
@@ -72,8 +75,8 @@ std::map<std::string, frame_latency> timing_list::by_instruction_set(const metho
     return found;
 }
 
-void timing_list::add(const method& what, const frame_latency& found) {
-    const tactnet::file_metadata key = key_of(what);
+void timing_list::add(const method& what, std::size_t bits, const frame_latency& found) {
+    const tactnet::file_metadata key = key_of(what, bits);
     file_.add(nlohmann::ordered_json{{"settings", key},
                                      {"median", found.median},
                                      {"p99", found.p99},

@@ -8,6 +8,7 @@
 
 #include <tactnet/io/model_file.hpp>
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -19,12 +20,12 @@ public:
 
     /// Takes over what other programs have added since. Throws tactnet::file_error.
     void read_on();
-    /// By this program on this machine, or nothing.
-    const frame_latency* find(const method& what) const;
+    /// With weights of so many bits, by this program on this machine, or nothing.
+    const frame_latency* find(const method& what, std::size_t bits) const;
     /// By this version and compiler on this machine: by the name of the instruction set that a program was
     /// compiled for, this one's among them.
-    std::map<std::string, frame_latency> by_instruction_set(const method& what) const;
-    void add(const method& what, const frame_latency& found);
+    std::map<std::string, frame_latency> by_instruction_set(const method& what, std::size_t bits) const;
+    void add(const method& what, std::size_t bits, const frame_latency& found);
 
 private:
     line_file file_;

@@ -95,6 +95,14 @@ TEST_SUITE("program") {
         CHECK(front_of(rows, split_rule::blocked) == titles{"blocked 7x13"});
     }
 
+    TEST_CASE("title_of: names 8 bits and a recipe other than the default") {
+        study_row row = studied("net", 0.8, 10, "thorough");
+        CHECK(title_of(row) == "net 7x13, thorough");
+        row.bits = 8;
+        CHECK(title_of(row) == "net in 8 bits 7x13, thorough");
+        CHECK(method_title(row) == "net in 8 bits");
+    }
+
     TEST_CASE("shown_rule: random splits if a row has any") {
         std::vector<study_row> rows{studied("net", 0.8, 10)};
         CHECK(shown_rule(rows) == split_rule::random);
@@ -119,6 +127,7 @@ TEST_SUITE("program") {
         REQUIRE(read.size() == 2);
         CHECK(read[0].at("method") == "net");
         CHECK(read[0].at("rows") == 7);
+        CHECK(read[0].at("bits") == 32);
         CHECK(read[0].at("random_accuracy") == 0.875);
         CHECK(read[0].at("random_splits") == 20);
         CHECK(read[0].at("random_training_accuracy") == 1);

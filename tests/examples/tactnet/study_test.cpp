@@ -20,12 +20,24 @@ using namespace support;
 
 namespace {
 
-/// A study of two methods on 7 × 13 tactels.
+/// A study of two methods on 7 × 13 tactels, in single precision.
 std::vector<std::string> study(const workshop& shop, const std::string& results,
                                const std::vector<std::string>& more = {}) {
-    std::vector<std::string> all{
-        "study",     "--data",  shop.data().string(), "--methods", "tactnet4,svm-linear", "--sizes", "7x13",
-        "--recipes", "default", "--splits",           "2",         "--results",           results};
+    std::vector<std::string> all{"study",
+                                 "--data",
+                                 shop.data().string(),
+                                 "--methods",
+                                 "tactnet4,svm-linear",
+                                 "--sizes",
+                                 "7x13",
+                                 "--recipes",
+                                 "default",
+                                 "--splits",
+                                 "2",
+                                 "--bits",
+                                 "32",
+                                 "--results",
+                                 results};
     all.insert(all.end(), more.begin(), more.end());
     return all;
 }
@@ -102,6 +114,39 @@ TEST_SUITE("program") {
         REQUIRE_MESSAGE(second.status == 0, second.error);
         CHECK(second.error.find("0 trainings to do, of 8 in all") != std::string::npos);
         CHECK(text_of(shop / "s/study.csv") == before);
+    }
+
+    TEST_CASE("study: networks in 8 bits have rows of their own, of the same trainings") {
+        const workshop shop;
+        const std::vector<std::string> both{
+            "study",     "--data",  shop.data().string(), "--methods", "tactnet4",  "--sizes", "7x13",
+            "--recipes", "default", "--splits",           "2",         "--results", "s"};
+        const outcome first = shop.run(both);
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        CHECK(first.error.find("4 trainings to do, of 4 in all") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8); // each in both
+        CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
+        const std::vector<std::string> rows = lines_of(text_of(shop / "s/study.jsonl"));
+        REQUIRE(rows.size() == 2);
+        CHECK(rows[0].find("\"bits\":32") != std::string::npos);
+        CHECK(rows[1].find("\"bits\":8") != std::string::npos);
+        CHECK(rows[1].find("\"random_splits\":2,") != std::string::npos);
+        const std::string tables = text_of(shop / "s/study.md");
+        CHECK(tables.find("| tactnet4 in 8 bits | 7 × 13 | default |") != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find(">tactnet4 in 8 bits</td>") != std::string::npos);
+
+        // It weighs less than a third, so a budget of bytes finds it.
+        const outcome small = shop.run({"recommend", "--results", "s", "--bytes", "12000"});
+        REQUIRE_MESSAGE(small.status == 0, small.error);
+        CHECK(small.out.starts_with("tactnet4 7x13 in 8 bits, default recipe: "));
+
+        // Single precision alone needs no more trainings.
+        std::vector<std::string> single = both;
+        single.insert(single.end(), {"--bits", "32"});
+        const outcome second = shop.run(single);
+        REQUIRE_MESSAGE(second.status == 0, second.error);
+        CHECK(second.error.find("0 trainings to do, of 4 in all") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 1);
     }
 
     TEST_CASE("study: parts of several machines give the table of one, to the last digit") {
