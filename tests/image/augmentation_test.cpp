@@ -123,3 +123,17 @@ TEST_CASE("augmentation_ranges: as published at the published sizes") {
     CHECK(published(10, 18) == std::array{1.0, 2.0});
     CHECK(published(7, 13) == std::array{1.0, 2.0});
 }
+
+TEST_CASE("image_motion::draw: shears to either side, as far as asked") {
+    const augmentation_ranges ranges{.shear = 0.5};
+    double least = 0, most = 0;
+    for (std::uint32_t i = 0; i < 1000; ++i) {
+        random_stream random(1, draw::augmentation, i);
+        const double shear = image_motion::draw(ranges, random).shear;
+        least = std::min(least, shear), most = std::max(most, shear);
+    }
+    CHECK(least >= -0.5);
+    CHECK(least < -0.49);
+    CHECK(most <= 0.5);
+    CHECK(most > 0.49);
+}

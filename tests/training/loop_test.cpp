@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -219,4 +220,74 @@ TEST_CASE("training_loop: keeps the last network where the recipe says so") {
     };
     CHECK(keeps_latest(true) == 12);
     CHECK(keeps_latest(false) < 12);
+}
+
+TEST_CASE("training_loop: features that are not finite, and a label smoothing of one, are refused") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe how;
+    const data_split split = split_data(task.labels, 3, split_rule::random, 1);
+    std::vector<float> features(task.pixels.size(), 0.5F);
+    const labelled_features found{features, task.labels, 3};
+    const auto begin = [&] {
+        return training_loop(std::make_unique<trainable_network<net>>(), how, found, split, 1, threads);
+    };
+    CHECK_NOTHROW(begin());
+    features[net::input_shape.size() + 3] = std::numeric_limits<float>::infinity();
+    CHECK_THROWS_WITH_AS(begin(), "features: expected a finite number in sample 1, feature 3, found inf",
+                         std::invalid_argument);
+    features[net::input_shape.size() + 3] = 0;
+    how.label_smoothing = 0.99;
+    CHECK_NOTHROW(begin());
+    how.label_smoothing = 1;
+    CHECK_THROWS_AS(begin(), std::invalid_argument);
+}
+
+TEST_CASE(
+    "training_loop: gradients whose squares are not finite end it, for their numbers would move no more") {
+    using head = network<shape{1, 1, 4}, dense<2>>;
+    thread_pool threads;
+    recipe how;
+    how.batch = 8;
+    how.augmentation = augmentation_rule::none;
+    std::vector<float> features(16 * 4);
+    std::vector<std::size_t> labels(16);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        labels[i] = i % 2;
+        features[4 * i + labels[i]] = 1e25F;
+    }
+    training_loop loop(
+        std::make_unique<trainable_network<head>>(), how, labelled_features{features, labels, 2},
+        data_split{{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}, {}, {}}, 1, threads);
+    CHECK_THROWS_AS(loop.run_epoch(), training_diverged);
+}
+
+TEST_CASE("training_loop: the running average begins as a plain mean, so that it forgets its start") {
+    const support::toy_task task(20);
+    thread_pool threads;
+    recipe how;
+    how.batch = 0; // one step an epoch
+    const data_split split = split_data(task.labels, 3, split_rule::random, 1);
+    const auto values_after = [&](double averaging, std::size_t epochs) {
+        how.averaging = averaging;
+        training_loop loop(std::make_unique<trainable_network<net>>(), how, task.images(), split, 1, threads);
+        for (std::size_t e = 0; e < epochs; ++e)
+            loop.run_epoch();
+        const auto copy = loop.latest().copy();
+        return std::vector<float>(copy->learnable_values().begin(), copy->learnable_values().end());
+    };
+    const std::vector<float> begin = values_after(0, 0), first = values_after(0, 1),
+                             second = values_after(0, 2), averaged = values_after(0.9, 2),
+                             fixed = values_after(0.1, 2);
+    REQUIRE(begin != first);
+    for (std::size_t i = 0; i < begin.size(); ++i) {
+        // The share of the past is (1 + steps) / (10 + steps), at most what the recipe says.
+        const auto blended = [&](double one, double two) {
+            const double once =
+                one * static_cast<double>(begin[i]) + (1 - one) * static_cast<double>(first[i]);
+            return two * once + (1 - two) * static_cast<double>(second[i]);
+        };
+        CHECK(static_cast<double>(averaged[i]) == doctest::Approx(blended(2.0 / 11, 3.0 / 12)).epsilon(1e-5));
+        CHECK(static_cast<double>(fixed[i]) == doctest::Approx(blended(0.1, 0.1)).epsilon(1e-5));
+    }
 }
