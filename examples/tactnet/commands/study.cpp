@@ -168,8 +168,8 @@ void check(const study_options& o, const study_plan& plan) {
     std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))
         inputs.push_back({"--pretrained", file});
-    if (!o.peers.empty())
-        inputs.push_back({"--peers", o.peers});
+    for (const std::string& file : o.peers)
+        inputs.push_back({"--peers", file});
     check_places(inputs, outputs, o.data);
     tidy_folders_of(outputs);
     if (std::ranges::any_of(plan.candidates, [](const candidate& c) { return c.what->keeps_features(); }))
@@ -187,8 +187,9 @@ int study(const study_options& o) {
         throw usage_error("--report-only, --shard: expected one of them, found both; a part has no report");
     study_plan plan = plan_of(o);
     check(o, plan);
-    const std::vector<peer_time> peers =
-        o.peers.empty() ? std::vector<peer_time>{} : read_peer_times(o.peers);
+    std::vector<peer_time> peers;
+    for (const std::string& file : o.peers)
+        std::ranges::move(read_peer_times(file), std::back_inserter(peers));
     const split_plan splits = splits_of(o);
     const std::size_t count = plan.candidates.size();
     const candidate_list candidates(o.data, std::move(plan.candidates));
@@ -279,11 +280,12 @@ command add_study(CLI::App& program) {
            "one")
         ->type_name("NAME=FILE,...")
         ->delimiter(',');
-    app->add_option(
-           "--peers", o->peers,
-           "Other libraries' times for the same networks on this machine, drawn beside: the table of "
-           "benchmark_inference")
-        ->type_name("FILE");
+    app->add_option("--peers", o->peers,
+                    "Other libraries' times for the same networks, drawn beside: tables of "
+                    "benchmark_inference, made on "
+                    "this machine")
+        ->type_name("FILE,...")
+        ->delimiter(',');
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");

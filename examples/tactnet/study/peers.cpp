@@ -85,11 +85,17 @@ std::vector<peer_time> read_peer_times(const std::filesystem::path& table) {
             if (!peer.ends_with("_us") || peer.starts_with("tactnet"))
                 continue;
             peer.remove_suffix(3);
+            constexpr std::string_view in_8_bits = "_8bit";
+            const std::size_t bits = peer.ends_with(in_8_bits) ? 8 : 32;
+            if (bits == 8)
+                peer.remove_suffix(in_8_bits.size());
+            if (cells[column] == "nan")
+                continue; // which the benchmark writes where a peer did not run
             const auto microseconds = time_of(cells[column]);
             if (!microseconds)
                 refuse("microseconds above 0 of " + std::string(peer), cells[column]);
             times.push_back(
-                {std::string(peer), network->method, network->rows, network->columns, *microseconds});
+                {std::string(peer), network->method, network->rows, network->columns, *microseconds, bits});
         }
     }
     return times;

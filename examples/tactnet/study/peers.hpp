@@ -13,9 +13,10 @@ struct peer_time {
     std::string peer; ///< as the column is named: "onednn"
     std::string method;
     std::size_t rows, columns;
-    double microseconds; ///< a frame alone
+    double microseconds;   ///< a frame alone
+    std::size_t bits = 32; ///< of a weight
 };
 
 /// Those of single frames: a line is `tactnet6/28x50,1,…`, and each column `NAME_us` is a peer but those of
-/// tactnet itself. Throws tactnet::file_error.
+/// tactnet itself, `NAME_8bit_us` one in 8 bits; `nan` is one that did not run. Throws tactnet::file_error.
 std::vector<peer_time> read_peer_times(const std::filesystem::path& table);

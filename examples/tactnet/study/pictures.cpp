@@ -81,7 +81,7 @@ std::string peer_lines(const std::vector<study_row>& rows, const std::vector<pee
         double best = 0;
         for (const study_row& row : rows)
             if (const auto* a = find_accuracy(row, rule);
-                a != nullptr && row.bits == 32 && row.method == peer.method && row.rows == peer.rows &&
+                a != nullptr && row.bits == peer.bits && row.method == peer.method && row.rows == peer.rows &&
                 row.columns == peer.columns && a->test.mean > best) {
                 same = &row;
                 best = a->test.mean;
@@ -89,7 +89,7 @@ std::string peer_lines(const std::vector<study_row>& rows, const std::vector<pee
         if (same != nullptr)
             lines +=
                 fmt::format("{} {} \"{} {}x{} by {}\\n{:.1f} µs a frame\"\n", peer.microseconds, 100 * best,
-                            peer.method, peer.rows, peer.columns, peer.peer, peer.microseconds);
+                            method_title(*same), peer.rows, peer.columns, peer.peer, peer.microseconds);
     }
     return lines;
 }
@@ -161,9 +161,7 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
                         "standard deviations. "
                         "The paper's figures are of its own images and machine.{}",
                         name_of(rule),
-                        others.empty()
-                            ? ""
-                            : " A cross is the same network, run by another library on this machine."),
+                        others.empty() ? "" : " A cross is the same network, run by another library."),
             data + std::string(gnuplot_style) + axis.text() +
                 fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
                             0.03 * fastest) +

@@ -126,7 +126,8 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
         if (split_accuracies found = accuracies_of(c, rule, tasks, results, plan.splits, row, seconds);
             found.splits > 0)
             row.accuracies.push_back(std::move(found));
-    row.seconds = tactnet::mean_and_deviation::of(seconds).mean;
+    if (!seconds.empty())
+        row.seconds = std::ranges::min(seconds);
     if (const frame_latency* found = timings.find(what, bits))
         row.latency = *found;
     row.by_instruction_set = timings.by_instruction_set(what, bits);

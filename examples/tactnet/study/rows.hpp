@@ -32,7 +32,7 @@ struct study_row {
     std::string missing{}; ///< why it was not run; else empty
     method_costs costs{};
     std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
-    double seconds = 0;                         ///< of a training, the mean
+    double seconds = 0; ///< of the quickest training, for others may have shared the machine
     std::optional<frame_latency> latency{};
     /// On this machine, by instruction set: this program's, and those of programs compiled for others.
     std::map<std::string, frame_latency> by_instruction_set{};

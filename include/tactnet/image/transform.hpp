@@ -55,7 +55,8 @@ void pad_image(const Count* from, float gain, float* padded) {
 template <shape Shape>
 void erase_part(const image_part& part, float* channel) {
     const auto pixel = [](double share, std::size_t pixels) {
-        return static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(pixels) + 0.5);
+        const double within = share > 0 ? std::min(share, 1.0) : 0.0; // of NaN 0
+        return static_cast<std::size_t>(within * static_cast<double>(pixels) + 0.5);
     };
     const std::size_t left = pixel(part.column, Shape.columns),
                       right = pixel(part.column + part.columns, Shape.columns);

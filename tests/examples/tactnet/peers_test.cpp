@@ -43,6 +43,7 @@ TEST_SUITE("the program tactnet") {
                                 "tactnet6/28x50,1,13,37.5,0.01,7,410\n"
                                 "tactnet6/28x50,64,12,30,0.01,6,90\r\n"
                                 "tactnet4/7x13,1,1.3,5.25,0.02,1,120");
+        CHECK(times[0].bits == 32);
         REQUIRE(times.size() == 4);
         CHECK(times[0].peer == "onednn");
         CHECK(times[0].method == "tactnet6");
@@ -52,6 +53,15 @@ TEST_SUITE("the program tactnet") {
         CHECK(times[1].peer == "torch");
         CHECK(times[3].method == "tactnet4");
         CHECK(times[3].microseconds == 120);
+    }
+
+    TEST_CASE("read_peer_times: peers in 8 bits are told apart, and those that did not run left out") {
+        const auto times = read("network,batch,tactnet_8bit_us,onednn_8bit_us,onednn_8bit_spread,torch_us\n"
+                                "tactnet6/28x50,1,11.5,38.5,0.01,nan\n");
+        REQUIRE(times.size() == 1);
+        CHECK(times[0].peer == "onednn");
+        CHECK(times[0].bits == 8);
+        CHECK(times[0].microseconds == 38.5);
     }
 
     TEST_CASE("read_peer_times: refuses what is no such table, with its place") {
@@ -67,7 +77,7 @@ TEST_SUITE("the program tactnet") {
             CHECK_MESSAGE(refused(head + network + ",1,30\n")
                               .starts_with("line 2: expected a network and its size, such as tactnet6/28x50"),
                           network);
-        for (const char* time : {"0", "-3", "nan", "1e99", "3us"})
+        for (const char* time : {"0", "-3", "inf", "1e99", "3us"})
             CHECK_MESSAGE(refused(head + "tactnet4/7x13,1,5\ntactnet6/28x50,1," + time + "\n")
                               .starts_with("line 3: expected microseconds above 0 of onednn, found '"),
                           time);
@@ -86,5 +96,6 @@ TEST_SUITE("the program tactnet") {
         const std::string drawn = script({{"onednn", "net", 7, 13, 30.25}});
         CHECK(drawn.find("30.25 90 \"net 7x13 by onednn\\n30.2 µs a frame\"\n") != std::string::npos);
         CHECK(drawn.find("title 'the same by other libraries'") != std::string::npos);
+        CHECK(script({{"onednn", "net", 7, 13, 30.25, 8}}) == none); // of which there is no row
     }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -107,7 +108,10 @@ private:
                     pixel_moments& judges) const {
         const std::size_t rows = step.window.output_rows(), columns = step.window.output_columns();
         const std::size_t enough = std::max<std::size_t>(8 * step.taps(), 8192);
-        const std::size_t every = images_ * rows * columns / enough | 1; // odd, to meet all columns
+        // Without a factor in common with the pixels of an image, so that each of them is met.
+        std::size_t every = std::max<std::size_t>(images_ * rows * columns / enough, 1);
+        while (std::gcd(every, rows * columns) != 1)
+            ++every;
         const std::size_t of_group = step.filters / step.groups;
         plain_run::sums sums = exactly.make_sums();
         std::vector<std::pair<std::size_t, float>> inputs;

@@ -52,7 +52,12 @@ public:
     [[nodiscard]] double error() const { return error_; }
     [[nodiscard]] double error_of_rounded() const { return error_of_rounded_; }
     /// With a range of their own.
-    [[nodiscard]] std::size_t maps() const { return net_.ranges - 1; }
+    [[nodiscard]] std::size_t maps() const {
+        std::size_t maps = 0;
+        for (std::size_t m = 1; m < net_.ranges; ++m)
+            maps += static_cast<std::size_t>(net_.has(m));
+        return maps;
+    }
 
 private:
     [[nodiscard]] shape input() const { return net_.maps[0].size; }
@@ -96,10 +101,14 @@ private:
             "deploy: expected calibration images that the network recognises, found number " +
             std::to_string(which) + " of those taken broken");
     }
+    /// Which of the images the i-th searched one is.
+    [[nodiscard]] std::size_t searched(std::size_t i) const {
+        return i * count() / std::min(count(), most_searched);
+    }
     [[gnu::cold]] void choose_searched() {
         const std::size_t used = std::min(count(), most_searched), size = input().size();
         for (std::size_t i = 0; i < used; ++i) {
-            const auto first = images_.begin() + static_cast<std::ptrdiff_t>(i * count() / used * size);
+            const auto first = images_.begin() + static_cast<std::ptrdiff_t>(searched(i) * size);
             searched_.insert(searched_.end(), first, first + static_cast<std::ptrdiff_t>(size));
         }
     }
@@ -148,7 +157,7 @@ private:
             for (std::size_t pixel = 0; pixel < size.area(); ++pixel) {
                 const float output = map[pixel * size.channels + channel];
                 if (!(std::abs(output) <= std::numeric_limits<float>::max()))
-                    refuse_image(image);
+                    refuse_image(searched(image));
                 wanted_.push_back(output);
             }
     }
