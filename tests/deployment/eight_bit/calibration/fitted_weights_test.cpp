@@ -128,6 +128,56 @@ eight_bit_calibration<pair_net> on_pairs(const std::vector<float>& images) {
     return {n, zero, 1, std::span<const float>(images)};
 }
 
+/// One filter over two inputs that go together, as in `on_pairs`: a description by hand. The frame's map has
+/// the first range, that of words, or another, that of bytes.
+constexpr float first = 127.4f, second = 0.49f;
+detail::plain_network pair_description(std::size_t range_of_frame) {
+    detail::plain_network net;
+    net.ranges = 2;
+    const std::size_t input = net.add_map({1, 2}, range_of_frame),
+                      output = net.add_map({1, 1}, detail::plain_network::none);
+    detail::plain_step step{.what = detail::plain_step::kind::convolution,
+                            .window = {{1, 2}, extent(1, 2), 1},
+                            .filters = 1,
+                            .input = input};
+    step.output = output;
+    net.steps.push_back(step);
+    return net;
+}
+/// What weights_fit makes of two weights and a bias; weights are in steps of 1, and inputs are whole.
+std::vector<float> fitted_pair(std::size_t range_of_frame, float bias) {
+    const std::vector<float> exact{first, second, bias, 1};
+    const std::vector<map_range> ranges(2, map_range{1, 0});
+    const detail::plain_network net = pair_description(range_of_frame);
+    const detail::weights_fit found(net, ranges, exact, 64, [](std::size_t image, bool, float* to) {
+        to[0] = static_cast<float>(100 + 100 * (image % 30)), to[1] = 7 * to[0];
+    });
+    return {found.folded().begin(), found.folded().end()};
+}
+
+/// Ranges and weights for one filter over two inputs, by someone who tells what error each weight makes.
+struct judged_pair {
+    std::vector<float> folded;
+    double error, error_of_rounded;
+};
+judged_pair judge_pairs(float error_of_fitted) {
+    detail::plain_network net = pair_description(0);
+    net.steps[0].folded = 4; // behind the mean and what words hold
+    const std::vector<float> folded{0, 0, 0, 0, first, second, 0, 1};
+    std::vector<float> images;
+    for (int i = 0; i < 64; ++i)
+        images.insert(images.end(), {static_cast<float>(1 + i % 30), 7 * static_cast<float>(1 + i % 30)});
+    const detail::range_search found(
+        net, folded, 1, images,
+        [&](std::span<const float> numbers, std::span<const float> shown, std::span<float> to) {
+            const bool fitted = numbers[5] != second;
+            for (std::size_t i = 0; i < to.size(); ++i)
+                to[i] = shown[2 * i] * first + shown[2 * i + 1] * second + (fitted ? error_of_fitted : 2);
+            return error_of_fitted >= 0;
+        });
+    return {{found.folded().begin(), found.folded().end()}, found.error(), found.error_of_rounded()};
+}
+
 } // namespace
 
 TEST_CASE("plain_run: a description gives what the deployed network gives, exact and rounded") {
@@ -288,4 +338,35 @@ TEST_CASE("filter_fit: no move of one weight brings the sums nearer") {
         }
     // A bias beside the best one does worse, by the square of the distance.
     CHECK(seen.error(0, fitted, seen.best_bias(0, fitted) + 0.5) == doctest::Approx(least + 0.25));
+}
+
+TEST_CASE("weights_fit: weights whose sums might pass 32 bits are not taken") {
+    // The fit turns (127, 0) into (124, 1): the second input is always seven times the first.
+    const auto changes = [](std::size_t range, float bias) { return fitted_pair(range, bias)[1] != second; };
+    const std::vector<float> near = fitted_pair(0, 0);
+    CHECK(near[0] == 124);
+    CHECK(near[1] == 1);
+    CHECK(changes(1, 0));
+    // Beside this bias there is room for bytes, which are at most 255, not for words, which reach 32768.
+    constexpr float nearly_all = 0x1p31f - 0x1p21f;
+    CHECK(!changes(0, nearly_all));
+    CHECK(changes(1, nearly_all));
+    // And where there is none for bytes.
+    CHECK(!changes(1, 0x1p31f - 0x1p16f));
+    CHECK(fitted_pair(0, nearly_all) == std::vector<float>{first, second, nearly_all, 1});
+}
+
+TEST_CASE("range_search: fitted weights are kept if outputs come nearer, and only then") {
+    const judged_pair better = judge_pairs(1), no_better = judge_pairs(2), worse = judge_pairs(3);
+    for (const judged_pair& each : {better, no_better, worse})
+        CHECK(each.error_of_rounded == doctest::Approx(4));
+    CHECK(better.error == doctest::Approx(1));
+    CHECK(better.folded[4] == 124);
+    CHECK(better.folded[5] == 1);
+    for (const judged_pair& each : {no_better, worse}) {
+        CHECK(each.error == each.error_of_rounded);
+        CHECK(each.folded[4] == first);
+        CHECK(each.folded[5] == second);
+        CHECK(each.folded[6] == 0);
+    }
 }
