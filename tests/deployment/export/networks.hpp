@@ -52,7 +52,7 @@ std::array<std::uint8_t, Network::input_shape.size()> frame_of(std::size_t numbe
 
 /// No parameter is left at a value that would hide a mistake.
 template <class Network>
-tactnet::deployed<Network> deployed_network() {
+Network filled_network() {
     Network net;
     net.for_each_parameter([&](const tactnet::parameter& p, auto values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
@@ -61,8 +61,17 @@ tactnet::deployed<Network> deployed_network() {
             values[i] = positive ? 1.0f + drawn / 2 : drawn / 4;
         }
     });
+    return net;
+}
+template <class Network>
+tactnet::tensor<float, Network::input_shape> mean_of() {
     tactnet::tensor<float, Network::input_shape> mean;
     for (std::size_t i = 0; i < Network::input_shape.size(); ++i)
         mean.data()[i] = static_cast<float>(i % 13) * 1.1f;
-    return tactnet::deploy(net, mean.view().elements(), 1.0f / 64);
+    return mean;
+}
+template <class Network>
+tactnet::deployed<Network> deployed_network() {
+    const auto mean = mean_of<Network>();
+    return tactnet::deploy(filled_network<Network>(), mean.view().elements(), 1.0f / 64);
 }

@@ -74,11 +74,12 @@ void refuse_logits() {
     throw std::runtime_error("expected finite logits, found some that are not: the weights are broken");
 }
 
-std::vector<scored_class> likeliest_of(std::span<const float> logits, std::size_t outputs,
-                                       std::size_t classes) {
+std::vector<scored_class> likeliest_of(std::span<const float> rows, std::size_t outputs, std::size_t classes,
+                                       bool are_probabilities) {
     std::vector<scored_class> result;
-    for (std::size_t first = 0; first < logits.size(); first += outputs) {
-        const auto found = tactnet::likeliest(logits.subspan(first, classes));
+    for (std::size_t first = 0; first < rows.size(); first += outputs) {
+        const auto row = rows.subspan(first, classes);
+        const auto found = are_probabilities ? tactnet::most_probable(row) : tactnet::likeliest(row);
         if (!found)
             refuse_logits();
         result.push_back({found->index, found->probability});

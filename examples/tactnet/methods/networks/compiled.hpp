@@ -25,6 +25,8 @@ public:
     /// finite.
     virtual bool recognise(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
                            std::span<float> outputs) const = 0;
+    /// Whether outputs are probabilities, of a network that ends in a softmax; else they are logits.
+    virtual bool gives_probabilities() const = 0;
     /// See tactnet::deployed_header.
     virtual std::string header(const tactnet::header_description& says,
                                std::span<const std::uint8_t> frame) const = 0;

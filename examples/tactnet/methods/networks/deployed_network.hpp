@@ -20,6 +20,7 @@ public:
                    std::span<float> outputs) const override {
         return own_(threads, frames, outputs) == tactnet::frame_status::recognised;
     }
+    bool gives_probabilities() const override { return Network::ends_in_softmax; }
     std::string header(const tactnet::header_description& says,
                        std::span<const std::uint8_t> frame) const override {
         return tactnet::deployed_header(own_, says, frame.first<Network::input_shape.size()>());

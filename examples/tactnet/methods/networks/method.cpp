@@ -83,10 +83,10 @@ public:
                                         tactnet::thread_pool& threads) const override {
         const auto deployed = code_.deploy(model_);
         const std::size_t count = images.size() / (code_.rows * code_.columns);
-        std::vector<float> logits(count * code_.outputs);
-        if (!deployed->recognise(threads, images, logits))
+        std::vector<float> outputs(count * code_.outputs);
+        if (!deployed->recognise(threads, images, outputs))
             refuse_logits();
-        return likeliest_of(logits, code_.outputs, classes().size());
+        return likeliest_of(outputs, code_.outputs, classes().size(), deployed->gives_probabilities());
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {

@@ -44,13 +44,11 @@ public:
                                         std::span<const float, input_shape.size()> mean, float scale,
                                         std::span<const Count> frames)
         : found_(plain_network_of<view>(), folded_of(network, mean), scale, chosen(frames), recognise) {
-        std::vector<float> folded(found_.folded().begin(), found_.folded().end());
-        round_weights(folded_layout_of<view>(), folded);
-        folded_ = std::move(folded);
+        round_weights(folded_layout_of<view>(), found_.folded());
     }
     /// Of `deployed`, with these ranges; weights are whole multiples of their scales.
     [[nodiscard]] std::span<const float, view::folded_elements> folded() const {
-        return std::span<const float, view::folded_elements>(folded_.data(), folded_.size());
+        return found_.folded().template first<view::folded_elements>();
     }
     /// The root of the mean square of what outputs differ by from those in single precision, on the images.
     [[nodiscard]] double output_error() const { return std::sqrt(found_.error()); }
@@ -63,7 +61,7 @@ private:
     [[gnu::cold]] static std::vector<float> folded_of(const Network& network,
                                                       std::span<const float, input_shape.size()> mean) {
         std::vector<float> folded(view::folded_elements);
-        std::copy(mean.begin(), mean.end(), folded.begin());
+        std::copy_n(mean.data(), mean.size(), folded.data());
         plan::fold({network.learnable_values().data(), network.running_statistics().data(), network.epsilon},
                    folded.data() + view::steps_folded);
         return folded;
@@ -76,11 +74,10 @@ private:
             throw std::invalid_argument("deploy: expected one or more calibration images of " +
                                         std::to_string(size) + " counts, found " +
                                         std::to_string(frames.size()) + " counts");
-        std::vector<float> images;
-        for (std::size_t i = 0; i < used; ++i) {
-            const auto image = frames.subspan(i * count / used * size, size);
-            images.insert(images.end(), image.begin(), image.end());
-        }
+        std::vector<float> images(used * size);
+        for (std::size_t i = 0; i < used; ++i)
+            for (std::size_t e = 0; e < size; ++e)
+                images[i * size + e] = static_cast<float>(frames[i * count / used * size + e]);
         return images;
     }
     static bool recognise(std::span<const float> folded, std::span<const float> images, std::span<float> to) {
@@ -95,7 +92,6 @@ private:
     }
 
     detail::range_search found_;
-    std::vector<float> folded_;
 };
 
 } // namespace TACTNET_ARCH

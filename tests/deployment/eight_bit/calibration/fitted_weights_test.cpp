@@ -40,8 +40,8 @@ std::vector<float> plain_outputs(const detail::plain_network& steps, std::span<c
             maps.data(), to.range == detail::plain_network::none ? map_range{} : ranges[to.range]);
     }
     std::vector<float> outputs(maps.end() - static_cast<std::ptrdiff_t>(Network::outputs), maps.end());
-    if (steps.ends_in_softmax)
-        kernels::softmax_of<float>(outputs, outputs);
+    if (steps.softmax != nullptr)
+        steps.softmax(outputs);
     return outputs;
 }
 /// Of all maps, in the order of a description; those of the frame first.
@@ -128,7 +128,75 @@ eight_bit_calibration<pair_net> on_pairs(const std::vector<float>& images) {
     return {n, zero, 1, std::span<const float>(images)};
 }
 
+/// One filter over two inputs that go together, as in `on_pairs`: a description by hand. The frame's map has
+/// the first range, that of words, or another, that of bytes.
+constexpr float first = 127.4f, second = 0.49f;
+detail::plain_network pair_description(std::size_t range_of_frame) {
+    detail::plain_network net;
+    net.ranges = 2;
+    const std::size_t input = net.add_map({1, 2}, range_of_frame),
+                      output = net.add_map({1, 1}, detail::plain_network::none);
+    detail::plain_step step{.window = {{1, 2}, extent(1, 2), 1}, .filters = 1, .input = input};
+    step.output = output;
+    step.from = {1, 2}, step.to = {1, 1};
+    step.folded = 4; // behind the mean and what words hold
+    net.steps.push_back(step);
+    return net;
+}
+std::vector<float> pair_images(float unit) {
+    std::vector<float> images;
+    for (int i = 0; i < 64; ++i) {
+        const float x = unit * static_cast<float>(1 + i % 30);
+        images.insert(images.end(), {x, 7 * x});
+    }
+    return images;
+}
+/// What weights_fit makes of two weights and a bias; weights are in steps of 1, and inputs are whole.
+std::vector<float> fitted_pair(std::size_t range_of_frame, float bias) {
+    const std::vector<float> exact{0, 0, 128, 255, first, second, bias, 1};
+    const std::vector<map_range> ranges(2, map_range{1, 0});
+    const detail::plain_network net = pair_description(range_of_frame);
+    const detail::weights_fit found(net, ranges, exact, 1, pair_images(100));
+    return {found.folded().begin() + 4, found.folded().end()};
+}
+
+/// Ranges and weights for one filter over two inputs, by someone who tells what error each weight makes.
+struct judged_pair {
+    std::vector<float> folded;
+    double error, error_of_rounded;
+};
+judged_pair judge_pairs(float told) {
+    static float error_of_fitted;
+    error_of_fitted = told;
+    std::vector<float> folded{0, 0, 0, 0, first, second, 0, 1};
+    const detail::range_search found(
+        pair_description(0), std::move(folded), 1, pair_images(1),
+        [](std::span<const float> numbers, std::span<const float> shown, std::span<float> to) {
+            const bool fitted = numbers[5] != second;
+            for (std::size_t i = 0; i < to.size(); ++i)
+                to[i] = shown[2 * i] * first + shown[2 * i + 1] * second + (fitted ? error_of_fitted : 2);
+            return true;
+        });
+    return {{found.folded().begin() + 4, found.folded().end()}, found.error(), found.error_of_rounded()};
+}
+
 } // namespace
+
+TEST_CASE("pixel_stride: all pixels of an image are met, of about as many as are enough") {
+    for (const std::size_t pixels : {1u, 6u, 45u, 91u, 180u, 350u, 1400u})
+        for (const std::size_t images : {8u, 100u, 704u, 1024u})
+            for (const std::size_t enough : {8192u, 9216u}) {
+                const std::size_t stride = detail::pixel_stride(images, pixels, enough);
+                std::vector<bool> met(pixels);
+                std::size_t taken = 0;
+                for (std::size_t p = 0; p < images * pixels; p += stride, ++taken)
+                    met[p % pixels] = true;
+                CAPTURE(pixels);
+                CAPTURE(images);
+                CHECK(std::ranges::all_of(met, [](bool each) { return each; }));
+                CHECK(taken >= std::min(images * pixels, enough / 2));
+            }
+}
 
 TEST_CASE("plain_run: a description gives what the deployed network gives, exact and rounded") {
     // Sums in another order may fall on the other side of a tie, and the byte beside be written: the more
@@ -288,4 +356,35 @@ TEST_CASE("filter_fit: no move of one weight brings the sums nearer") {
         }
     // A bias beside the best one does worse, by the square of the distance.
     CHECK(seen.error(0, fitted, seen.best_bias(0, fitted) + 0.5) == doctest::Approx(least + 0.25));
+}
+
+TEST_CASE("weights_fit: weights whose sums might pass 32 bits are not taken") {
+    // The fit turns (127, 0) into (124, 1): the second input is always seven times the first.
+    const auto changes = [](std::size_t range, float bias) { return fitted_pair(range, bias)[1] != second; };
+    const std::vector<float> near = fitted_pair(0, 0);
+    CHECK(near[0] == 124);
+    CHECK(near[1] == 1);
+    CHECK(changes(1, 0));
+    // Beside this bias there is room for bytes, which are at most 255, not for words, which reach 32768.
+    constexpr float nearly_all = 0x1p31f - 0x1p21f;
+    CHECK(!changes(0, nearly_all));
+    CHECK(changes(1, nearly_all));
+    // And where there is none for bytes.
+    CHECK(!changes(1, 0x1p31f - 0x1p16f));
+    CHECK(fitted_pair(0, nearly_all) == std::vector<float>{first, second, nearly_all, 1});
+}
+
+TEST_CASE("range_search: fitted weights are kept if outputs come nearer, and only then") {
+    const judged_pair better = judge_pairs(1), no_better = judge_pairs(2), worse = judge_pairs(3);
+    for (const judged_pair& each : {better, no_better, worse})
+        CHECK(each.error_of_rounded == doctest::Approx(4));
+    CHECK(better.error == doctest::Approx(1));
+    CHECK(better.folded[0] == 124);
+    CHECK(better.folded[1] == 1);
+    for (const judged_pair& each : {no_better, worse}) {
+        CHECK(each.error == each.error_of_rounded);
+        CHECK(each.folded[0] == first);
+        CHECK(each.folded[1] == second);
+        CHECK(each.folded[2] == 0);
+    }
 }

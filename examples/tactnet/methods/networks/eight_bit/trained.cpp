@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -38,7 +41,8 @@ public:
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const override {
-        return likeliest_of(outputs(images, threads), code_.outputs, classes_.size());
+        return likeliest_of(outputs(images, threads), code_.outputs, classes_.size(),
+                            deployed_->gives_probabilities());
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
@@ -70,7 +74,10 @@ private:
                 for (std::size_t i = 0; i < in.samples(); ++i)
                     for (std::size_t e = 0; e < pixels; ++e)
                         frames.push_back(static_cast<std::uint8_t>(in(i, e)));
-                const std::vector<float> found = outputs(frames, threads);
+                std::vector<float> found = outputs(frames, threads);
+                if (deployed_->gives_probabilities()) // whose logarithms are logits, from a finite one on
+                    for (float& output : found)
+                        output = std::log(std::max(output, std::numeric_limits<float>::min()));
                 for (std::size_t i = 0; i < in.samples(); ++i)
                     out.set(i, std::span(found).subspan(i * code_.outputs, code_.outputs));
             });
@@ -82,7 +89,7 @@ private:
             refuse_logits();
         return found;
     }
-    /// Of the classes alone.
+    /// Of the classes alone, as the network gives them.
     std::vector<float> logits(std::span<const std::uint8_t> images) const {
         tactnet::thread_pool alone;
         const std::vector<float> all = outputs(images, alone);

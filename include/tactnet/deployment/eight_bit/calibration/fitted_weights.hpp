@@ -2,10 +2,10 @@
 
 #include <tactnet/deployment/eight_bit/calibration/fitted_filter.hpp>
 #include <tactnet/deployment/eight_bit/calibration/plain_run.hpp>
+#include <tactnet/deployment/eight_bit/calibration/plain_steps.hpp>
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -15,8 +15,17 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// Writes the frame of an image to the first of its maps: as it is, or as words round it.
-using frame_writer = std::function<void(std::size_t image, bool rounded, float* to)>;
+/// Of the pixels of images one behind the other, every how many-th is taken where `enough` of them do:
+/// without a factor in common with the pixels of an image, so that each of these is met.
+[[nodiscard]] inline std::size_t pixel_stride(std::size_t images, std::size_t pixels, std::size_t enough) {
+    const std::size_t wanted = std::max<std::size_t>(images * pixels / enough, 1);
+    for (std::size_t off = 0;; ++off) { // the nearest such number; 1 is one of them
+        if (std::gcd(wanted + off, pixels) == 1)
+            return wanted + off;
+        if (std::gcd(wanted - off, pixels) == 1)
+            return wanted - off;
+    }
+}
 
 /// Gives a network weights and biases that know the rounding, step by step: those with which sums, made of
 /// maps as 8 bits round them, come nearest to the exact ones. So each step also mends what those before it
@@ -29,22 +38,26 @@ public:
     /// Convolutions with more are left as they are: the time grows with their square.
     static constexpr std::size_t most_taps = 2048;
 
-    /// `exact`: folded numbers whose weights are not rounded, with ranges and scales.
+    /// `exact`: folded numbers whose weights are not rounded, with ranges and scales. `images` lie one behind
+    /// the other.
     [[gnu::cold]] weights_fit(const plain_network& net, std::span<const map_range> ranges,
-                              std::span<const float> exact, std::size_t images,
-                              const frame_writer& write_frame)
+                              std::span<const float> exact, float scale, std::span<const float> images)
         : net_(net),
           ranges_(ranges),
           exact_(exact),
-          folded_(exact.begin(), exact.end()),
-          images_(std::min(images, std::max(most_kept / (2 * net.numbers), fewest_images))) {
+          folded_(exact.size()),
+          images_(std::min(images.size() / net.maps[0].size.size(),
+                           std::max(most_kept / (2 * net.numbers), fewest_images))) {
+        std::copy_n(exact.data(), exact.size(), folded_.data());
         if (images_ < fewest_images)
             return;
-        exact_maps_.resize(images_ * net.numbers), rounded_maps_.resize(images_ * net.numbers);
+        exact_maps_ = std::vector<float>(images_ * net.numbers),
+        rounded_maps_ = std::vector<float>(images_ * net.numbers);
         for (std::size_t i = 0; i < images_; ++i) {
-            const std::size_t image = i * images / images_;
-            write_frame(image, false, exact_maps_.data() + i * net.numbers);
-            write_frame(image, true, rounded_maps_.data() + i * net.numbers);
+            const shape input = net.maps[0].size;
+            const float* const image = &images[i * (images.size() / input.size()) / images_ * input.size()];
+            write_plain_frame(input, exact, scale, image, false, exact_maps_.data() + i * net.numbers);
+            write_plain_frame(input, exact, scale, image, true, rounded_maps_.data() + i * net.numbers);
         }
         for (const plain_step& step : net.steps) {
             const plain_run exactly(net, step, exact_, false);
@@ -107,14 +120,11 @@ private:
     void add_pixels(const plain_step& step, const plain_run& exactly, std::size_t group, pixel_moments& seen,
                     pixel_moments& judges) const {
         const std::size_t rows = step.window.output_rows(), columns = step.window.output_columns();
-        const std::size_t enough = std::max<std::size_t>(8 * step.taps(), 8192);
-        // Without a factor in common with the pixels of an image, so that each of them is met.
-        std::size_t every = std::max<std::size_t>(images_ * rows * columns / enough, 1);
-        while (std::gcd(every, rows * columns) != 1)
-            ++every;
+        const std::size_t every =
+            pixel_stride(images_, rows * columns, std::max<std::size_t>(8 * step.taps(), 8192));
         const std::size_t of_group = step.filters / step.groups;
         plain_run::sums sums = exactly.make_sums();
-        std::vector<std::pair<std::size_t, float>> inputs;
+        std::vector<std::pair<std::size_t, float>> inputs(step.taps());
         std::vector<float> wanted(of_group);
         std::size_t pixel = 0;
         for (std::size_t i = 0; i < images_; ++i) {
@@ -131,13 +141,13 @@ private:
                             wanted[f] -= in[net_.maps[step.added].begin +
                                             (y * columns + x) * net_.maps[step.added].size.channels + filter];
                     }
-                    inputs.clear();
+                    std::size_t found = 0;
                     exactly.for_each_tap(y, x, [&](std::size_t g, std::size_t tap, std::size_t place) {
                         const float value = in[net_.maps[step.input].begin + place];
                         if (g == group && value != 0)
-                            inputs.emplace_back(tap, value);
+                            inputs[found++] = {tap, value};
                     });
-                    (i % 8 == 7 ? judges : seen).add(inputs, wanted);
+                    (i % 8 == 7 ? judges : seen).add(std::span(inputs.data(), found), wanted);
                 }
         }
     }

@@ -22,10 +22,12 @@ struct plain_map {
     std::size_t begin; ///< its first number among those of all maps
 };
 
-/// One step. Which of the other members count, says its kind.
+/// One step. Which of the other members count, says what it does.
 struct plain_step {
-    enum class kind { convolution, norm, relu, root, largest, mean, own };
-    kind what = kind::relu;
+    /// What it makes of a map in single precision, with its folded numbers. A convolution has none:
+    /// plain_run knows it. Only those that some network has are compiled.
+    using function = void (*)(const plain_step& step, const float* folded, const float* in, float* out);
+    function exactly = nullptr;
     sliding_window window{{0, 0, 0}, 1, 1}; ///< of a convolution, or of the largest numbers
     kernels::average_windows means{};       ///< of mean numbers
     std::size_t groups = 1;                 ///< of a convolution; its window has the channels of all
@@ -36,15 +38,14 @@ struct plain_step {
     bool adds = false;                      ///< to the map `added`
     std::size_t input = 0, added = 0;       ///< maps
     std::size_t output = 0, first = 0;      ///< a map, and the first of its channels that is written
+    shape from{}, to{};                     ///< sizes of these maps
     std::size_t folded = 0;                 ///< the first of its numbers among all folded ones
-    /// Of a kind of its own: what it makes of a map, in single precision.
-    void (*exactly)(const float* folded, const float* in, float* out) = nullptr;
     /// Writes ranges to its folded numbers; null where it has none.
     void (*set_ranges)(float* folded, const step_ranges& ranges) = nullptr;
 
     /// Of a filter.
     [[nodiscard]] std::size_t taps() const { return window.input.channels / groups * window.kernel.area(); }
-    [[nodiscard]] bool is_convolution() const { return what == kind::convolution; }
+    [[nodiscard]] bool is_convolution() const { return exactly == nullptr; }
 };
 
 /// Maps and steps in the order in which they come. Map 0 and range 0 are the frame's; outputs, which are no
@@ -53,9 +54,11 @@ struct plain_network {
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
     std::vector<plain_map> maps;
     std::vector<plain_step> steps;
-    std::size_t ranges = 1;       ///< how many there are
-    std::size_t numbers = 0;      ///< of all maps
-    bool ends_in_softmax = false; ///< which is none of the steps
+    std::size_t ranges = 1;  ///< how many there are
+    std::size_t numbers = 0; ///< of all maps
+    /// What makes probabilities of the numbers of a pixel at the end, where a softmax does: none of the
+    /// steps.
+    void (*softmax)(std::span<float> numbers) = nullptr;
 
     /// Returns which it is.
     [[gnu::cold]] std::size_t add_map(shape size, std::size_t range) {

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/calibration/plain_network.hpp>
+#include <tactnet/deployment/eight_bit/calibration/plain_steps.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 // The description of a network from the types of its steps. Overloads take a step by its base: a dense layer
 // is a convolution.
@@ -67,8 +68,7 @@ private:
     std::size_t add(const convolution_step<eight_bit_between<Input, Output>, Kernel>*, std::size_t input,
                     std::size_t into) {
         using step = convolution_step<eight_bit_between<Input, Output>, Kernel>;
-        return add_parameters<step>({.what = plain_step::kind::convolution,
-                                     .window = Kernel.window,
+        return add_parameters<step>({.window = Kernel.window,
                                      .groups = Kernel.groups,
                                      .filters = Kernel.filters,
                                      .pool = Kernel.pool,
@@ -82,22 +82,20 @@ private:
     std::size_t add(const norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>*,
                     std::size_t input, std::size_t into) {
         using step = norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>;
-        return add_parameters<step>({.what = plain_step::kind::norm, .rectified = Rectified, .input = input},
-                                    into);
+        return add_parameters<step>({.exactly = plain_norm, .rectified = Rectified, .input = input}, into);
     }
     template <class Input, shape Map, std::size_t Stride, class Offset>
     std::size_t add(const square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>*,
                     std::size_t input, std::size_t into) {
         using step = square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>;
-        return add_parameters<step>({.what = plain_step::kind::root, .offset = step::offset, .input = input},
-                                    into);
+        return add_parameters<step>({.exactly = plain_root, .offset = step::offset, .input = input}, into);
     }
     template <class Output, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
     std::size_t
     add(const average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>*,
         std::size_t input, std::size_t into) {
         using step = average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>;
-        return add_parameters<step>({.what = plain_step::kind::mean, .means = Windows, .input = input}, into);
+        return add_parameters<step>({.exactly = plain_mean, .means = Windows, .input = input}, into);
     }
     /// A step that says `exactly` itself.
     template <class Step>
@@ -105,7 +103,7 @@ private:
             &Step::exactly;
         }
     std::size_t add(const Step*, std::size_t input, std::size_t into) {
-        const plain_step step{.what = plain_step::kind::own, .input = input, .exactly = &Step::exactly};
+        const plain_step step{.exactly = plain_own<Step>, .input = input};
         if constexpr (requires { Step::ranges; })
             return add_parameters<Step>(step, into);
         else
@@ -113,20 +111,20 @@ private:
     }
     template <class Step>
     std::size_t add(const softmax_behind<Step>*, std::size_t input, std::size_t into) {
-        net_.ends_in_softmax = true;
+        net_.softmax = plain_softmax;
         return append<Step>(input, into);
     }
     /// Bytes stay what they are.
     template <sliding_window Window, std::size_t Stride>
     std::size_t add(const pool_step<eight_bit, Window, Stride>*, std::size_t input, std::size_t) {
         using step = pool_step<eight_bit, Window, Stride>;
-        return add_step<step>({.what = plain_step::kind::largest, .window = Window, .input = input},
+        return add_step<step>({.exactly = plain_largest, .window = Window, .input = input},
                               net_.add_map(step::output, net_.maps[input].range));
     }
     template <shape Map, std::size_t Stride>
     std::size_t add(const relu_step<eight_bit, Map, Stride>*, std::size_t input, std::size_t) {
         using step = relu_step<eight_bit, Map, Stride>;
-        return add_step<step>({.what = plain_step::kind::relu, .input = input},
+        return add_step<step>({.exactly = plain_relu, .input = input},
                               net_.add_map(Map, net_.maps[input].range));
     }
 
@@ -146,7 +144,8 @@ private:
         push(step, Step::folded);
         return output;
     }
-    [[gnu::cold, gnu::noinline]] void push(const plain_step& step, std::size_t folded) {
+    [[gnu::cold, gnu::noinline]] void push(plain_step& step, std::size_t folded) {
+        step.from = net_.maps[step.input].size, step.to = net_.maps[step.output].size;
         folded_ += folded;
         net_.steps.push_back(step);
     }
@@ -162,7 +161,7 @@ template <class View>
 [[nodiscard]] [[gnu::cold]] detail::plain_network plain_network_of() {
     detail::plain_description description(View::input_shape, View::steps_folded);
     description.append<typename View::steps>(0);
-    return description.network();
+    return std::move(description.network());
 }
 
 } // namespace TACTNET_ARCH

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <utility>
 #include <vector>
 
 // One step of a description, run by plain loops in single precision: as it is, or with every number rounded
@@ -42,38 +41,11 @@ public:
     [[gnu::cold]] void operator()(float* maps, const map_range& output) const {
         const float* const in = maps + net_.maps[step_.input].begin;
         float* const out = maps + net_.maps[step_.output].begin;
-        const shape from = net_.maps[step_.input].size, to = net_.maps[step_.output].size;
-        const auto each = [&](const auto& what) {
-            for (std::size_t e = 0; e < from.size(); ++e)
-                out[e] = what(in[e], e % from.channels);
-        };
-        switch (step_.what) {
-        case plain_step::kind::convolution:
+        const shape to = step_.to;
+        if (step_.is_convolution())
             convolve(maps, out, to);
-            break;
-        case plain_step::kind::norm:
-            each([&](float x, std::size_t c) {
-                return rectified(of_step_[c] * x + of_step_[from.channels + c]);
-            });
-            break;
-        case plain_step::kind::relu:
-            each([](float x, std::size_t) { return std::max(x, 0.0f); });
-            break;
-        case plain_step::kind::root:
-            each([&](float x, std::size_t) {
-                return static_cast<float>(std::sqrt(std::max(static_cast<double>(x), 0.0) + step_.offset) -
-                                          std::sqrt(step_.offset));
-            });
-            break;
-        case plain_step::kind::largest:
-            find_largest(in, out, from, to);
-            break;
-        case plain_step::kind::mean:
-            find_means(in, out, from);
-            break;
-        case plain_step::kind::own:
-            step_.exactly(of_step_, in, out);
-        }
+        else
+            step_.exactly(step_, of_step_, in, out);
         if (rounded_)
             for (std::size_t pixel = 0; pixel < to.area(); ++pixel)
                 for (std::size_t c = 0; c < (step_.is_convolution() ? step_.filters : to.channels); ++c) {
@@ -137,38 +109,6 @@ private:
         return (std::clamp(std::nearbyint(value / range.scale) + range.zero, 0.0f, 255.0f) - range.zero) *
                range.scale;
     }
-    static std::pair<std::size_t, std::size_t>
-    pixels(std::size_t index, std::size_t kernel, std::size_t stride, std::size_t before, std::size_t size) {
-        const std::size_t begin = index * stride;
-        return {std::max(begin, before) - before, std::min(begin + kernel - before, size)};
-    }
-    [[gnu::cold]] void find_largest(const float* in, float* out, shape from, shape to) const {
-        const sliding_window& w = step_.window;
-        for (std::size_t e = 0; e < to.size(); ++e) {
-            const std::size_t pixel = e / to.channels, c = e % to.channels;
-            const auto [top, bottom] =
-                pixels(pixel / to.columns, w.kernel.rows, w.stride.rows, w.top, from.rows);
-            const auto [left, right] =
-                pixels(pixel % to.columns, w.kernel.columns, w.stride.columns, w.left, from.columns);
-            out[e] = -std::numeric_limits<float>::infinity();
-            for (std::size_t y = top; y < bottom; ++y)
-                for (std::size_t x = left; x < right; ++x)
-                    out[e] = std::max(out[e], in[(y * from.columns + x) * from.channels + c]);
-        }
-    }
-    [[gnu::cold]] void find_means(const float* in, float* out, shape from) const {
-        step_.means.for_each(
-            [&](std::size_t o, kernels::pixel_range rows, kernels::pixel_range columns, std::size_t divisor) {
-                for (std::size_t c = 0; c < from.channels; ++c) {
-                    float sum = 0;
-                    for (std::size_t y = rows.begin; y < rows.end; ++y)
-                        for (std::size_t x = columns.begin; x < columns.end; ++x)
-                            sum += in[(y * from.columns + x) * from.channels + c];
-                    out[o * from.channels + c] = sum / static_cast<float>(divisor);
-                }
-            });
-    }
-
     [[gnu::cold]] void order_weights(bool as_bytes) {
         const std::size_t taps = step_.taps(), all = step_.filters * taps;
         padded_ = kernels::padded_size<float>(step_.filters / step_.groups);

@@ -1,13 +1,11 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/calibration/fitted_weights.hpp>
-#include <tactnet/kernels/rows/softmax.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <span>
 #include <stdexcept>
@@ -24,8 +22,8 @@ namespace detail {
 
 /// Outputs of the network in 8 bits with these folded numbers, for images one behind the other; false if it
 /// does not recognise one.
-using recognise_all =
-    std::function<bool(std::span<const float> folded, std::span<const float> images, std::span<float> to)>;
+using recognise_all = bool (*)(std::span<const float> folded, std::span<const float> images,
+                               std::span<float> to);
 
 class range_search {
 public:
@@ -34,13 +32,13 @@ public:
 
     /// `folded`: the mean frame, two places for what words hold, then the numbers of all steps with room for
     /// ranges. The input is (count − mean) × scale.
-    [[gnu::cold]] range_search(plain_network net, std::vector<float> folded, float scale,
-                               std::vector<float> images, recognise_all recognise)
+    [[gnu::cold]] range_search(plain_network&& net, std::vector<float>&& folded, float scale,
+                               std::vector<float>&& images, recognise_all recognise)
         : net_(std::move(net)),
           folded_(std::move(folded)),
           scale_(scale),
           images_(std::move(images)),
-          recognise_(std::move(recognise)) {
+          recognise_(recognise) {
         fill_words();
         check();
         choose_searched();
@@ -49,6 +47,7 @@ public:
         fit();
     }
     [[nodiscard]] std::span<const float> folded() const { return folded_; }
+    [[nodiscard]] std::span<float> folded() { return folded_; }
     [[nodiscard]] double error() const { return error_; }
     [[nodiscard]] double error_of_rounded() const { return error_of_rounded_; }
     /// With a range of their own.
@@ -107,58 +106,57 @@ private:
     }
     [[gnu::cold]] void choose_searched() {
         const std::size_t used = std::min(count(), most_searched), size = input().size();
-        for (std::size_t i = 0; i < used; ++i) {
-            const auto first = images_.begin() + static_cast<std::ptrdiff_t>(searched(i) * size);
-            searched_.insert(searched_.end(), first, first + static_cast<std::ptrdiff_t>(size));
-        }
+        searched_ = std::vector<float>(used * size);
+        for (std::size_t i = 0; i < used; ++i)
+            std::copy_n(images_.data() + searched(i) * size, size, searched_.data() + i * size);
     }
 
-    /// The first map of an image: as it is, or as words round it.
-    [[gnu::cold]] void write_frame(const float* image, bool rounded, float* to) const {
-        const float steps = folded_[input().size()];
-        for (std::size_t e = 0; e < input().size(); ++e) {
-            const std::size_t channel = e / input().area(), pixel = e % input().area();
-            const float mean = folded_[e];
-            to[pixel * input().channels + channel] =
-                rounded ? (std::nearbyint(image[e] * steps) - std::nearbyint(mean * steps)) * (scale_ / steps)
-                        : (image[e] - mean) * scale_;
-        }
-    }
     /// What each map held, and the outputs.
     [[gnu::cold]] void observe() {
-        lowest_.assign(net_.ranges, 0), highest_.assign(net_.ranges, 0);
-        std::vector<plain_run> runs;
-        for (const plain_step& step : net_.steps)
-            runs.emplace_back(net_, step, folded_, false);
-        std::vector<float> maps(net_.numbers);
-        const std::size_t size = input().size();
-        for (std::size_t i = 0; i < searched_.size() / size; ++i) {
-            write_frame(searched_.data() + i * size, false, maps.data());
-            for (const plain_run& run : runs)
-                run(maps.data(), {});
-            for (const plain_map& map : net_.maps) {
-                if (map.range == plain_network::none || map.range == 0)
-                    continue;
-                const auto [least, most] = std::minmax_element(
-                    &maps[map.begin], &maps[map.begin] + static_cast<std::ptrdiff_t>(map.size.size()));
-                lowest_[map.range] = std::min(lowest_[map.range], *least);
-                highest_[map.range] = std::max(highest_[map.range], *most);
+        lowest_ = std::vector<float>(net_.ranges), highest_ = std::vector<float>(net_.ranges);
+        const std::size_t size = input().size(), images = searched_.size() / size;
+        wanted_ = std::vector<float>(images * net_.maps[net_.steps.back().output].size.size());
+        // A step's weights are brought into order for some images at once, whose maps are kept.
+        constexpr std::size_t together = 16;
+        std::vector<float> maps(std::min(images, together) * net_.numbers);
+        for (std::size_t first = 0; first < images; first += together) {
+            const std::size_t some = std::min(images - first, together);
+            for (std::size_t i = 0; i < some; ++i)
+                write_plain_frame(input(), folded_, scale_, searched_.data() + (first + i) * size, false,
+                                  maps.data() + i * net_.numbers);
+            for (const plain_step& step : net_.steps) {
+                const plain_run run(net_, step, folded_, false);
+                for (std::size_t i = 0; i < some; ++i)
+                    run(maps.data() + i * net_.numbers, {});
             }
-            append_outputs(&maps[net_.maps[net_.steps.back().output].begin], i);
+            for (std::size_t i = 0; i < some; ++i) {
+                observe_maps(maps.data() + i * net_.numbers);
+                keep_outputs(maps.data() + i * net_.numbers + net_.maps[net_.steps.back().output].begin,
+                             first + i);
+            }
         }
     }
-    [[gnu::cold]] void append_outputs(float* map, std::size_t image) {
+    [[gnu::cold]] void observe_maps(const float* maps) {
+        for (const plain_map& map : net_.maps) {
+            if (map.range == plain_network::none || map.range == 0)
+                continue;
+            float &lowest = lowest_[map.range], &highest = highest_[map.range];
+            for (std::size_t e = map.begin; e < map.begin + map.size.size(); ++e)
+                lowest = std::min(lowest, maps[e]), highest = std::max(highest, maps[e]);
+        }
+    }
+    [[gnu::cold]] void keep_outputs(float* map, std::size_t image) {
         const shape size = net_.maps[net_.steps.back().output].size;
-        if (net_.ends_in_softmax)
+        if (net_.softmax != nullptr)
             for (std::size_t pixel = 0; pixel < size.area(); ++pixel)
-                kernels::softmax_of<float>(std::span<const float>(map + pixel * size.channels, size.channels),
-                                           std::span(map + pixel * size.channels, size.channels));
+                net_.softmax(std::span(map + pixel * size.channels, size.channels));
+        float* to = wanted_.data() + image * size.size();
         for (std::size_t channel = 0; channel < size.channels; ++channel)
             for (std::size_t pixel = 0; pixel < size.area(); ++pixel) {
                 const float output = map[pixel * size.channels + channel];
                 if (!(std::abs(output) <= std::numeric_limits<float>::max()))
                     refuse_image(searched(image));
-                wanted_.push_back(output);
+                *to++ = output;
             }
     }
 
@@ -186,7 +184,7 @@ private:
         error_of_rounded_ = error_;
     }
     [[gnu::cold]] void set_ranges(const std::vector<double>& of_full) {
-        ranges_.assign(net_.ranges, {});
+        ranges_ = std::vector<map_range>(net_.ranges);
         ranges_[0] = {scale_ / folded_[input().size()], 0};
         for (std::size_t m = 1; m < net_.ranges; ++m)
             ranges_[m] = map_range::of(static_cast<double>(lowest_[m]) * of_full[m],
@@ -194,12 +192,9 @@ private:
         net_.set_ranges(folded_.data(), ranges_);
     }
     [[gnu::cold]] void fit() {
-        const weights_fit found(net_, ranges_, folded_, count(),
-                                [&](std::size_t image, bool rounded, float* to) {
-                                    write_frame(images_.data() + image * input().size(), rounded, to);
-                                });
+        const weights_fit found(net_, ranges_, folded_, scale_, images_);
         if (const double error = error_of(found.folded()); error < error_)
-            error_ = error, folded_.assign(found.folded().begin(), found.folded().end());
+            error_ = error, std::copy_n(found.folded().data(), folded_.size(), folded_.data());
     }
     /// The mean square of what outputs differ by.
     [[nodiscard]] [[gnu::cold]] double error_of(std::span<const float> folded) const {
