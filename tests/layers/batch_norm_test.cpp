@@ -89,3 +89,20 @@ TEST_CASE("batch_norm: a NaN is seen in its channel and nowhere else") {
     CHECK(std::isnan(t.out(0, 0)));
     CHECK(!std::isnan(t.out(0, 6)));
 }
+
+TEST_CASE("batch_norm: of two numbers it remembers the unbiased variance, of a single one that of none") {
+    using single = batch_norm::layer<float, shape{1, 1, 1}>;
+    for (const std::size_t samples : {1u, 2u}) {
+        thread_pool threads;
+        single::memory memory;
+        memory.resize(samples);
+        const std::vector<float> values{1, 0};
+        std::vector<float> running{0, 1};
+        batch<float, shape{1, 1, 1}, kernels::lanes<float>> in(samples), out(samples);
+        for (std::size_t i = 0; i < samples; ++i)
+            in(i, 0) = static_cast<float>(4 * i);
+        support::run_forward<single>({.threads = threads}, values.data(), running.data(), memory, in.view(),
+                                     out.view());
+        CHECK(running[1] == doctest::Approx(samples == 2 ? 0.9 + 0.1 * 8 : 0.9));
+    }
+}

@@ -22,6 +22,9 @@ TEST_CASE("early_stopping: after `patience` checks without a smaller loss") {
     early_stopping again(3);
     again.restore(0.5, 2);
     CHECK(again.check(0.5));
+    early_stopping at_once(1);
+    CHECK(!at_once.check(2));
+    CHECK(at_once.check(2));
     early_stopping never;
     for (int i = 0; i < 100; ++i)
         CHECK(!never.check(1));

@@ -16,6 +16,13 @@ TEST_CASE("confusion_matrix: counts, and what is made of them") {
     n.add(1, 2);
     n.add(2, 2);
     m.add(n);
+    CHECK(m(0, 0) == 1);
+    n.add(0, 0);
+    m.add(n);
+    CHECK(m(0, 0) == 2); // the first of all counts, too
+    CHECK(m(1, 2) == 3);
+    m = confusion_matrix(3);
+    m.add(0, 0), m.add(1, 2), m.add(1, 2), m.add(2, 2);
     CHECK(m(1, 2) == 2);
     CHECK(m(2, 1) == 0);
     CHECK(m.total() == 4);
@@ -28,6 +35,7 @@ TEST_CASE("mean_and_deviation: of samples, of one and of none") {
     const auto m = mean_and_deviation::of(std::array{2.0, 4.0, 4.0, 6.0});
     CHECK(m.mean == doctest::Approx(4));
     CHECK(m.deviation == doctest::Approx(std::sqrt(8.0 / 3)));
+    CHECK(mean_and_deviation::of(std::array{-1.0, 4.0}).deviation == doctest::Approx(std::sqrt(12.5)));
     CHECK(mean_and_deviation::of(std::array{3.0}).deviation == 0);
     CHECK(mean_and_deviation::of({}).mean == 0);
     // Twenty evaluations without a mistake are no better than that.

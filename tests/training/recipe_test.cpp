@@ -47,12 +47,18 @@ TEST_CASE("recipe::default_for: small images are learnt from longer, four times 
     CHECK(recipe::default_for(7, 13).epochs == 440);
     CHECK(recipe::default_for(1, 1).epochs == 440);
     CHECK(recipe::default_for(224, 224).epochs == 110);
+    CHECK(recipe::default_for(0, 0).epochs == 440);
+    CHECK(recipe::default_for(28, 50).ranges.translation == 4);
+    CHECK(recipe::default_for(14, 25).ranges.translation == 2);
+    CHECK(recipe::default_for(28, 50).ranges.pressure == 0.3);
 }
 
 TEST_CASE("recipe::on_features: no new samples are made, and the rate falls to nothing over few epochs") {
     const recipe r = recipe::on_features();
     CHECK(r.augmentation == augmentation_rule::none);
     CHECK(r.epochs == 30);
+    CHECK(r.label_smoothing == 0.05);
+    CHECK(r.epsilon == 1e-5);
     CHECK(r.rate == 3e-3);
     CHECK(r.averaging == 0);
     CHECK(std::holds_alternative<adamw>(r.optimiser));
@@ -74,6 +80,7 @@ TEST_CASE("recipe::published: as in the authors' programs at 28 x 50") {
     CHECK(r.validate_every == 10);
     CHECK(r.patience == 4);
     CHECK(r.label_smoothing == 0);
+    CHECK(r.remeasure_statistics);
 }
 
 TEST_CASE("recipe::published: a network may have its own drops, validations and input") {
@@ -85,4 +92,5 @@ TEST_CASE("recipe::published: a network may have its own drops, validations and 
     const recipe residual = recipe::published(28, 50, tactresnet_training({28, 50}));
     CHECK(std::holds_alternative<constant_rate>(residual.schedule));
     CHECK(residual.input == input_rule::counts);
+    CHECK(residual.rate == 0.002);
 }

@@ -20,6 +20,7 @@ TEST_CASE("rate_at: one cycle") {
     CHECK(rate_at(cycle, 0.01, 20, 80) == doctest::Approx(0.01));
     CHECK(rate_at(cycle, 0.01, 50, 80) == doctest::Approx(0.005).epsilon(1e-4));
     CHECK(rate_at(cycle, 0.01, 80, 80) == doctest::Approx(1e-8));
+    CHECK(rate_at(one_cycle{}, 0.01, 20, 80) == doctest::Approx(0.01)); // a quarter by default
     double before = 0;
     for (double epoch = 0; epoch <= 80; epoch += 0.5) { // up, then down
         const double rate = rate_at(cycle, 0.01, epoch, 80);

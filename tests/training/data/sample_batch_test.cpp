@@ -9,6 +9,11 @@
 
 using namespace tactnet;
 
+TEST_CASE("sample_batch: has no sample unless told") {
+    CHECK(sample_batch(6).samples() == 0);
+    CHECK(sample_batch(6).elements().empty());
+}
+
 TEST_CASE("sample_batch: lies in memory as a batch of the same size") {
     constexpr shape size{2, 3, 1};
     for (const std::size_t samples : {1u, 5u, 17u, 40u}) {

@@ -101,6 +101,9 @@ TEST_CASE("split_data: few images and other shares") {
         CHECK(split.validation.size() == 2);
         CHECK(split.training.size() == 2 * (each - 2));
     }
+    const data_split most =
+        split_data(labels_of(2, 3), 2, split_rule::random, 1, {.validation = 0, .test = 0.99});
+    CHECK(most.training.size() == 2); // one of three is kept for training, however few there are
     const data_split all =
         split_data(labels_of(2, 10), 2, split_rule::random, 1, {.validation = 0, .test = 0});
     CHECK(all.training.size() == 20);

@@ -1,0 +1,74 @@
+#include <tactnet/training/loop/progress.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+training_progress two_epochs() {
+    training_progress p{.steps = 6,
+                        .best_loss = 0.5,
+                        .smoothed_loss = 0.75,
+                        .smallest_loss = 0.25,
+                        .waited = 2,
+                        .stopped = true,
+                        .history = {}};
+    p.history.push_back({1, 0.125, 2, std::nan(""), std::nan("")});
+    p.history.push_back({2, 0, 0, 0, 1});
+    return p;
+}
+
+} // namespace
+
+TEST_CASE("training_progress: numbers and back, at the ends of what may be") {
+    const training_progress before = two_epochs(), after = training_progress::from(before.numbers(), 2, 3);
+    CHECK(after.steps == 6);
+    CHECK(after.best_loss == 0.5);
+    CHECK(after.smoothed_loss == 0.75);
+    CHECK(after.smallest_loss == 0.25);
+    CHECK(after.waited == 2);
+    CHECK(after.stopped);
+    REQUIRE(after.history.size() == 2);
+    CHECK(after.history[0].epoch == 1);
+    CHECK(after.history[0].rate == 0.125);
+    CHECK(after.history[0].loss == 2);
+    CHECK(std::isnan(after.history[0].validation_loss));
+    CHECK(after.history[1].epoch == 2);
+    CHECK(after.history[1].rate == 0);
+    CHECK(after.history[1].validation_loss == 0);
+    CHECK(after.history[1].validation_accuracy == 1);
+
+    training_progress begun;
+    CHECK(!training_progress::from(begun.numbers(), 2, 3).stopped);
+}
+
+TEST_CASE("training_progress: numbers that no training has are refused, each at its place") {
+    const std::vector<double> right = two_epochs().numbers();
+    const double never = std::numeric_limits<double>::infinity();
+    const auto refused = [&](std::size_t place, double value) {
+        std::vector<double> wrong = right;
+        wrong.at(place) = value;
+        CHECK_THROWS_AS(training_progress::from(wrong, 2, 3), std::invalid_argument);
+    };
+    refused(0, 5);
+    for (const std::size_t loss : {1u, 2u, 3u})
+        refused(loss, -1), refused(loss, std::nan(""));
+    for (const double waited : {-1.0, 0.5, 3.0})
+        refused(4, waited);
+    for (const double stopped : {-1.0, 0.5, 2.0})
+        refused(5, stopped);
+    refused(6, -1e-9), refused(6, never); // a rate
+    refused(7, -1e-9), refused(7, std::nan(""));
+    refused(12, -1e-9), refused(13, 1.5), refused(13, -0.5);
+    refused(12, std::nan("")); // a loss without its accuracy
+    CHECK_THROWS_AS(training_progress::from(right, 1, 3), std::invalid_argument);
+    std::vector<double> short_of_one = right;
+    short_of_one.pop_back();
+    CHECK_THROWS_AS(training_progress::from(short_of_one, 2, 3), std::invalid_argument);
+}
