@@ -112,8 +112,8 @@ private:
     [[gnu::cold]] void order_weights(bool as_bytes) {
         const std::size_t taps = step_.taps(), all = step_.filters * taps;
         padded_ = kernels::padded_size<float>(step_.filters / step_.groups);
-        weights_.assign(step_.groups * taps * padded_, 0.0f);
-        biases_.assign(step_.groups * padded_, 0.0f);
+        weights_ = aligned_vector<float>(step_.groups * taps * padded_);
+        biases_ = aligned_vector<float>(step_.groups * padded_);
         for (std::size_t f = 0; f < step_.filters; ++f) {
             const float scale = of_step_[all + step_.filters + f];
             const std::size_t place = place_of(f), group = place / padded_;
@@ -126,7 +126,7 @@ private:
             }
         }
     }
-    void convolve(const float* maps, float* out, shape to) const {
+    [[gnu::cold]] void convolve(const float* maps, float* out, shape to) const {
         const std::size_t rows = step_.window.output_rows(), columns = step_.window.output_columns();
         sums here = make_sums(), most = make_sums();
         for (std::size_t pixel = 0; pixel < to.area(); ++pixel) {
