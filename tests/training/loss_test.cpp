@@ -76,6 +76,16 @@ TEST_CASE("softmax_cross_entropy: value and gradient, smoothed and with fewer cl
         }
 }
 
+TEST_CASE("softmax_cross_entropy: finite whichever logit is the largest by far") {
+    for (std::size_t largest = 0; largest < 3; ++largest) {
+        logits<double> x(1), gradient(1);
+        x(0, largest) = 1e4;
+        const std::vector<std::size_t> label{largest};
+        CHECK(softmax_cross_entropy<double>(x.as_const(), label, 3, 0.0, gradient.view()) == 0);
+        CHECK(gradient(0, largest) == 0);
+    }
+}
+
 TEST_CASE("softmax_cross_entropy: extreme logits stay finite") {
     for (const double smoothing : {0.0, 0.1}) {
         logits<float> x(2), gradient(2);

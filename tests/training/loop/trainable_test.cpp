@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <training/toy_task.hpp>
 #include <vector>
@@ -24,4 +25,25 @@ TEST_CASE("evaluate: refuses samples of another size or with more classes than o
     CHECK_THROWS_AS(evaluated(trainable_network<network<support::toy_task::size, dense<2>>>{}),
                     std::invalid_argument);
     CHECK_THROWS_AS(evaluated(trainable_network<network<shape{8, 13}, dense<3>>>{}), std::invalid_argument);
+}
+
+TEST_CASE("evaluate: images that are their own reflections look the same every way round") {
+    using net = network<shape{3, 5}, dense<2>>;
+    thread_pool threads;
+    trainable_network<net> network;
+    for (std::size_t i = 0; i < network.learnable_values().size(); ++i)
+        network.learnable_values()[i] = 0.01F * static_cast<float>(i % 7);
+    std::vector<std::uint8_t> pixels;
+    std::vector<std::size_t> labels, all;
+    for (std::size_t image = 0; image < 70; ++image) { // more than pass at once
+        pixels.insert(pixels.end(), net::input_shape.size(), static_cast<std::uint8_t>(3 * image));
+        labels.push_back(image % 2), all.push_back(image);
+    }
+    const std::vector<float> mean(net::input_shape.size(), 100);
+    const labelled_images images{pixels, labels, 2};
+    const evaluation once = evaluate(network, mean, 0.1F, images, all, threads),
+                     averaged = evaluate(network, mean, 0.1F, images, all, threads, seen::in_all_reflections);
+    CHECK(once.confusion.total() == 70);
+    CHECK(averaged.loss == doctest::Approx(once.loss).epsilon(1e-6));
+    CHECK(averaged.recognised == once.recognised);
 }
