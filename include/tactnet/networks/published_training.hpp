@@ -17,10 +17,10 @@ struct published_transfer {
 /// What a network's published training has of its own. All else is common: see recipe::published, which takes
 /// this.
 struct published_training {
-    double rate;          ///< first learning rate, that of a new last layer
-    double drop_period;   ///< epochs after which the rate is multiplied by drop_factor; 0 is never
-    std::size_t patience; ///< validations without a smaller loss before it stops
-    double drop_factor = 0.1;
+    double rate;                     ///< first learning rate, that of a new last layer
+    double drop_period;              ///< epochs after which the rate is multiplied by drop_factor; 0 is never
+    std::size_t patience;            ///< validations without a smaller loss before it stops
+    double drop_factor = 0.1;        ///< of the rate, each time
     std::size_t validate_every = 10; ///< epochs
     bool subtracts_mean = true;      ///< of the training images; else counts come as they are
     std::optional<published_transfer> transfer = {};
