@@ -164,7 +164,7 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
                         others.empty() ? "" : " A cross is the same network, run by another library."),
             data + std::string(gnuplot_style) + axis.text() +
                 fmt::format("set logscale x\nset xrange [{}:3e8]\nset xlabel 'time of a frame, one core'\n",
-                            0.03 * fastest) +
+                            0.015 * fastest) +
                 "set xtics ('1 µs' 1, '10 µs' 10, '100 µs' 1e2, '1 ms' 1e3, '10 ms' 1e4, '100 ms' 1e5, "
                 "'1 s' 1e6, '10 s' 1e7, '100 s' 1e8)\nset key bottom right\nplot " +
                 plot + '\n'};
