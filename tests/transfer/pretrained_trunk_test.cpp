@@ -109,7 +109,7 @@ TEST_CASE("pretrained_trunk: of a photograph and a last layer alone, the numbers
     using shallow = network<shape{6, 8}, as_photograph<extent(9, 12)>, dense<5>>;
     weights any;
     any.writer = {};
-    for (const std::size_t last : {2, 3})
+    for (const std::size_t last : {2u, 3u})
         any.add(stored_arrays_of<shallow>().list[last].name, {1000});
     any.writer.write(any.folder.path() / "weights");
     safetensors_source source = safetensors_source::open(any.folder.path() / "weights");

@@ -5,8 +5,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -48,20 +46,4 @@ TEST_CASE("evaluate: images that are their own reflections look the same every w
     CHECK(once.confusion.total() == 70);
     CHECK(averaged.loss == doctest::Approx(once.loss).epsilon(1e-6));
     CHECK(averaged.recognised == once.recognised);
-}
-
-TEST_CASE("evaluate: of images that are the mean, what the biases give") {
-    using net = network<shape{3, 5}, dense<2>>;
-    constexpr std::size_t size = net::input_shape.size();
-    thread_pool threads;
-    trainable_network<net> network;
-    const auto values = network.learnable_values();
-    std::fill(values.begin(), values.end(), 1.0F);
-    values[2 * size] = 0, values[2 * size + 1] = std::log(3.0F);
-    const std::vector<std::uint8_t> pixels(size, 100);
-    const std::vector<std::size_t> labels{0}, all{0};
-    const std::vector<float> mean(size, 100);
-    for (const seen how : {seen::as_it_is, seen::in_all_reflections})
-        CHECK(evaluate(network, mean, 0.1F, labelled_images{pixels, labels, 2}, all, threads, how).loss ==
-              doctest::Approx(std::log(4.0)).epsilon(1e-6));
 }
