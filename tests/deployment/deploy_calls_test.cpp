@@ -164,6 +164,21 @@ TEST_CASE("deployed: a sum that overflows on the way is told, though a ReLU woul
     CHECK(out[0] == doctest::Approx(0.2e30));
 }
 
+TEST_CASE("deployed: counts of 8 bits are taken wherever a mean makes them larger than the bound") {
+    using one = network<shape{1, 3}, dense<1>>;
+    one n;
+    std::fill_n(n.learnable_values().begin(), 3, 1e28f); // the bound is 1e7
+    for (std::size_t place = 0; place < 3; ++place) {
+        std::array<float, 3> mean{};
+        mean[place] = 1e9f;
+        const deployed<one> network = deploy(n, std::span<const float, 3>(mean), 1);
+        const std::array<float, 3> frame{};
+        std::array<float, 1> out{};
+        CHECK(network(frame, out) == frame_status::recognised);
+        CHECK(out[0] == doctest::Approx(-1e37));
+    }
+}
+
 TEST_CASE("deployed: parameters that no training gives are refused") {
     using small = network<shape{1, 3}, conv2d<1, extent(1, 3), 1, valid>, relu, dense<1>>;
     small n;
@@ -222,8 +237,12 @@ TEST_CASE("deployed: parameters that are no numbers, and impossible variances, a
     std::vector<float> mean(tiny::input_shape.size(), 1);
     const std::span<const float, tiny::input_shape.size()> means(mean);
     CHECK_THROWS_AS(static_cast<void>(deploy(good, means, INFINITY)), std::invalid_argument);
-    mean[7] = NAN;
-    CHECK_THROWS_AS(static_cast<void>(deploy(good, means, 1)), std::invalid_argument);
+    for (const std::size_t bad : {std::size_t{0}, std::size_t{7}, mean.size() - 1}) {
+        std::fill(mean.begin(), mean.end(), 1.0f);
+        mean[bad] = NAN;
+        CHECK_THROWS_WITH_AS(static_cast<void>(deploy(good, means, 1)),
+                             doctest::Contains("expected a mean and a scale"), std::invalid_argument);
+    }
 }
 
 TEST_CASE("deployed: the same bits in batches of any size on any number of threads") {

@@ -41,4 +41,7 @@ TEST_CASE("mean_and_deviation: of samples, of one and of none") {
     // Twenty evaluations without a mistake are no better than that.
     CHECK(mean_and_deviation::of(std::vector<double>(20, 1.0)).mean == 1);
     CHECK(mean_and_deviation::of(std::vector<double>(20, 1.0)).deviation == 0);
+    // Distances from the mean are squared, which are exact here, unlike differences of squares.
+    CHECK(mean_and_deviation::of(std::array{1e17, 1e17 + 64, 1e17 + 128, 1e17 + 320}).deviation ==
+          doctest::Approx(64 * std::sqrt(14.0 / 3)));
 }

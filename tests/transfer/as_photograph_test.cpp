@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <deployment/deployed_network.hpp>
@@ -214,4 +215,32 @@ TEST_CASE("as_photograph: an exported header names its step") {
         std::span<const std::uint8_t, 12>(frame));
     CHECK(text.find("#include <tactnet/transfer/as_photograph_step.hpp>") != std::string::npos);
     CHECK(text.find("tactnet::as_photograph_step<tactnet::single_precision, ") != std::string::npos);
+}
+
+TEST_CASE("as_photograph: its step tells how large its outputs can be, by mean and scale of each channel") {
+    // Between equal sizes every output is one of the inputs.
+    using same_size = as_photograph_step<single_precision, extent(3, 4), 1, extent(3, 4)>;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        std::array<float, 6> numbers{0, 0, 0, 1, 1, 1};
+        CHECK(same_size::reach(numbers.data(), 2) == doctest::Approx(2));
+        numbers[channel] = -5, numbers[3 + channel] = 3;
+        CHECK(same_size::reach(numbers.data(), 2) == doctest::Approx((2 + 5) * 3));
+    }
+    // Keys' kernel between two pixels: −1/16, 9/16, 9/16, −1/16.
+    using twice = as_photograph_step<single_precision, extent(8, 8), 1, extent(16, 16)>;
+    const std::array<float, 6> none{0, 0, 0, 1, 1, 1};
+    CHECK(twice::reach(none.data(), 1) > 1.2);
+    CHECK(twice::reach(none.data(), 1) < 2);
+}
+
+TEST_CASE("as_photograph: its step joins the pixels of its input, and no number behind them") {
+    using step = as_photograph_step<single_precision, extent(4, 4), 16, extent(4, 4)>;
+    std::vector<float> in(17 * 16, 7.0f);
+    aligned_vector<float> out(3 * 16 + 1), memory(step::scratch + 1);
+    out.back() = memory.back() = -9;
+    const std::array<float, 6> numbers{0, 0, 0, 1, 1, 1};
+    step::run(numbers.data(), in.data(), out.data(), memory.data());
+    CHECK(out.front() == doctest::Approx(7));
+    CHECK(out.back() == -9);
+    CHECK(memory.back() == -9);
 }

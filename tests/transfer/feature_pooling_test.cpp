@@ -24,3 +24,14 @@ TEST_CASE("feature_pooling: all, the largest and the mean of each channel") {
     CHECK(features(feature_pooling::maximum) == std::vector<float>{4, -1, 8});
     CHECK(features(feature_pooling::average) == std::vector<float>{2.5F, -2.5F, 2});
 }
+
+TEST_CASE("feature_pooling: a number for each channel, and none more") {
+    const std::vector<float> values{1, 2, 3, 4, 50, 60}; // two channels of two pixels, and what lies behind
+    for (const feature_pooling pooling : {feature_pooling::maximum, feature_pooling::average}) {
+        std::vector<float> result(6, -9.0F);
+        pool_features(pooling, values, shape{1, 2, 2}, result);
+        CHECK(result[0] > 0);
+        CHECK(result[1] > 0);
+        CHECK(result[2] == -9);
+    }
+}

@@ -104,3 +104,19 @@ TEST_CASE("pretrained_trunk: what does not belong") {
         static_cast<void>(pretrained_trunk(file, stored_arrays_of<plain>(), torchvision_photograph)),
         std::invalid_argument);
 }
+
+TEST_CASE("pretrained_trunk: of a photograph and a last layer alone, the numbers of the photograph") {
+    using shallow = network<shape{6, 8}, as_photograph<extent(9, 12)>, dense<5>>;
+    weights any;
+    any.writer = {};
+    for (const std::size_t last : {2u, 3u})
+        any.add(stored_arrays_of<shallow>().list[last].name, {1000});
+    any.writer.write(any.folder.path() / "weights");
+    safetensors_source source = safetensors_source::open(any.folder.path() / "weights");
+    const auto arrays = pretrained_trunk(source, stored_arrays_of<shallow>(), torchvision_photograph);
+    REQUIRE(arrays.size() == 4);
+    CHECK(arrays[0].size() == 3);
+    CHECK(arrays[1].size() == 3);
+    CHECK(arrays[2].empty());
+    CHECK(arrays[3].empty());
+}

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -70,6 +71,8 @@ TEST_CASE("folded_layout: each step says its arrays, which together are all fold
     CHECK(next == view::folded_elements);
     CHECK(layout().numbers == next);
     CHECK(layout().ends_in_weights);
+    for (const folded_step& step : layout().steps)
+        CHECK((step.largest_input > 0) == (step.find("scale") != nullptr)); // of sums in 8 bits
     const std::vector<std::string> expected{"step1.weight",
                                             "step1.bias",
                                             "step1.input",
@@ -167,6 +170,7 @@ TEST_CASE("deployed: weights beyond a signed byte and factors beyond single prec
     const float scale = folded[place_of("step2.scale")];
     refuses("step2.weight", 5, 128 * scale, "a weight of at most 127 times the scale of its filter, found ");
     refuses("step2.weight", 5, -1e30f, "a weight of at most 127 times the scale of its filter, found ");
+    refuses("step2.weight", 3 * 18 + 5, 1e30f, "a weight of at most 127 times the scale of its filter");
     folded[place_of("step2.weight") + 5] = -127 * scale;
     CHECK_NOTHROW(make(folded));
     // input · scale ÷ output.
@@ -192,4 +196,14 @@ TEST_CASE("deployed: words of a frame that would not hold counts of 8 bits are r
                          std::invalid_argument);
     refuses("input_mean", 7, -5000.0f, "a mean from which no count of 8 bits is further ");
     refuses("input_mean", 83, 1e30f, "a mean from which no count of 8 bits is further ");
+    // As many steps as can be are a power of two that is taken; no words would hold 255 of them.
+    folded = good_numbers();
+    folded[place_of("input_words")] = 16384;
+    CHECK_THROWS_WITH_AS(make(folded), doctest::Contains("input_words, element 1: expected a number that is"),
+                         std::invalid_argument);
+    // The numbers of the words are no means: more steps of a count than the furthest count has.
+    folded = good_numbers();
+    std::fill_n(folded.begin(), place_of("input_words"), 127.5f);
+    folded[place_of("input_words")] = 256, folded[place_of("input_words") + 1] = 127.75f;
+    CHECK_NOTHROW(make(folded));
 }

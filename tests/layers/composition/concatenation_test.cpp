@@ -33,3 +33,21 @@ TEST_CASE("concatenation: names of its branches") {
                                             "layer.bn1.weight", "layer.bn1.bias", "layer.bn1.running_mean",
                                             "layer.bn1.running_var"});
 }
+
+TEST_CASE("concatenation: branches drop out other elements") {
+    constexpr shape size{8, 8, 4};
+    using bound = concatenation<dropout<50>, dropout<50>>::layer<float, size>;
+    thread_pool threads;
+    batch<float, size, kernels::lanes<float>> in(1);
+    batch<float, bound::output, kernels::lanes<float>> out(1);
+    for (std::size_t e = 0; e < size.size(); ++e)
+        in(0, e) = 1;
+    bound::memory memory;
+    memory.resize(1);
+    bound::forward({.threads = threads}, nullptr, nullptr, memory, in.view(), out.view());
+    std::size_t different = 0;
+    for (std::size_t e = 0; e < size.size(); ++e)
+        different += out(0, e) != out(0, size.size() + e);
+    CHECK(different > size.size() / 4); // half of them but for five deviations
+    CHECK(different < size.size() * 3 / 4);
+}

@@ -115,3 +115,11 @@ TEST_CASE("images_as_taken: images of another number or for another size are ref
     images.taken = images_as_taken::of<taken, shape{5, 7}>(v.task.pixels);
     CHECK(told() == "images: expected images as taken that are reduced to 4 x 7 x 1, found 5 x 7 x 1");
 }
+
+TEST_CASE("images_as_taken: nothing is written behind the small image") {
+    const varied v;
+    std::vector<float> made(small.size() + 4, -9.0F);
+    v.images.taken.vary(image_transform{}, v.task.pixels.data(), made.data());
+    for (std::size_t e = 0; e < made.size(); ++e)
+        CHECK((made[e] == -9) == (e >= small.size()));
+}
