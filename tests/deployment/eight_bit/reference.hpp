@@ -84,12 +84,22 @@ struct reference_filter {
     }
 };
 
+/// How the products of a byte and a weight are summed: exactly, as the rules say …
+struct exact_products {
+    static constexpr bool of_pairs_saturate = false;
+};
+/// … or two and two in 16 bits that saturate, as the instruction for bytes does where none sums in 32
+/// (pmaddubsw): what a plain implementation gives.
+struct saturating_pairs {
+    static constexpr bool of_pairs_saturate = true;
+};
+
 /// A step: `run(folded, input, what lies in the output)`.
-template <class Step>
+template <class Step, class Products = exact_products>
 struct reference_step;
 
 /// Convolution, the sum with what lies in the output, max pool, ReLU, rounding.
-template <tactnet::kernels::frame_convolution C, bool ReadsWords, bool WritesBytes>
+template <tactnet::kernels::frame_convolution C, bool ReadsWords, bool WritesBytes, class Products>
 whole_map reference_convolution(const float* folded, const whole_map& in, const whole_map& other) {
     const tactnet::sliding_window& w = C.window;
     const std::size_t in_group = w.input.channels / C.groups,
@@ -111,16 +121,27 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
         const std::size_t first = f / (C.filters / C.groups) * in_group;
         const auto factor = static_cast<float>(WritesBytes ? filter.unit / output.scale : filter.unit);
         const auto sum_at = [&](std::size_t y, std::size_t x) {
-            std::int64_t sum = filter.bias;
+            std::int64_t sum = filter.bias, of_pair = 0;
+            const std::int64_t* weight = filter.weights.data();
             for (std::size_t c = 0; c < in_group; ++c)
                 for (std::size_t r = 0; r < w.kernel.rows; ++r)
-                    for (std::size_t k = 0; k < w.kernel.columns; ++k) {
+                    for (std::size_t k = 0; k < w.kernel.columns; ++k, ++weight) {
                         const std::size_t row = y * w.stride.rows + r, column = x * w.stride.columns + k;
-                        if (row < w.top || row - w.top >= in.rows || column < w.left ||
-                            column - w.left >= in.columns)
-                            continue;
-                        sum += filter.weights[(c * w.kernel.rows + r) * w.kernel.columns + k] *
-                               (in.whole[in.at(row - w.top, column - w.left, first + c)] - input.zero);
+                        const bool padded = row < w.top || row - w.top >= in.rows || column < w.left ||
+                                            column - w.left >= in.columns;
+                        // Padding holds the zero of the map.
+                        const std::int64_t value =
+                            padded ? input.zero : in.whole[in.at(row - w.top, column - w.left, first + c)];
+                        sum += *weight * (value - input.zero);
+                        if constexpr (Products::of_pairs_saturate && !ReadsWords) {
+                            // What a pair loses by not fitting into 16 bits.
+                            of_pair += *weight * value;
+                            const auto tap = static_cast<std::size_t>(weight - filter.weights.data());
+                            if (tap % 2 == 1 || tap + 1 == of_one) {
+                                sum += std::clamp<std::int64_t>(of_pair, -32768, 32767) - of_pair;
+                                of_pair = 0;
+                            }
+                        }
                     }
             if (C.adds)
                 sum += filter.added * (other.whole[other.at(y, x, f)] - added.zero);
@@ -148,26 +169,29 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
     }
     return result;
 }
-template <class Input, class Output, tactnet::kernels::frame_convolution Kernel>
-struct reference_step<tactnet::convolution_step<tactnet::eight_bit_between<Input, Output>, Kernel>> {
+template <class Input, class Output, tactnet::kernels::frame_convolution Kernel, class Products>
+struct reference_step<tactnet::convolution_step<tactnet::eight_bit_between<Input, Output>, Kernel>,
+                      Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
-        return reference_convolution<Kernel, (sizeof(Input) > 1), (sizeof(Output) == 1)>(folded, in, other);
+        return reference_convolution<Kernel, (sizeof(Input) > 1), (sizeof(Output) == 1), Products>(folded, in,
+                                                                                                   other);
     }
 };
-template <class Input, class Output, tactnet::kernels::frame_dense Kernel>
-struct reference_step<tactnet::dense_step<tactnet::eight_bit_between<Input, Output>, Kernel>> {
+template <class Input, class Output, tactnet::kernels::frame_dense Kernel, class Products>
+struct reference_step<tactnet::dense_step<tactnet::eight_bit_between<Input, Output>, Kernel>, Products> {
     static constexpr tactnet::kernels::frame_convolution whole{
         .window = {Kernel.input, {Kernel.input.rows, Kernel.input.columns}, 1},
         .filters = Kernel.outputs,
         .input_stride = 1};
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
-        return reference_convolution<whole, (sizeof(Input) > 1), (sizeof(Output) == 1)>(folded, in, other);
+        return reference_convolution<whole, (sizeof(Input) > 1), (sizeof(Output) == 1), Products>(folded, in,
+                                                                                                  other);
     }
 };
 
-template <class Input, tactnet::shape Map, std::size_t Stride, bool Rectified>
+template <class Input, tactnet::shape Map, std::size_t Stride, bool Rectified, class Products>
 struct reference_step<
-    tactnet::norm_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>> {
+    tactnet::norm_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>, Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const float* at = folded + 2 * Map.channels;
         const reference_range input = reference_range::next(at), output = reference_range::next(at);
@@ -188,9 +212,10 @@ struct reference_step<
     }
 };
 
-template <class Input, tactnet::shape Map, std::size_t Stride, class Offset>
+template <class Input, tactnet::shape Map, std::size_t Stride, class Offset, class Products>
 struct reference_step<
-    tactnet::square_root_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>> {
+    tactnet::square_root_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>,
+    Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const reference_range input = reference_range::next(folded), output = reference_range::next(folded);
         const auto offset = static_cast<float>(static_cast<double>(Offset::num) /
@@ -209,8 +234,8 @@ struct reference_step<
     }
 };
 
-template <tactnet::shape Map, std::size_t Stride>
-struct reference_step<tactnet::relu_step<tactnet::eight_bit, Map, Stride>> {
+template <tactnet::shape Map, std::size_t Stride, class Products>
+struct reference_step<tactnet::relu_step<tactnet::eight_bit, Map, Stride>, Products> {
     static whole_map run(const float* folded, whole_map map, const whole_map&) {
         for (std::int64_t& byte : map.whole)
             byte = std::max(byte, static_cast<std::int64_t>(folded[1]));
@@ -219,10 +244,10 @@ struct reference_step<tactnet::relu_step<tactnet::eight_bit, Map, Stride>> {
 };
 
 /// In double precision, rounded once.
-template <class Step>
-struct reference_step<tactnet::softmax_behind<Step>> {
+template <class Step, class Products>
+struct reference_step<tactnet::softmax_behind<Step>, Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
-        whole_map map = reference_step<Step>::run(folded, in, other);
+        whole_map map = reference_step<Step, Products>::run(folded, in, other);
         for (std::size_t pixel = 0; pixel < map.floats.size(); pixel += map.channels) {
             double largest = -INFINITY, sum = 0;
             for (std::size_t c = 0; c < map.channels; ++c)
@@ -238,8 +263,8 @@ struct reference_step<tactnet::softmax_behind<Step>> {
     }
 };
 
-template <tactnet::sliding_window W, std::size_t Stride>
-struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>> {
+template <tactnet::sliding_window W, std::size_t Stride, class Products>
+struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>, Products> {
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
         whole_map result(tactnet::shape{W.output_rows(), W.output_columns(), W.input.channels});
         for (std::size_t y = 0; y < result.rows; ++y)
@@ -256,9 +281,11 @@ struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>> {
     }
 };
 
-template <class Output, tactnet::kernels::average_windows W, std::size_t Channels, std::size_t Stride>
+template <class Output, tactnet::kernels::average_windows W, std::size_t Channels, std::size_t Stride,
+          class Products>
 struct reference_step<
-    tactnet::average_pool_step<tactnet::eight_bit_between<std::uint8_t, Output>, W, Channels, Stride>> {
+    tactnet::average_pool_step<tactnet::eight_bit_between<std::uint8_t, Output>, W, Channels, Stride>,
+    Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         constexpr bool writes_bytes = sizeof(Output) == 1;
         const reference_range input = reference_range::next(folded);
@@ -284,30 +311,32 @@ struct reference_step<
     }
 };
 
-template <class... Steps>
-struct reference_step<tactnet::step_chain<Steps...>> {
+template <class... Steps, class Products>
+struct reference_step<tactnet::step_chain<Steps...>, Products> {
     static whole_map run(const float* folded, whole_map map, const whole_map& other) {
-        ((map = reference_step<Steps>::run(folded, map, other), folded += Steps::folded), ...);
+        ((map = reference_step<Steps, Products>::run(folded, map, other), folded += Steps::folded), ...);
         return map;
     }
 };
 
-template <class Main, class Skip, std::size_t Stride>
-struct reference_step<tactnet::residual_step<Main, Skip, Stride>> {
+template <class Main, class Skip, std::size_t Stride, class Products>
+struct reference_step<tactnet::residual_step<Main, Skip, Stride>, Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         if constexpr (std::is_same_v<Skip, tactnet::no_step>)
-            return reference_step<Main>::run(folded, in, in);
+            return reference_step<Main, Products>::run(folded, in, in);
         else
-            return reference_step<Main>::run(
-                folded, in, reference_step<Skip>::run(folded + Main::folded, in, whole_map{}));
+            return reference_step<Main, Products>::run(
+                folded, in, reference_step<Skip, Products>::run(folded + Main::folded, in, whole_map{}));
     }
 };
 
-template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
-struct reference_step<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
+template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches,
+          class Products>
+struct reference_step<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>,
+                      Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         std::vector<whole_map> parts;
-        ((parts.push_back(reference_step<typename Branches::step>::run(folded, in, whole_map{})),
+        ((parts.push_back(reference_step<typename Branches::step, Products>::run(folded, in, whole_map{})),
           folded += Branches::step::folded),
          ...);
         std::size_t channels = 0;
@@ -337,9 +366,9 @@ whole_map reference_entrance(const float* folded, std::span<const Count> counts)
 }
 
 /// The outputs [channel][row][column] of a frame.
-template <class View, class Count>
+template <class View, class Products = exact_products, class Count>
 std::vector<float> reference_outputs(std::span<const float> folded, std::span<const Count> counts) {
-    const whole_map out = reference_step<typename View::steps>::run(
+    const whole_map out = reference_step<typename View::steps, Products>::run(
         folded.data() + View::steps_folded, reference_entrance<View::input_shape>(folded.data(), counts),
         whole_map{});
     std::vector<float> result;
