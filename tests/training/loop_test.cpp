@@ -210,13 +210,13 @@ TEST_CASE("training_loop: keeps the last network where the recipe says so") {
     const auto keeps_latest = [&](bool keeps_last) {
         how.keeps_last = keeps_last;
         training_loop loop(std::make_unique<trainable_network<net>>(), how, task.images(), split, 1, threads);
-        std::size_t same = 0;
+        std::size_t times = 0;
         while (!loop.finished()) {
             loop.run_epoch();
-            same += static_cast<std::size_t>(std::ranges::equal(loop.best().copy()->learnable_values(),
-                                                                loop.latest().copy()->learnable_values()));
+            times += static_cast<std::size_t>(std::ranges::equal(loop.best().copy()->learnable_values(),
+                                                                 loop.latest().copy()->learnable_values()));
         }
-        return same;
+        return times;
     };
     CHECK(keeps_latest(true) == 12);
     CHECK(keeps_latest(false) < 12);

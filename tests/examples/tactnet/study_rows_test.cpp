@@ -156,12 +156,12 @@ TEST_SUITE("program") {
         std::getline(text, first);
         std::getline(text, second);
         CHECK(!std::getline(text, rest));
-        CHECK(head.starts_with("method,rows,columns,recipe,random_splits,random_splits_wanted,"
+        CHECK(head.starts_with("method,rows,columns,recipe,bits,random_splits,random_splits_wanted,"
                                "random_accuracy,random_deviation,random_validation_accuracy,"
                                "random_training_accuracy,random_reflected_splits,random_reflected_accuracy,"
                                "random_reflected_deviation,blocked_splits,"));
-        CHECK_MESSAGE(first.starts_with("net,7,13,default,20,20,0.875,0.01,,1.0,0,,,,"), first);
-        CHECK_MESSAGE(second.starts_with("lost,28,50,default,,,"), second);
+        CHECK_MESSAGE(first.starts_with("net,7,13,default,32,20,20,0.875,0.01,,1.0,0,,,,"), first);
+        CHECK_MESSAGE(second.starts_with("lost,28,50,default,32,,,"), second);
         CHECK_MESSAGE(second.ends_with(",\"needs a file, which is \"\"away\"\"\""), second);
     }
 

@@ -54,7 +54,7 @@ TEST_CASE("training_progress: numbers that no training has are refused, each at 
     const auto refused = [&](std::size_t place, double value) {
         std::vector<double> wrong = right;
         wrong.at(place) = value;
-        CHECK_THROWS_AS(training_progress::from(wrong, 2, 3), std::invalid_argument);
+        CHECK_THROWS_AS((void)training_progress::from(wrong, 2, 3), std::invalid_argument);
     };
     refused(0, 5);
     for (const std::size_t loss : {1u, 2u, 3u})
@@ -67,8 +67,8 @@ TEST_CASE("training_progress: numbers that no training has are refused, each at 
     refused(7, -1e-9), refused(7, std::nan(""));
     refused(12, -1e-9), refused(13, 1.5), refused(13, -0.5);
     refused(12, std::nan("")); // a loss without its accuracy
-    CHECK_THROWS_AS(training_progress::from(right, 1, 3), std::invalid_argument);
+    CHECK_THROWS_AS((void)training_progress::from(right, 1, 3), std::invalid_argument);
     std::vector<double> short_of_one = right;
     short_of_one.pop_back();
-    CHECK_THROWS_AS(training_progress::from(short_of_one, 2, 3), std::invalid_argument);
+    CHECK_THROWS_AS((void)training_progress::from(short_of_one, 2, 3), std::invalid_argument);
 }

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -44,6 +45,11 @@ TEST_CASE("evaluate: images that are their own reflections look the same every w
     const evaluation once = evaluate(network, mean, 0.1F, images, all, threads),
                      averaged = evaluate(network, mean, 0.1F, images, all, threads, seen::in_all_reflections);
     CHECK(once.confusion.total() == 70);
+    // Of an image that is the mean only the two biases are left, which differ by 0.01.
+    const std::vector<std::uint8_t> grey(net::input_shape.size(), 100);
+    const evaluation of_mean =
+        evaluate(network, mean, 0.1F, labelled_images{grey, {labels.data(), 1}, 2}, {all.data(), 1}, threads);
+    CHECK(of_mean.loss == doctest::Approx(std::log(1 + std::exp(0.01))));
     CHECK(averaged.loss == doctest::Approx(once.loss).epsilon(1e-6));
     CHECK(averaged.recognised == once.recognised);
 }
