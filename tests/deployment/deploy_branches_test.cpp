@@ -33,6 +33,15 @@ TEST_CASE("deployed: branches that write side by side, and branches that are cop
     CHECK(errors.good());
 }
 
+TEST_CASE("deployed: a branch of several steps keeps out of the maps around it") {
+    // Maps that fill their memory, to either side of it.
+    using several = concatenation<identity, sequence<conv2d<32, 3>, relu, max_pool<3, 1>>>;
+    using once = network<shape{5, 7, 3}, conv2d<32, 3>, several, dense<4>>;
+    using behind = network<shape{5, 7, 3}, conv2d<64, 3>, conv2d<32, 3>, several, dense<4>>;
+    CHECK(support::errors_of<once>(48, 5).good());
+    CHECK(support::errors_of<behind>(49, 5).good());
+}
+
 TEST_CASE("deployed: branches in groups, as the first layer and as the last") {
     using net = network<shape{5, 6, 4}, concatenation<conv2d<8, 3, 1, same, in_groups(2)>, identity>,
                         concatenation<conv2d<16, 1, 1, same, in_groups(4)>, conv2d<2, 3>>>;
