@@ -29,8 +29,9 @@ struct frame_convolution {
                                     ///< are multiples of
     std::size_t input_multiple = 0; ///< the same for the first channels of their inputs
 
-    /// Of a register block: more of them, beside inputs and weights, and compilers spill.
-    static constexpr std::size_t most_accumulators = vector_registers == 32 ? 16 : 12;
+    /// Of a register block: as many sums as leave room for inputs and weights, since each block also costs
+    /// what does not depend on its size.
+    static constexpr std::size_t most_accumulators = vector_registers == 32 ? 24 : 12;
 
     /// In a wider map vectors must begin where vectors of that width may lie, and hold no lane but the
     /// filters'.

@@ -75,15 +75,23 @@ struct winograd_tiles {
         (C.window.kernel == extent(3) || C.window.kernel == extent(2)) && C.window.stride == extent(1) &&
         (C.pool == extent(1) || C.pool == extent(2)) && C.input_stride % input_width == 0 &&
         C.input_stride >= input_stride && C.input_multiple % input_width == 0;
-    /// Whether fewer vector operations are needed than with taps on real pixels. Transforms count with their
-    /// loads and stores; register blocks of few tiles wait for the weights.
+    /// Operations that the transforms of one element add to its products, for a vector of input channels and
+    /// for one of filters. Beside wide vectors they hide but for about one each, as measured times of layers
+    /// have it (benchmark_plan); else each load, addition and store counts.
+    static constexpr bool wide = lanes<float> >= 8;
+    static constexpr std::size_t of_input = wide ? 1 : 4, of_output = wide ? 1 : 3;
+    /// What a product by taps takes, in twentieths: with 16 wide registers a block has too few sums to hide
+    /// how long a multiply-add takes, and reaches about 60 % of the peak.
+    static constexpr std::size_t of_tap = wide && vector_registers < 32 ? 26 : 20;
+    /// Whether fewer operations are needed than with taps on real pixels. Register blocks of few tiles wait
+    /// for the weights.
     static constexpr bool pays = [] {
         if (!possible || block * C.block_vectors() < 8)
             return false;
         const std::size_t direct = C.window.taps_on_pixels() * channels * C.vectors();
-        const std::size_t tiled = elements * count * channels * C.vectors() +
-                                  4 * elements * count * input_vectors + 3 * elements * count * C.vectors();
-        return tiled * 21 < direct * 20;
+        const std::size_t tiled =
+            elements * count * (channels * C.vectors() + of_input * input_vectors + of_output * C.vectors());
+        return tiled * 21 < direct * of_tap;
     }();
 };
 

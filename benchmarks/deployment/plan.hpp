@@ -1,0 +1,254 @@
+#pragma once
+
+#include "../support/measure.hpp"
+
+#include <tactnet/deployment.hpp>
+#include <tactnet/training/initialise.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+// A deployed network layer by layer: what its plan is, how long each step takes among the others, and how
+// long its convolution would take by another plan.
+
+namespace benchmark {
+
+/// A step that does something by itself, in a network.
+struct layer_report {
+    std::string what{};          ///< "convolution 3 × 3, 32 filters, pool 2 × 2"
+    std::string output{};        ///< rows × columns × channels
+    std::string plan{};          ///< "taps", "tiles", "panels"; nothing for what has only one
+    std::size_t multiply_adds{}; ///< on real pixels
+    std::size_t weight_bytes{}, map_bytes{};
+    double in_network{};      ///< seconds, where it stands, all other steps around it
+    double alone{};           ///< seconds, again and again with the same input
+    std::string other_plan{}; ///< another one that is possible
+    double by_other{};        ///< seconds alone by that one
+};
+struct network_report {
+    std::string name{};
+    std::vector<layer_report> layers{};
+    double whole{};      ///< seconds of a call
+    std::size_t bytes{}; ///< weights and maps that a frame passes
+    bool right{};        ///< the steps one by one gave the bits of the call
+};
+
+struct plan_case {
+    std::string name; ///< for example tactnet6/28x50
+    std::function<network_report()> measure;
+};
+/// All networks of this program.
+inline std::vector<plan_case>& plan_cases() {
+    static std::vector<plan_case> cases;
+    return cases;
+}
+
+/// Visits the steps of a network in the order in which it takes them, with what they read and write:
+/// visit(step, packed, in, out, memory). A residual block is its skip, then the steps of its main branch.
+template <class Step>
+struct step_walk {
+    template <class Visit>
+    static void go(const float* packed, const float* in, float* out, float* memory, Visit&& visit) {
+        visit(std::type_identity<Step>{}, packed, in, out, memory,
+              [&] { Step::run(packed, in, out, memory); });
+    }
+};
+template <class... Steps>
+struct step_walk<tactnet::step_chain<Steps...>> {
+    template <class Visit>
+    static void go(const float* packed, const float* in, float* out, float* memory, Visit&& visit) {
+        using chain = tactnet::step_chain<Steps...>;
+        float* const inner = memory + chain::buffers * chain::buffer;
+        std::size_t i = 0;
+        const auto one = [&]<class Step>(std::type_identity<Step>) {
+            float* const to = i + 1 == chain::size ? out : memory + i % 2 * chain::buffer;
+            step_walk<Step>::go(packed, in, to, inner, visit);
+            packed += Step::packed, in = to, ++i;
+        };
+        (one(std::type_identity<Steps>{}), ...);
+    }
+};
+template <class Main, class Skip, std::size_t Stride>
+struct step_walk<tactnet::residual_step<Main, Skip, Stride>> {
+    template <class Visit>
+    static void go(const float* packed, const float* in, float* out, float* memory, Visit&& visit) {
+        using block = tactnet::residual_step<Main, Skip, Stride>;
+        visit(std::type_identity<Skip>{}, packed + Main::packed, in, out, memory,
+              [&] { block::leave_skip(packed, in, out, memory); });
+        step_walk<Main>::go(packed, in, out, memory, visit);
+    }
+};
+
+[[nodiscard]] inline std::string extent_text(tactnet::extent e) {
+    return std::to_string(e.rows) + " × " + std::to_string(e.columns);
+}
+
+/// What a step says of itself.
+template <class Step>
+struct step_description {
+    static constexpr bool convolves = false;
+    static std::string what() {
+        return std::is_same_v<Step, tactnet::no_step> ? "skip, copied" : "step without weights";
+    }
+    static std::string plan() { return ""; }
+    static constexpr std::size_t multiply_adds = 0;
+};
+template <class Format, tactnet::kernels::frame_convolution C>
+struct step_description<tactnet::convolution_step<Format, C>> {
+    using step = tactnet::convolution_step<Format, C>;
+    static constexpr bool convolves = C.groups == 1 && !step::large;
+    static std::string what() {
+        return "convolution " + extent_text(C.window.kernel) + ", " + std::to_string(C.filters) + " filters" +
+               (C.pool == tactnet::extent(1) ? "" : ", pool " + extent_text(C.pool)) +
+               (C.adds ? ", sum" : "");
+    }
+    static std::string plan() {
+        const std::string tiles = std::to_string(step::tile_outputs);
+        return std::string(step::large ? "panels" : "") + (step::large && step::tiled ? ", " : "") +
+               (step::tiled   ? "tiles " + tiles + " × " + tiles
+                : step::large ? ""
+                              : "taps");
+    }
+    static constexpr std::size_t multiply_adds =
+        C.window.taps_on_pixels() * C.window.input.channels / C.groups * C.filters;
+};
+template <class Format, tactnet::kernels::frame_dense D>
+struct step_description<tactnet::dense_step<Format, D>> {
+    static constexpr bool convolves = false;
+    static std::string what() { return "dense, " + std::to_string(D.outputs) + " outputs"; }
+    static std::string plan() { return ""; }
+    static constexpr std::size_t multiply_adds = D.outputs * D.input.size();
+};
+
+/// Seconds of body(), the fastest of some rounds of at least 50 µs each.
+template <class Body>
+[[nodiscard]] double seconds_of(Body&& body) {
+    std::size_t repeats = 1;
+    while (time_rounds(1, [&] {
+               for (std::size_t r = 0; r < repeats; ++r)
+                   body();
+           }).fastest < 50e-6)
+        repeats *= 2;
+    return time_rounds(15,
+                       [&] {
+                           for (std::size_t r = 0; r < repeats; ++r)
+                               body();
+                       })
+               .fastest /
+           static_cast<double>(repeats);
+}
+
+/// A convolution by the plan that was not chosen, where it is possible: its name and seconds.
+template <class Step, tactnet::kernels::frame_convolution C = Step::kernel.joined()>
+void time_other_plan(layer_report& layer, const float* in, float* out) {
+    namespace kernels = tactnet::kernels;
+    using tiles = kernels::winograd_tiles<C>;
+    const auto weight = [](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
+        return 0.01f * static_cast<float>((filter * 7 + channel * 5 + row * 3 + column) % 11) - 0.05f;
+    };
+    const tactnet::aligned_vector<float> bias(tactnet::whole_lines<float>(C.padded_filters()));
+    if constexpr (Step::tiled) {
+        tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(C.weights()));
+        kernels::pack_frame_weights<C>(weights.data(), weight);
+        layer.other_plan = "taps";
+        layer.by_other =
+            seconds_of([&] { kernels::convolve_frame<C>(in, weights.data(), bias.data(), out); });
+    } else if constexpr (tiles::possible) {
+        tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(tiles::weights)),
+            memory(tiles::scratch);
+        kernels::pack_winograd_weights<C>(weights.data(), weight);
+        layer.other_plan = "tiles 2 × 2";
+        layer.by_other = seconds_of([&] {
+            kernels::convolve_frame_by_tiles<C>(in, weights.data(), bias.data(), out, memory.data());
+        });
+    }
+}
+
+/// A network as after training, measured.
+template <class Network>
+[[nodiscard]] network_report plan_of(const std::string& name) {
+    using clock = std::chrono::steady_clock;
+    Network network;
+    tactnet::initialise(network, tactnet::he_normal{}, 1);
+    const auto deployed = tactnet::deploy(network);
+    using view = typename decltype(deployed)::view_type;
+    using steps = typename view::steps;
+    using entrance = tactnet::frame_entrance<tactnet::single_precision, Network::input_shape>;
+
+    std::vector<float> frame(Network::input_shape.size()), expected(Network::outputs);
+    tactnet::random_stream random(3, tactnet::draw::order);
+    for (float& count : frame)
+        count = static_cast<float>(std::max(random.uniform(-100, 255), 0.0));
+    const tactnet::tensor_view<const float, Network::input_shape> counts(frame.data());
+    const std::span<float, Network::outputs> logits(expected.data(), Network::outputs);
+    typename decltype(deployed)::scratch scratch;
+
+    network_report report{.name = name};
+    report.whole = seconds_of([&] { static_cast<void>(deployed(counts, logits, scratch)); });
+
+    tactnet::aligned_vector<float> packed(view::packed_elements), in(entrance::map), memory(steps::scratch),
+        out(tactnet::whole_lines<float>(steps::output.area() * steps::output_stride));
+    view::pack(deployed.folded().data(), packed.data());
+    const bool finite = entrance::read(packed.data(), frame.data(), in.data());
+    const auto walk = [&](auto&& visit) {
+        step_walk<steps>::go(packed.data() + entrance::packed, in.data(), out.data(), memory.data(), visit);
+    };
+    // Once to describe the steps, then again and again with the clock between them. What the clock itself
+    // takes is subtracted.
+    std::size_t from_elements = entrance::map;
+    walk([&]<class Step>(std::type_identity<Step>, const float*, const float*, float*, float*, auto&& run) {
+        run();
+        layer_report layer{.what = step_description<Step>::what(), .plan = step_description<Step>::plan()};
+        layer.multiply_adds = step_description<Step>::multiply_adds;
+        layer.weight_bytes = Step::packed * sizeof(float);
+        layer.in_network = std::numeric_limits<double>::infinity();
+        if constexpr (!std::is_same_v<Step, tactnet::no_step>) {
+            const std::size_t elements = Step::output.area() * Step::output_stride;
+            layer.output = std::to_string(Step::output.rows) + " × " + std::to_string(Step::output.columns) +
+                           " × " + std::to_string(Step::output.channels);
+            layer.map_bytes = (from_elements + elements) * sizeof(float);
+            from_elements = elements;
+        }
+        report.bytes += layer.weight_bytes + layer.map_bytes;
+        report.layers.push_back(std::move(layer));
+    });
+    double of_clock = 1;
+    for (int i = 0; i < 1000; ++i) {
+        const auto start = clock::now();
+        of_clock = std::min(of_clock, std::chrono::duration<double>(clock::now() - start).count());
+    }
+    const auto rounds = static_cast<std::size_t>(std::clamp(0.3 / report.whole, 50.0, 20'000.0));
+    for (std::size_t round = 0; round < rounds; ++round) {
+        std::size_t place = 0;
+        walk([&](auto, const float*, const float*, float*, float*, auto&& run) {
+            const auto start = clock::now();
+            run();
+            const double seconds = std::chrono::duration<double>(clock::now() - start).count() - of_clock;
+            layer_report& layer = report.layers[place++];
+            layer.in_network = std::min(layer.in_network, std::max(seconds, 0.0));
+        });
+    }
+    report.right = finite && std::equal(expected.begin(), expected.end(), out.begin());
+    std::size_t place = 0;
+    walk([&]<class Step>(std::type_identity<Step>, const float*, const float* from, float* to, float*,
+                         auto&& run) {
+        run();
+        layer_report& layer = report.layers[place++];
+        if constexpr (step_description<Step>::convolves) {
+            std::vector<float> kept(to, to + Step::output.area() * Step::output_stride);
+            layer.alone = seconds_of(run);
+            time_other_plan<Step>(layer, from, to);
+            std::copy(kept.begin(), kept.end(), to); // what the next step reads
+        }
+    });
+    return report;
+}
+
+} // namespace benchmark
