@@ -13,6 +13,7 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <support/same_bits.hpp>
 #include <training/toy_task.hpp>
 #include <vector>
 
@@ -55,7 +56,7 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
     loop.start_from_trunk(arrays);
     for (const trainable* each : {&loop.latest(), &loop.best()})
         for (std::size_t i = 0; i < arrays.size(); ++i)
-            CHECK(std::ranges::equal(values_of(*each, parameters[i]),
+            CHECK(support::same_bits(values_of(*each, parameters[i]),
                                      arrays[i].empty() ? values_of(other.best(), parameters[i])
                                                        : std::span<const float>(arrays[i])));
     while (!loop.finished())
@@ -63,7 +64,7 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
     // At no share of the rate what was learnt stays, apart from what is measured.
     for (std::size_t i = 0; i < arrays.size(); ++i)
         if (learnable(parameters[i].what))
-            CHECK(std::ranges::equal(values_of(loop.latest(), parameters[i]), arrays[i]) ==
+            CHECK(support::same_bits(values_of(loop.latest(), parameters[i]), arrays[i]) ==
                   !arrays[i].empty());
     CHECK_THROWS_AS(loop.start_from_trunk(arrays), std::logic_error);
 
@@ -75,7 +76,7 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
     whole.start_from(begun.learnable_values(), begun.running_statistics());
     shared.run_epoch(), whole.run_epoch();
     for (const parameter& p : parameters)
-        CHECK(std::ranges::equal(values_of(shared.latest(), p), values_of(whole.latest(), p)));
+        CHECK(support::same_bits(values_of(shared.latest(), p), values_of(whole.latest(), p)));
 
     arrays[0].pop_back();
     CHECK_THROWS_WITH_AS(make().start_from_trunk(arrays),
@@ -125,7 +126,7 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
 
     // A copy is another network.
     const std::unique_ptr<trainable> copy = loop.best().copy();
-    CHECK(std::ranges::equal(copy->learnable_values(), best.learnable_values()));
+    CHECK(support::same_bits(copy->learnable_values(), best.learnable_values()));
     copy->learnable_values()[0] += 1;
     CHECK(copy->learnable_values()[0] != best.learnable_values()[0]);
     CHECK_THROWS_AS(loop.start_from(copy->learnable_values(), copy->running_statistics()), std::logic_error);
@@ -157,13 +158,13 @@ TEST_CASE("training_loop: features go to the network as they are") {
     training_loop on_features(std::make_unique<trainable_network<net>>(), how, found, split, 1, threads);
     CHECK(on_features.samples_per_epoch() == split.training.size());
     CHECK(on_features.scale() == 1);
-    CHECK(std::ranges::count(on_features.mean(), 0.0F) == 91);
+    CHECK(std::count(on_features.mean().begin(), on_features.mean().end(), 0.0F) == 91);
     while (!on_images.finished()) {
         const epoch_report image = on_images.run_epoch(), feature = on_features.run_epoch();
         CHECK(image.loss == feature.loss);
         CHECK(image.validation_loss == feature.validation_loss);
     }
-    CHECK(std::ranges::equal(on_images.best().copy()->learnable_values(),
+    CHECK(support::same_bits(on_images.best().copy()->learnable_values(),
                              on_features.best().copy()->learnable_values()));
     const evaluation by_images = evaluate(on_images.best(), on_images.mean(), on_images.scale(),
                                           task.images(), split.test, threads),
@@ -213,7 +214,7 @@ TEST_CASE("training_loop: keeps the last network where the recipe says so") {
         std::size_t times = 0;
         while (!loop.finished()) {
             loop.run_epoch();
-            times += static_cast<std::size_t>(std::ranges::equal(loop.best().copy()->learnable_values(),
+            times += static_cast<std::size_t>(support::same_bits(loop.best().copy()->learnable_values(),
                                                                  loop.latest().copy()->learnable_values()));
         }
         return times;

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -162,7 +162,7 @@ private:
         case cell_format::float32_little:
             break;
         }
-        return std::bit_cast<float>(little_endian<std::uint32_t>(from));
+        return detail::bits_as<float>(little_endian<std::uint32_t>(from));
     }
 
     void report(std::string expected, std::string found) {

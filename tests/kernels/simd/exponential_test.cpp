@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -40,10 +39,10 @@ TEST_CASE("exponential: within 1.5 units in the last place wherever the result i
     // One in 997 of all floats between the ends, of both signs.
     double worst = 0;
     for (const float end : {-0x1.5d589ep6F, 0x1.62e42ep6F}) {
-        const std::uint32_t sign = std::bit_cast<std::uint32_t>(end) & 0x80000000U;
-        const std::uint32_t last = std::bit_cast<std::uint32_t>(end) & 0x7FFFFFFFU;
+        const std::uint32_t sign = tactnet::detail::bits_as<std::uint32_t>(end) & 0x80000000U;
+        const std::uint32_t last = tactnet::detail::bits_as<std::uint32_t>(end) & 0x7FFFFFFFU;
         for (std::uint32_t bits = 0; bits <= last; bits += 997)
-            worst = std::max(worst, error_in_ulp(std::bit_cast<float>(sign | bits)));
+            worst = std::max(worst, error_in_ulp(tactnet::detail::bits_as<float>(sign | bits)));
         worst = std::max(worst, error_in_ulp(end));
     }
     MESSAGE("largest error: " << worst << " ulp");

@@ -2,8 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include <charconv>
 #include <cstdint>
+#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -24,18 +24,14 @@ TEST_CASE("measures: numbers are those of the standard library, to the last bit"
          {"0", "7", "255", "0.1", ".5", "5.", "123456.789", "999999999999999", "9999999999999999", "1e22",
           "1E-7", "0.30000000000000004", "18446744073709551616", "2.2250738585072014e-308", "000012.5"}) {
         CAPTURE(text);
-        double expected = 0;
-        std::from_chars(text.data(), text.data() + text.size(), expected);
-        CHECK(number(text) == expected);
+        CHECK(number(text) == std::strtod(text.c_str(), nullptr));
     }
     std::uint64_t state = 1;
     for (int i = 0; i < 10'000; ++i) {
         state = state * 6364136223846793005U + 1442695040888963407U;
         std::string text = std::to_string(state >> (20 + state % 40));
         text.insert(state % (text.size() + 1), 1, '.');
-        double expected = 0;
-        std::from_chars(text.data(), text.data() + text.size(), expected);
-        REQUIRE(number(text) == expected);
+        REQUIRE(number(text) == std::strtod(text.c_str(), nullptr));
     }
     for (const std::string text : {"", ".", "-1", "x", "nan", "inf", "1e999"})
         CHECK(scan_number(text.data(), text.data() + text.size()).end == nullptr);

@@ -2,8 +2,8 @@
 
 #include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/detail/bits_as.hpp>
 
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -63,7 +63,7 @@ private:
     [[gnu::cold]] void check_frame(std::size_t size) {
         const float steps = folded_[size], most = folded_[size + 1];
         // Of a power of two that is a normal number, all bits behind the exponent are 0.
-        const bool power = steps >= smallest_scale && (std::bit_cast<std::uint32_t>(steps) & 0x7fffff) == 0;
+        const bool power = steps >= smallest_scale && (detail::bits_as<std::uint32_t>(steps) & 0x7fffff) == 0;
         require(power && steps <= 0x1p14f, "input_words", 0,
                 "a power of two, at most 16384, as steps of a count", static_cast<double>(steps));
         require(most > 0 && static_cast<double>(most) * static_cast<double>(steps) <= 32767, "input_words", 1,

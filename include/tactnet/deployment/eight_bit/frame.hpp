@@ -3,6 +3,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/frame.hpp>
+#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/integer/counts.hpp>
 
 #include <cmath>
@@ -27,7 +28,7 @@ struct frame_entrance<eight_bit, Input> {
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto steps = static_cast<double>(from[Input.size()]);
         for (std::size_t e = 0; e < Input.size(); ++e) {
-            const auto bytes = std::bit_cast<std::array<std::int8_t, 2>>(
+            const auto bytes = detail::bits_as<std::array<std::int8_t, 2>>(
                 static_cast<std::int16_t>(detail::nearest_even(static_cast<double>(from[e]) * steps)));
             to[2 * e] = bytes[0], to[2 * e + 1] = bytes[1];
         }

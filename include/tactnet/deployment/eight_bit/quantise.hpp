@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/detail/bits_as.hpp>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -33,7 +33,7 @@ namespace detail {
 template <class Number>
 constexpr void store_number(std::int8_t* to, Number value) {
     static_assert(sizeof(Number) == 4);
-    const auto bytes = std::bit_cast<std::array<std::int8_t, 4>>(value);
+    const auto bytes = detail::bits_as<std::array<std::int8_t, 4>>(value);
     std::copy(bytes.begin(), bytes.end(), to);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/detail/config.hpp>
 
 #include <array>
@@ -108,9 +109,9 @@ constexpr float float16_to_float(std::uint16_t bits) noexcept {
     const std::uint32_t exponent = (bits >> 10) & 0x1FU;
     const std::uint32_t fraction = bits & 0x3FFU;
     if (exponent == 0x1F)
-        return std::bit_cast<float>(sign | 0x7F80'0000U | (fraction << 13));
+        return detail::bits_as<float>(sign | 0x7F80'0000U | (fraction << 13));
     if (exponent != 0)
-        return std::bit_cast<float>(sign | ((exponent + 112) << 23) | (fraction << 13));
+        return detail::bits_as<float>(sign | ((exponent + 112) << 23) | (fraction << 13));
     // Zero and subnormals count in units of 2^-24, and each is a normal number in float32.
     const float magnitude = static_cast<float>(fraction) * 0x1p-24F;
     return sign != 0 ? -magnitude : magnitude;
@@ -118,7 +119,7 @@ constexpr float float16_to_float(std::uint16_t bits) noexcept {
 
 /// The value of a bfloat16 number, the upper half of a float32. Exact.
 constexpr float bfloat16_to_float(std::uint16_t bits) noexcept {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 16);
+    return detail::bits_as<float>(static_cast<std::uint32_t>(bits) << 16);
 }
 
 } // namespace TACTNET_ARCH

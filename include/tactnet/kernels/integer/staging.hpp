@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/frame/fused_convolution.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 
@@ -99,9 +100,9 @@ constexpr void pack_integer_weights(std::int8_t* packed, Weight&& weight) {
                 for (std::size_t in_row = 0; in_row < Plan::groups_of_row; ++in_row)
                     for (std::size_t filter = first * Plan::width; filter < last * Plan::width; ++filter)
                         for (std::size_t element = 0; element < Plan::group; ++element) {
-                            const auto bytes =
-                                std::bit_cast<std::array<std::int8_t, sizeof(typename Plan::weight)>>(
-                                    typename Plan::weight{of_tap(filter, in_pixel, row, in_row, element)});
+                            const auto bytes = tactnet::detail::bits_as<
+                                std::array<std::int8_t, sizeof(typename Plan::weight)>>(
+                                typename Plan::weight{of_tap(filter, in_pixel, row, in_row, element)});
                             packed = std::copy(bytes.begin(), bytes.end(), packed);
                         }
     }

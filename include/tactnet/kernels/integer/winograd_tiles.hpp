@@ -1,12 +1,12 @@
 #pragma once
 
+#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/frame/fused_convolution.hpp>
 #include <tactnet/kernels/integer/word_products.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -127,7 +127,7 @@ constexpr void pack_integer_tiles(std::int8_t* packed, Weight&& weight) {
                 for (std::size_t e = 0; e < tiles::elements; ++e) {
                     const auto word =
                         static_cast<std::int16_t>(transformed(e % tiles::side, half[e / tiles::side]));
-                    const auto bytes = std::bit_cast<std::array<std::int8_t, 2>>(word);
+                    const auto bytes = tactnet::detail::bits_as<std::array<std::int8_t, 2>>(word);
                     std::int8_t* const to =
                         packed +
                         2 * (((e * tiles::groups + channel / tiles::group) * filters + f) * tiles::group +

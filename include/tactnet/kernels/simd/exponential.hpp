@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -27,11 +27,11 @@ inline constexpr float whole_number_shift = 0x1.8p23F;
 #ifndef TACTNET_NO_SIMD
     // Not xsimd's own cast, whose template argument is a batch up to version 10 and a number since.
     using integers = xsimd::batch<std::int32_t>;
-    const integers powers = std::bit_cast<integers>(shifted) << mantissa_bits;
-    return std::bit_cast<vector<float>>(std::bit_cast<integers>(values) + powers);
+    const integers powers = tactnet::detail::bits_as<integers>(shifted) << mantissa_bits;
+    return tactnet::detail::bits_as<vector<float>>(tactnet::detail::bits_as<integers>(values) + powers);
 #else
-    const std::uint32_t powers = std::bit_cast<std::uint32_t>(shifted.value) << mantissa_bits;
-    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(values.value) + powers);
+    const std::uint32_t powers = tactnet::detail::bits_as<std::uint32_t>(shifted.value) << mantissa_bits;
+    return tactnet::detail::bits_as<float>(tactnet::detail::bits_as<std::uint32_t>(values.value) + powers);
 #endif
 }
 

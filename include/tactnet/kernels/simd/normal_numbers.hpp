@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
@@ -81,14 +81,15 @@ private:
         // Uniform in (0, 1] as power · mantissa, with a mantissa in [√½, √2). The angle in half a turn; the
         // other half is a radius below zero.
         alignas(64) std::array<float, blocks> power, mantissa, quarter_angle, sign;
-        constexpr std::uint32_t root_half = std::bit_cast<std::uint32_t>(0x1.6a09e6p-1F);
+        constexpr std::uint32_t root_half = tactnet::detail::bits_as<std::uint32_t>(0x1.6a09e6p-1F);
         for (std::size_t i = 0; i < blocks; ++i) {
             const float uniform =
                 (static_cast<float>(static_cast<std::int32_t>(for_radius[i] >> 1)) + 0.5F) * 0x1p-31F;
-            const auto bits = std::bit_cast<std::uint32_t>(uniform);
+            const auto bits = tactnet::detail::bits_as<std::uint32_t>(uniform);
             const auto exponent = static_cast<std::int32_t>(bits - root_half) >> 23;
             power[i] = static_cast<float>(exponent);
-            mantissa[i] = std::bit_cast<float>(bits - (static_cast<std::uint32_t>(exponent) << 23));
+            mantissa[i] =
+                tactnet::detail::bits_as<float>(bits - (static_cast<std::uint32_t>(exponent) << 23));
             quarter_angle[i] = static_cast<float>(static_cast<std::int32_t>(for_angle[i] << 1)) *
                                static_cast<float>(std::numbers::pi / 4 * 0x1p-31);
             sign[i] = static_cast<std::int32_t>(for_angle[i]) < 0 ? -1.0F : 1.0F;
