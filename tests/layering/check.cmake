@@ -21,7 +21,7 @@ set(room_io kernels runtime tensor) # io/parameters.hpp and others take a networ
 set(header_io/model_file.hpp networks) # what this one may include beside: it is the file of a networks/model.hpp
 set(room_sensors io tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
-set(only_sensors_io file file_error partial_file read_number text)
+set(only_sensors_io file file_error partial_file read_number text write_number)
 set(header_io/svm_file.hpp svm)
 set(header_io/deployed_file.hpp deployment networks)
 set(header_io/stored_deployed.hpp deployment)

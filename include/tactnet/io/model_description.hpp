@@ -6,6 +6,7 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/io/text.hpp>
+#include <tactnet/io/write_number.hpp>
 
 #include <charconv>
 #include <cmath>
@@ -40,9 +41,10 @@ namespace detail {
 /// The shortest text that reads back as the same number.
 template <class Number>
 std::string number_text(Number value) {
-    char text[64];
-    const auto end = std::to_chars(text, text + sizeof(text), value);
-    return std::string(text, end.ptr);
+    if constexpr (std::is_floating_point_v<Number>)
+        return shortest_number(value);
+    else
+        return std::to_string(value);
 }
 
 /// The positive number under a key. Anything else throws if the key is known to be ours (`strict`), and is

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/write_number.hpp>
 
 #include <algorithm>
 #include <array>
@@ -11,7 +12,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <type_traits>
 
 // What a decoder notices without ending the recording: bytes that the format allows, but that no real writer
@@ -65,9 +65,13 @@ private:
         requires std::is_arithmetic_v<Number>
     void append(Number number) noexcept {
         std::array<char, 32> digits{};
-        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number);
-        if (end.ec == std::errc())
-            append(std::string_view(digits.data(), static_cast<std::size_t>(end.ptr - digits.data())));
+        char* const begin = digits.data();
+        char* end = begin;
+        if constexpr (std::is_floating_point_v<Number>)
+            end = write_shortest(begin, begin + digits.size(), number);
+        else
+            end = std::to_chars(begin, begin + digits.size(), number).ptr;
+        append(std::string_view(begin, static_cast<std::size_t>(end - begin)));
     }
 
     std::array<char, capacity> letters_{};

@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/read_number.hpp>
+#include <tactnet/io/write_number.hpp>
 
 #include <array>
 #include <charconv>
@@ -86,10 +87,7 @@ inline constexpr auto exact_tens = [] {
 /// The fewest digits that read as the same number again, without an exponent for what sensors tell.
 template <std::floating_point T>
 [[nodiscard]] std::string shortest_text(T value) {
-    std::array<char, 64> text{};
-    const auto plain = std::abs(value) < T(1e16) ? std::chars_format::fixed : std::chars_format::general;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value, plain);
-    return end.ec == std::errc() ? std::string(text.data(), end.ptr) : std::to_string(value);
+    return std::abs(value) < T(1e16) ? fixed_number(value) : shortest_number(value);
 }
 
 /// `text` without blanks at both ends.
