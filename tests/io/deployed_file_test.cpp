@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -108,6 +109,42 @@ void refuses(const safetensors& file, const std::string& place, const std::strin
 }
 
 } // namespace
+
+TEST_CASE("load_deployed: a model's file gives what load_model and deploy give, tested in that form") {
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "net.safetensors";
+    const model<net> m = trained(3);
+    save_model(path, m, {}, images(2));
+    const auto loaded = load_deployed<net>(path), own = deploy(load_model<net>(path));
+    CHECK(std::equal(loaded.classes().begin(), loaded.classes().end(), own.classes().begin(),
+                     own.classes().end()));
+    CHECK(same_bits(loaded.folded(), own.folded()));
+
+    // Logits that another network gave.
+    model<net> other = trained(3);
+    other.network.learnable_values()[0] += 1;
+    safetensors_writer writer;
+    thread_pool alone;
+    add_model(writer, parts_of(m), images(2),
+              [&](std::span<const std::uint8_t> some) { return other.logits(some, alone); });
+    const safetensors wrong = safetensors::parse(writer.to_bytes(), "wrong.safetensors");
+    CHECK_THROWS_WITH_AS((void)load_deployed<net>(wrong), doctest::Contains("self-test"), file_error);
+    CHECK_NOTHROW((void)load_deployed<net>(safetensors::read(path), 1e-4)); // an epsilon that hardly differs
+}
+
+TEST_CASE("load_deployed: a network that ends in a softmax keeps its self-test of logits") {
+    using with_softmax = network<shape{6, 7}, conv2d<4, 3>, relu, dense<5>, softmax>;
+    model<with_softmax> m;
+    std::size_t i = 0;
+    for (float& v : m.network.learnable_values())
+        v = std::sin(static_cast<float>(++i)) / 4;
+    m.classes = {"a", "b"};
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "net.safetensors";
+    save_model(path, m, {}, images(2));
+    const auto loaded = load_deployed<with_softmax>(path);
+    CHECK(std::equal(loaded.classes().begin(), loaded.classes().end(), m.classes.begin(), m.classes.end()));
+}
 
 TEST_CASE("save_deployed: weights are signed bytes, all else is named by its step") {
     const support::temporary_folder folder;

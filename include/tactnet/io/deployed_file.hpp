@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/deployed_model.hpp>
 #include <tactnet/deployment/eight_bit/folded_check.hpp>
+#include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/stored_deployed.hpp>
@@ -11,12 +12,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-// The weight file of a network deployed in 8 bits; stored_deployed.hpp says what is in it.
+// Networks from weight files to their deployed form: in single precision from the file of a model, in 8 bits
+// from a file of its own; stored_deployed.hpp says what is in that.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -41,6 +44,36 @@ template <class Network>
 }
 
 } // namespace detail
+
+/// The deployed form of a model in a file, as `save_model` writes it: what load_model and deploy give, with
+/// the self-test in the form that is used.
+///
+///     const auto recognise = load_deployed<net>("tactnet6.safetensors");
+///
+/// Throws file_error as `load_model`, and std::invalid_argument as `deploy`.
+template <class Network>
+[[nodiscard]] deployed_model<Network> load_deployed(const safetensors& file,
+                                                    std::optional<double> epsilon = std::nullopt) {
+    const model<Network> trained =
+        make_model<Network>(read_model(file, Network::input_shape, stored_arrays_of<Network>(), epsilon));
+    deployed_model<Network> network = deploy(trained);
+    const std::size_t classes = trained.classes.size();
+    check_selftest(file, Network::input_shape, classes, [&](std::span<const std::uint8_t> images) {
+        if constexpr (Network::ends_in_softmax) { // whose outputs are no logits
+            thread_pool alone;
+            return trained.logits(images, alone);
+        } else {
+            return detail::logits_of(network, images, classes);
+        }
+    });
+    return network;
+}
+/// Of the file at a path.
+template <class Network>
+[[nodiscard]] deployed_model<Network> load_deployed(const std::filesystem::path& path,
+                                                    std::optional<double> epsilon = std::nullopt) {
+    return load_deployed<Network>(safetensors::read(path), epsilon);
+}
 
 /// A network in 8 bits from a file, as `save_deployed` writes it:
 ///
