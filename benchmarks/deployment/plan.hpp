@@ -22,15 +22,15 @@ namespace benchmark {
 
 /// A step that does something by itself, in a network.
 struct layer_report {
-    std::string what{};          ///< "convolution 3 × 3, 32 filters, pool 2 × 2"
-    std::string output{};        ///< rows × columns × channels
-    std::string plan{};          ///< "taps", "tiles", "panels"; nothing for what has only one
-    std::size_t multiply_adds{}; ///< on real pixels
-    std::size_t weight_bytes{}, map_bytes{};
-    double in_network{};      ///< seconds, where it stands, all other steps around it
-    double alone{};           ///< seconds, again and again with the same input
-    std::string other_plan{}; ///< another one that is possible
-    double by_other{};        ///< seconds alone by that one
+    std::string what{};                      ///< "convolution 3 × 3, 32 filters, pool 2 × 2"
+    std::string output{};                    ///< rows × columns × channels
+    std::string plan{};                      ///< "taps", "tiles", "panels"; nothing for what has only one
+    std::size_t multiply_adds{};             ///< on real pixels
+    std::size_t weight_bytes{}, map_bytes{}; ///< of the map that it writes
+    double in_network{};                     ///< seconds, where it stands, all other steps around it
+    double alone{};                          ///< seconds, again and again with the same input
+    std::string other_plan{};                ///< another one that is possible
+    double by_other{};                       ///< seconds alone by that one
 };
 struct network_report {
     std::string name{};
@@ -80,8 +80,11 @@ struct step_walk<tactnet::residual_step<Main, Skip, Stride>> {
     template <class Visit>
     static void go(const float* packed, const float* in, float* out, float* memory, Visit&& visit) {
         using block = tactnet::residual_step<Main, Skip, Stride>;
-        visit(std::type_identity<Skip>{}, packed + Main::packed, in, out, memory,
-              [&] { block::leave_skip(packed, in, out, memory); });
+        if constexpr (!std::is_same_v<Skip, tactnet::no_step> && block::aside == 0)
+            step_walk<Skip>::go(packed + Main::packed, in, out, memory, visit);
+        else
+            visit(std::type_identity<Skip>{}, packed + Main::packed, in, out, memory,
+                  [&] { block::leave_skip(packed, in, out, memory); });
         step_walk<Main>::go(packed, in, out, memory, visit);
     }
 };
@@ -202,7 +205,6 @@ template <class Network>
     };
     // Once to describe the steps, then again and again with the clock between them. What the clock itself
     // takes is subtracted.
-    std::size_t from_elements = entrance::map;
     walk([&]<class Step>(std::type_identity<Step>, const float*, const float*, float*, float*, auto&& run) {
         run();
         layer_report layer{.what = step_description<Step>::what(), .plan = step_description<Step>::plan()};
@@ -213,8 +215,7 @@ template <class Network>
             const std::size_t elements = Step::output.area() * Step::output_stride;
             layer.output = std::to_string(Step::output.rows) + " × " + std::to_string(Step::output.columns) +
                            " × " + std::to_string(Step::output.channels);
-            layer.map_bytes = (from_elements + elements) * sizeof(float);
-            from_elements = elements;
+            layer.map_bytes = elements * sizeof(float);
         }
         report.bytes += layer.weight_bytes + layer.map_bytes;
         report.layers.push_back(std::move(layer));
