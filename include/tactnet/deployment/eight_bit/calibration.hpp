@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment/eight_bit/calibration/calibrated_network.hpp>
 #include <tactnet/deployment/eight_bit/calibration/plain_network_of.hpp>
-#include <tactnet/deployment/eight_bit/calibration/range_search.hpp>
 #include <tactnet/deployment/eight_bit/folded_check.hpp>
 
 #include <algorithm>
@@ -91,7 +91,7 @@ private:
         return true;
     }
 
-    detail::range_search found_;
+    detail::calibrated_network found_;
 };
 
 } // namespace TACTNET_ARCH
