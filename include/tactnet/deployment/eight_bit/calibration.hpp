@@ -21,9 +21,9 @@ inline namespace TACTNET_ARCH {
 /// images, which should be training images: never those that it is judged by. First each map gets the range
 /// that its numbers had; then, map by map, the fraction of that range is taken with which the outputs differ
 /// least, by the sum of their squares, from those in single precision (of a network that ends in a softmax,
-/// probabilities). Then, step by step, the whole weights and the biases are taken with which the sums, of maps
-/// as 8 bits round them, come nearest to the exact ones, where that is so on images that took no part. No
-/// labels, no learning rate, no chance.
+/// probabilities). Then, step by step, the whole weights and the biases are taken with which the sums, of
+/// maps as 8 bits round them, come nearest to the exact ones, where that is so on images that took no part.
+/// No labels, no learning rate, no chance.
 template <class Network>
 class eight_bit_calibration {
     using plan = deployment_plan<Network, eight_bit>;
