@@ -41,6 +41,10 @@ filter_scale scaled(const std::vector<float>& weights, double bias, const step_r
     return detail::filter_of(weights.data(), weights.size(), bias, scale, ranges, adds, largest_input,
                              offset);
 }
+/// A scale is a number of single precision: it is off by 2⁻²⁴ of itself at most, and what is reckoned with it
+/// in double precision by far less.
+constexpr double of_scale = 0x1p-24 + 0x1p-50;
+
 std::vector<float> drawn(std::size_t count, float spread, std::uint64_t seed) {
     support::numbers draw(seed);
     std::vector<float> weights(count);
@@ -78,9 +82,10 @@ TEST_CASE("scale_of_filter: the largest weight is 127 steps") {
         for (const float w : weights) {
             largest = std::max(largest, std::abs(static_cast<double>(w)));
             most = std::max(most, std::abs(static_cast<int>(detail::quantised(w, scale))));
-            // No weight is off by more than half a step.
+            // No weight is off by more than half a step; quotient and product, of up to 127 steps, are
+            // rounded in double precision.
             CHECK(std::abs(detail::quantised(w, scale) * scale.weight_scale - static_cast<double>(w)) <=
-                  scale.weight_scale * 0.5000001);
+                  scale.weight_scale * (0.5 + 2 * 127 * 0x1p-53));
         }
         CHECK(most == 127);
         CHECK(scale.weight_scale == static_cast<double>(static_cast<float>(largest / 127)));
@@ -112,8 +117,10 @@ TEST_CASE("scale_of_filter: no sum passes 32 bits, however many the weights and 
                                                                   : 0);
                 CHECK(worst_sums(weights, scale, largest_input, adds).fits());
                 CHECK(scale.fits());
+                // A bias is rounded to half a unit at most; sums below 2³¹, in double precision, to 2⁻²².
                 if (!adds) // of which the bytes' zero is counted twice by these
-                    CHECK(worst_sums(weights, scale, largest_input, adds).most <= scale.most * 1.0000001 + 1);
+                    CHECK(worst_sums(weights, scale, largest_input, adds).most <=
+                          scale.most + 0.5 + 4 * 0x1p-22);
                 const float largest = *std::max_element(weights.begin(), weights.end(), [](float a, float b) {
                     return std::abs(a) < std::abs(b);
                 });
@@ -127,7 +134,7 @@ TEST_CASE("scale_of_filter: no sum passes 32 bits, however many the weights and 
                 const double without = static_cast<double>(
                     scale.start + zero * sum +
                     (adds ? static_cast<std::int64_t>(ranges.added.zero) * scale.added : 0));
-                CHECK(std::abs(without - bias / scale.unit) <= 0.5 + 1e-9 * std::abs(without));
+                CHECK(std::abs(without - bias / scale.unit) <= 0.5);
             }
     }
     CHECK(coarser > 0); // or no filter was near the bound
@@ -142,14 +149,14 @@ TEST_CASE("scale_of_filter: a byte that is added counts for what it stands") {
         const filter_scale scale = scaled(weights, 0.5, ranges, true);
         const auto step = static_cast<double>(ranges.added.scale);
         const double counted = static_cast<double>(scale.added) * scale.unit;
-        if (scale.unit <= step * 1.0000001) { // scales have 24 bits
+        if (scale.unit <= step * (1 + of_scale)) {
             ++whole;
-            CHECK(counted == doctest::Approx(step).epsilon(1e-7));
+            CHECK(std::abs(counted - step) <= of_scale * step);
         } else {
             // Finer than a unit: the nearest whole number of them.
-            CHECK(std::abs(counted - step) <= 0.5000001 * scale.unit);
+            CHECK(std::abs(counted - step) <= (0.5 + of_scale) * scale.unit);
         }
-        CHECK(scale.unit == doctest::Approx(scale.weight_scale * static_cast<double>(0.03f)).epsilon(1e-12));
+        CHECK(scale.unit == scale.weight_scale * static_cast<double>(0.03f));
     }
     CHECK(whole > 100);
     CHECK(whole < 300);
@@ -159,13 +166,14 @@ TEST_CASE("scale_of_filter: filters of zeros keep their bias, and what is added 
     const std::vector<float> zeros(40);
     const step_ranges ranges{{0.02f, 100}, {0.3f, 7}, {0.05f, 9}};
     const filter_scale plain = scaled(zeros, 1.25, ranges, false);
-    CHECK(static_cast<double>(plain.start) * plain.unit == doctest::Approx(1.25).epsilon(1e-7));
+    CHECK(std::abs(static_cast<double>(plain.start) * plain.unit - 1.25) <= 0.5 * plain.unit);
+    CHECK(plain.unit <= 1.25 * 0x1p-27); // or half of one would be much
     const filter_scale nothing = scaled(zeros, 0, ranges, false);
     CHECK(nothing.start == 0);
     CHECK(std::isfinite(nothing.unit));
     const filter_scale summed = scaled(zeros, 1.5, ranges, true);
-    CHECK(static_cast<double>(summed.added) * summed.unit ==
-          doctest::Approx(static_cast<double>(0.3f)).epsilon(1e-7));
+    CHECK(std::abs(static_cast<double>(summed.added) * summed.unit - static_cast<double>(0.3f)) <=
+          of_scale * static_cast<double>(0.3f));
     for (const filter_scale& scale : {plain, summed})
         CHECK(detail::quantised(0.0f, scale) == 0);
 }

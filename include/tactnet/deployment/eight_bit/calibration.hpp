@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment/eight_bit/calibration/calibrated_network.hpp>
 #include <tactnet/deployment/eight_bit/calibration/plain_network_of.hpp>
-#include <tactnet/deployment/eight_bit/calibration/range_search.hpp>
 #include <tactnet/deployment/eight_bit/folded_check.hpp>
 
 #include <algorithm>
@@ -17,12 +17,13 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Finds the ranges of the maps of a network in 8 bits, and weights that know the rounding, from images,
-/// which should be training images: never those that it is judged by. First each map gets the range that its
-/// numbers had; then, map by map, the fraction of that range is taken with which the outputs differ least,
-/// by the sum of their squares, from those in single precision. Then, step by step, the whole weights and
-/// the biases are taken with which the sums, of maps as 8 bits round them, come nearest to the exact ones,
-/// where that is so on images that took no part. No labels, no learning rate, no chance.
+/// Finds the ranges of the maps of a network in 8 bits, and rounded weights that make up for errors, from
+/// images, which should be training images: never those that it is judged by. First each map gets the range
+/// that its numbers had; then, map by map, the fraction of that range is taken with which the outputs differ
+/// least, by the sum of their squares, from those in single precision (of a network that ends in a softmax,
+/// probabilities). Then, step by step, the whole weights and the biases are taken with which the sums, of
+/// maps as 8 bits round them, come nearest to the exact ones, where that is so on images that took no part.
+/// No labels, no learning rate, no chance.
 template <class Network>
 class eight_bit_calibration {
     using plan = deployment_plan<Network, eight_bit>;
@@ -91,7 +92,7 @@ private:
         return true;
     }
 
-    detail::range_search found_;
+    detail::calibrated_network found_;
 };
 
 } // namespace TACTNET_ARCH

@@ -27,16 +27,28 @@ namespace detail {
     }
 }
 
-/// Gives a network weights and biases that know the rounding, step by step: those with which sums, made of
-/// maps as 8 bits round them, come nearest to the exact ones. So each step also mends what those before it
-/// have left. A filter keeps weights that are merely rounded where others do not come nearer on every eighth
-/// image, which the fit does not see.
+/// Gives a network rounded weights and biases that make up for rounding errors, step by step: those with
+/// which sums, made of maps as 8 bits round them, come nearest to the exact ones. So each step also mends
+/// what those before it have left. A filter keeps weights that are merely rounded where others do not come
+/// nearer on every eighth image, which the fit does not see.
 class weights_fit {
 public:
-    /// Of each image all maps are kept, exact and rounded.
-    static constexpr std::size_t most_kept = std::size_t{1} << 25, fewest_images = 8;
-    /// Convolutions with more are left as they are: the time grows with their square.
+    /// One image in this many judges and takes no part in the fit. Chosen: an eighth costs the fit little.
+    static constexpr std::size_t judges_every = 8;
+    /// With fewer there is no judge, and weights stay as they are.
+    static constexpr std::size_t fewest_images = judges_every;
+    /// Of each image all maps are kept, exact and rounded: as many numbers as 128 MB hold.
+    static constexpr std::size_t most_kept = (std::size_t{128} << 20) / sizeof(float);
+    /// Convolutions with more are left as they are: memory and time grow with their square. Of this many,
+    /// each of the three tables of products (of images that fit, of judges, and their covariance) takes 32
+    /// MB.
     static constexpr std::size_t most_taps = 2048;
+    /// Of a convolution as many pixels are looked at, or all. Derived: a covariance of as many numbers as it
+    /// has taps needs several times as many samples. Measured as in filter_fit, with 1024, 2048, 8192 and
+    /// 65536 in place of the second: outputs are off by 0.109, 0.105, 0.099, 0.101.
+    static constexpr std::size_t pixels_of_tap = 8, fewest_pixels = 8192;
+    /// Magnitudes that sums must bear: of a word of 16 bits, and of a byte without a sign.
+    static constexpr double largest_word = 32768, largest_byte = 255;
 
     /// `exact`: folded numbers whose weights are not rounded, with ranges and scales. `images` lie one behind
     /// the other.
@@ -105,7 +117,7 @@ private:
         best(in_group, weights, scale, fitted);
         const auto fitted_bias = static_cast<float>(seen.best_bias(in_group, fitted));
         const step_ranges ranges{range_of(step.input), range_of(step.added), range_of(step.output)};
-        const double largest_input = net_.maps[step.input].range == 0 ? 32768 : 255;
+        const double largest_input = net_.maps[step.input].range == 0 ? largest_word : largest_byte;
         const bool fits = filter_of(fitted.data(), taps, static_cast<double>(fitted_bias), scale, ranges,
                                     step.adds, largest_input, 0)
                               .fits();
@@ -121,7 +133,7 @@ private:
                     pixel_moments& judges) const {
         const std::size_t rows = step.window.output_rows(), columns = step.window.output_columns();
         const std::size_t every =
-            pixel_stride(images_, rows * columns, std::max<std::size_t>(8 * step.taps(), 8192));
+            pixel_stride(images_, rows * columns, std::max(pixels_of_tap * step.taps(), fewest_pixels));
         const std::size_t of_group = step.filters / step.groups;
         plain_run::sums sums = exactly.make_sums();
         std::vector<std::pair<std::size_t, float>> inputs(step.taps());
@@ -147,7 +159,8 @@ private:
                         if (g == group && value != 0)
                             inputs[found++] = {tap, value};
                     });
-                    (i % 8 == 7 ? judges : seen).add(std::span(inputs.data(), found), wanted);
+                    (i % judges_every == judges_every - 1 ? judges : seen)
+                        .add(std::span(inputs.data(), found), wanted);
                 }
         }
     }

@@ -106,7 +106,9 @@ private:
     }
     /// What the byte stands for that a number becomes.
     [[nodiscard]] static float nearest(float value, const map_range& range) {
-        return (std::clamp(std::nearbyint(value / range.scale) + range.zero, 0.0f, 255.0f) - range.zero) *
+        constexpr float largest_byte = 255;
+        return (std::clamp(std::nearbyint(value / range.scale) + range.zero, 0.0f, largest_byte) -
+                range.zero) *
                range.scale;
     }
     [[gnu::cold]] void order_weights(bool as_bytes) {
