@@ -37,9 +37,8 @@ inline constexpr float largest_number = 1e30f;
 ///
 /// Where the network ends in a softmax, the outputs are probabilities, as those that it will be asked for. So
 /// an image that is all but certain says little on ranges: what its scores are off by hardly moves its
-/// probabilities, and images whose classes are close decide alone. Measured with a trained network, that is a
-/// slightly worse judge than scores, more so of a very certain network (docs/deployment.md). Who wants scores
-/// calibrates the list without its softmax: folded numbers are the same.
+/// probabilities, and images whose classes are close decide alone. Who wants scores to be judged calibrates
+/// the list without its softmax: folded numbers are the same.
 class observation {
 public:
     /// Images beyond these change ranges too little to pay for the time. Chosen, not derived: a range is
