@@ -79,6 +79,7 @@ char* write_shortest(char* begin, char* end, T value) noexcept {
         return std::copy(static_cast<const char*>(other), scientific, begin);
     }
 }
+/// As a text.
 template <std::floating_point T>
 [[nodiscard]] std::string shortest_number(T value) {
     char text[number_letters];

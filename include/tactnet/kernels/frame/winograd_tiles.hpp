@@ -75,11 +75,13 @@ struct winograd_tiles {
         (C.window.kernel == extent(3) || C.window.kernel == extent(2)) && C.window.stride == extent(1) &&
         (C.pool == extent(1) || C.pool == extent(2)) && C.input_stride % input_width == 0 &&
         C.input_stride >= input_stride && C.input_multiple % input_width == 0;
-    /// Operations that the transforms of one element add to its products, for a vector of input channels and
-    /// for one of filters. Beside wide vectors they hide but for about one each, as measured times of layers
-    /// have it (benchmark_plan); else each load, addition and store counts.
+    /// Whether vectors are so wide that transforms hide behind the products, but for about one operation
+    /// each, as measured times of layers have it (benchmark_plan); else each load, addition and store counts.
     static constexpr bool wide = lanes<float> >= 8;
-    static constexpr std::size_t of_input = wide ? 1 : 4, of_output = wide ? 1 : 3;
+    /// Operations that the transform of an element adds to its products, for a vector of input channels.
+    static constexpr std::size_t of_input = wide ? 1 : 4;
+    /// The same of the transform back, for a vector of filters.
+    static constexpr std::size_t of_output = wide ? 1 : 3;
     /// What a product by taps takes, in twentieths: with 16 wide registers a block has too few sums to hide
     /// how long a multiply-add takes, and reaches about 60 % of the peak.
     static constexpr std::size_t of_tap = wide && vector_registers < 32 ? 26 : 20;
