@@ -109,15 +109,15 @@ void check_frames(const std::string& name) {
 
 } // namespace
 
-TEST_CASE("frames in 8 bits: TactNet-4, 7 × 13") {
+TEST_CASE("frames: TactNet-4, 7 × 13, in 8 bits") {
     check_frames<tactnet4<shape{7, 13}, 22>>("TactNet-4, 7 × 13");
 }
-TEST_CASE("frames in 8 bits: economical TactNet-6, 7 × 13") {
+TEST_CASE("frames: economical TactNet-6, 7 × 13, in 8 bits") {
     check_frames<tactnet6_economical<shape{7, 13}, 22>>("economical TactNet-6, 7 × 13");
 }
-TEST_CASE("frames in 8 bits: TactNet-6, 28 × 50") {
+TEST_CASE("frames: TactNet-6, 28 × 50, in 8 bits") {
     check_frames<tactnet6<shape{28, 50}, 22>>("TactNet-6, 28 × 50");
 }
-TEST_CASE("frames in 8 bits: TactResNet, 7 × 13") {
+TEST_CASE("frames: TactResNet, 7 × 13, in 8 bits") {
     check_frames<tactresnet<shape{7, 13}, 22>>("TactResNet, 7 × 13");
 }
