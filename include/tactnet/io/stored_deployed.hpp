@@ -97,13 +97,13 @@ inline void read_weights(const safetensors& file, const folded_step::array& arra
     const std::span<float> folded(stored.folded);
     const auto read = [&](const std::string& name, std::size_t begin) {
         const std::vector<float> values = file.values<float>(name);
-        std::ranges::copy(values, folded.begin() + static_cast<std::ptrdiff_t>(begin));
+        std::copy(values.begin(), values.end(), folded.begin() + static_cast<std::ptrdiff_t>(begin));
     };
     read("input_mean", 0);
     read("input_words", layout.input.size());
     detail::for_each_folded(layout, classes, [&](const auto&, const auto& array, const auto&, std::size_t) {
         if (array.kind == folded_kind::scales) // of filters that are not stored
-            std::ranges::fill(folded.subspan(array.begin, array.size), 1.0f);
+            std::fill_n(folded.begin() + static_cast<std::ptrdiff_t>(array.begin), array.size, 1.0f);
         if (array.kind != folded_kind::weights)
             read(array.name, array.begin);
     });
