@@ -5,6 +5,7 @@ python3 check.py SOURCE_FOLDER; the exit status 77 says that there is no YAML re
 
 import json
 import pathlib
+import subprocess
 import sys
 
 try:
@@ -15,6 +16,8 @@ except ImportError:
 root = pathlib.Path(sys.argv[1])
 workflow = yaml.safe_load((root / ".github/workflows/ci.yml").read_text())
 presets = {preset["name"] for preset in json.loads((root / "CMakePresets.json").read_text())["testPresets"]}
+listed = subprocess.run([sys.executable, root / "scripts/matrix", "--list"], capture_output=True, text=True, check=True)
+cells = [line.partition(":")[0] for line in listed.stdout.splitlines()]
 problems = []
 
 # What is allowed is said, and it is to read.
@@ -37,8 +40,13 @@ for name, job in workflow["jobs"].items():
             continue
         asked = command.removeprefix(".ci/run").strip()
         named |= set(matrix) if asked == "${{ matrix.preset }}" else {asked}
-    if not any(command.startswith(".ci/run") or command.endswith("--target reference") for command in runs):
-        problems.append(f"job {name}: expected a step .ci/run, or one that makes the reference, found {runs}")
+    if not any(
+        command.startswith((".ci/run", "scripts/matrix")) or command.endswith("--target reference") for command in runs
+    ):
+        problems.append(f"job {name}: expected a step .ci/run, scripts/matrix or the reference, found {runs}")
+    for entry in job.get("strategy", {}).get("matrix", {}).get("include", []):
+        if not any(entry["cells"] in cell for cell in cells):
+            problems.append(f"job {name}: expected a part of a cell's name in scripts/matrix, found '{entry['cells']}'")
 if "reference" not in workflow["jobs"]:
     problems.append("expected a job that makes the reference, found none")
 for preset in sorted(named - presets):

@@ -205,7 +205,7 @@ TEST_SUITE("program") {
         }
     }
 
-#if !defined(__SANITIZE_ADDRESS__) // which takes more addresses than any limit
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // which takes more addresses than any limit
     TEST_CASE("evaluate: goes on with fewer threads where the system refuses some") {
         const workshop shop;
         // A stack of 4 GiB for each thread, of 2 GiB in all.
