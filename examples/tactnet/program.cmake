@@ -8,6 +8,12 @@
 # name stands for a _. EIGHT_BIT are those of them that are compiled in 8 bits too, at all their sizes or as in
 # tactnet4=28x50, each in a unit of its own. The property TACTNET_UNITS of the target tells what was compiled, as
 # network_size and network_size_in_8_bits.
+#
+# The target <target>_code_bytes, which no other builds, compiles what recognises a frame of each network alone and writes
+# how many bytes that takes beside the weights, to <target>_code_bytes.csv beside the program.
+
+find_program(TACTNET_SIZE NAMES size llvm-size DOC "tells the bytes of object files")
+mark_as_advanced(TACTNET_SIZE)
 
 # Sets <rows> and <columns> of a size.
 macro(tactnet_split_size size)
@@ -58,6 +64,8 @@ function(tactnet_add_program target)
     endforeach()
 
     set(unit_sources "")
+    set(frame_sources "")
+    set(frame_networks "")
     set(all_unit_declarations "")
     set(unit_calls "")
     set(all_units "")
@@ -112,10 +120,21 @@ function(tactnet_add_program target)
             list(APPEND all_sizes "${size}")
             string(APPEND all_unit_declarations "std::unique_ptr<compiled_network> make_${unit}();\n")
             set(bytes nullptr)
+            set(format single_precision)
+            set(eight_bit_include "")
+            configure_file("${templates}/methods/networks/frame.cpp.in" "${units_dir}/frames/${unit}.cpp" @ONLY)
+            list(APPEND frame_sources "${units_dir}/frames/${unit}.cpp")
+            list(APPEND frame_networks "${network}/${size},32")
             if("${network}" IN_LIST eight_bit OR "${network}_${size}" IN_LIST eight_bit)
                 set(source "${units_dir}/${unit}_in_8_bits.cpp")
                 configure_file("${templates}/methods/networks/eight_bit/unit.cpp.in" "${source}" @ONLY)
                 list(APPEND unit_sources "${source}")
+                set(format eight_bit)
+                set(eight_bit_include "#include <tactnet/deployment/eight_bit.hpp>\n")
+                set(frame "${units_dir}/frames/${unit}_in_8_bits.cpp")
+                configure_file("${templates}/methods/networks/frame.cpp.in" "${frame}" @ONLY)
+                list(APPEND frame_sources "${frame}")
+                list(APPEND frame_networks "${network}/${size},8")
                 list(APPEND all_units "${network}_${size}_in_8_bits")
                 set(bytes "make_eight_bit_${unit}()")
                 string(APPEND all_unit_declarations "std::unique_ptr<compiled_eight_bit> ${bytes};\n")
@@ -169,5 +188,20 @@ function(tactnet_add_program target)
         target_link_libraries(${part} PRIVATE tactnet_program_parts)
     endforeach()
     target_link_libraries(${target} PRIVATE tactnet::simulation tactnet_quick_to_compile)
+    if(TACTNET_SIZE)
+        add_library(${target}_frames OBJECT EXCLUDE_FROM_ALL ${frame_sources})
+        tactnet_use(${target}_frames)
+        set_target_properties(${target}_frames PROPERTIES UNITY_BUILD OFF)
+        add_custom_target(
+            ${target}_code_bytes
+            COMMAND
+                "${CMAKE_COMMAND}" "-DSIZE=${TACTNET_SIZE}" "-DNETWORKS=${frame_networks}"
+                "-DOBJECTS=$<TARGET_OBJECTS:${target}_frames>"
+                "-DOUTPUT=$<TARGET_FILE_DIR:${target}>/${target}_code_bytes.csv" -P
+                "${templates}/methods/networks/code_bytes.cmake"
+            DEPENDS $<TARGET_OBJECTS:${target}_frames>
+            VERBATIM
+        )
+    endif()
     set_target_properties(${target} PROPERTIES TACTNET_UNITS "${all_units}")
 endfunction()

@@ -12,9 +12,9 @@
 #include "methods/training_settings.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
-#include "study/markdown.hpp"
-#include "study/page.hpp"
-#include "study/pictures.hpp"
+#include "study/page/markdown.hpp"
+#include "study/page/page.hpp"
+#include "study/page/pictures.hpp"
 #include "study/plan.hpp"
 #include "usage_error.hpp"
 
@@ -170,6 +170,8 @@ void check(const study_options& o, const study_plan& plan) {
         inputs.push_back({"--pretrained", file});
     for (const std::string& file : o.peers)
         inputs.push_back({"--peers", file});
+    if (!o.code_bytes.empty())
+        inputs.push_back({"--code-bytes", o.code_bytes});
     check_places(inputs, outputs, o.data);
     tidy_folders_of(outputs);
     if (std::ranges::any_of(plan.candidates, [](const candidate& c) { return c.what->keeps_features(); }))
@@ -190,6 +192,8 @@ int study(const study_options& o) {
     std::vector<peer_time> peers;
     for (const std::string& file : o.peers)
         std::ranges::move(read_peer_times(file), std::back_inserter(peers));
+    const std::vector<code_size> code =
+        o.code_bytes.empty() ? std::vector<code_size>{} : read_code_bytes(o.code_bytes);
     const split_plan splits = splits_of(o);
     const std::size_t count = plan.candidates.size();
     const candidate_list candidates(o.data, std::move(plan.candidates));
@@ -205,7 +209,11 @@ int study(const study_options& o) {
     }
     result_list results(folder / "evaluation.jsonl");
     merge(o, results);
-    const std::vector<task> all = tasks_of(candidates, splits);
+    std::vector<task> all = tasks_of(candidates, splits);
+    if (!o.trained_by.empty())
+        for (task& t : all)
+            if (results.find(t.settings) == nullptr)
+                t.settings["library"] = o.trained_by;
     std::vector<task> to_do;
     for (std::size_t i = 0; i < all.size(); ++i)
         if (!o.report_only && part.has(i, splits, count) && results.find(all[i].settings) == nullptr)
@@ -231,15 +239,17 @@ int study(const study_options& o) {
         tell_found(candidates, all, results, timings);
     else if (!time_all(candidates, timings, folder))
         return stopped();
-    std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings);
+    std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings, code);
     if (o.only_trained)
         std::erase_if(rows, [](const study_row& row) { return row.accuracies.empty(); });
     std::ranges::move(plan.missing, std::back_inserter(rows));
     const image_data& data = *candidates.begin()->data;
-    report(folder, rows, peers,
-           fmt::format("{} images of {} classes in {}; {} {} splits", data.images.size(),
-                       data.images.classes.size(), printable(o.data), o.splits,
-                       o.split == "both" ? "random and as many blocked" : o.split));
+    report(
+        folder, rows, peers,
+        fmt::format("{} images of {} classes in {}; {} {} splits{}", data.images.size(),
+                    data.images.classes.size(), printable(o.data), o.splits,
+                    o.split == "both" ? "random and as many blocked" : o.split,
+                    o.trained_by.empty() ? "" : "; trained by this version or " + printable(o.trained_by)));
     return status;
 }
 
@@ -286,6 +296,10 @@ command add_study(CLI::App& program) {
                     "this machine")
         ->type_name("FILE,...")
         ->delimiter(',');
+    app->add_option("--code-bytes", o->code_bytes,
+                    "What networks take of a program beside their weights: the table that the target "
+                    "tactnet_program_code_bytes writes")
+        ->type_name("FILE");
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
@@ -298,6 +312,11 @@ command add_study(CLI::App& program) {
         ->type_name("FOLDER,...")
         ->delimiter(',');
     app->add_flag("--report-only", o->report_only, "Train and time nothing; write what is there");
+    app->add_option("--trained-by", o->trained_by,
+                    "With --report-only: trainings of this version of tactnet where there are none of the "
+                    "program's own")
+        ->type_name("VERSION")
+        ->needs("--report-only");
     app->add_flag("--only-trained", o->only_trained,
                   "Leave out of the report what no training is there of; what cannot be had stays");
     app->add_flag("--times-only", o->times_only,

@@ -16,6 +16,7 @@
 struct study_options {
     std::string data, results = "study", shard;
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged, peers;
+    std::string code_bytes, trained_by;
     std::string split = "both";
     std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
     std::size_t bits = 8; ///< 8: networks in 8 bits too, where they have such a form

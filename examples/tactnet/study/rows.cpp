@@ -100,6 +100,7 @@ nlohmann::ordered_json json_of(const study_row& row) {
     number("multiply_adds", costs, row.costs.multiply_adds);
     number("multiply_adds_on_pixels", costs, row.costs.multiply_adds_on_pixels);
     number("bytes", costs, row.costs.parameter_bytes);
+    number("code_bytes", row.code_bytes > 0, row.code_bytes);
     number("activation_bytes", row.costs.activation_bytes > 0, row.costs.activation_bytes);
     const bool published = row.published != nullptr;
     number("published_accuracy", published, published ? row.published->accuracy / 100 : 0);
@@ -197,11 +198,16 @@ mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings) {
 
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
-                               const timing_list& timings) {
+                               const timing_list& timings, const std::vector<code_size>& code) {
     std::vector<study_row> rows;
     for (const candidate& c : candidates)
-        for (const std::size_t bits : bits_of(c))
-            rows.push_back(row_of(c, bits, plan, tasks, results, timings));
+        for (const std::size_t bits : bits_of(c)) {
+            study_row& row = rows.emplace_back(row_of(c, bits, plan, tasks, results, timings));
+            for (const code_size& size : code)
+                if (size.method == row.method && size.rows == row.rows && size.columns == row.columns &&
+                    size.bits == bits)
+                    row.code_bytes = size.bytes;
+        }
     return rows;
 }
 

@@ -4,7 +4,8 @@
 
 #include "evaluation/candidates.hpp"
 #include "study/published.hpp"
-#include "study/timings.hpp"
+#include "study/times/code_bytes.hpp"
+#include "study/times/timings.hpp"
 
 #include <map>
 #include <optional>
@@ -31,6 +32,7 @@ struct study_row {
     method_family family = method_family::touches;
     std::string missing{}; ///< why it was not run; else empty
     method_costs costs{};
+    std::size_t code_bytes = 0; ///< of the function that recognises a frame, weights aside; 0 if nobody says
     std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
     double seconds = 0; ///< of the quickest training, for others may have shared the machine
     std::optional<frame_latency> latency{};
@@ -60,7 +62,7 @@ mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings);
 /// other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
-                               const timing_list& timings);
+                               const timing_list& timings, const std::vector<code_size>& code = {});
 
 /// What pictures show: random splits if there are any, else blocked ones.
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);

@@ -9,8 +9,8 @@
 
 #include <string>
 #include <string_view>
-#include <study/peers.hpp>
-#include <study/pictures.hpp>
+#include <study/page/pictures.hpp>
+#include <study/times/peers.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <vector>
 

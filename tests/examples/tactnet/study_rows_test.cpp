@@ -16,8 +16,8 @@
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <study/markdown.hpp>
-#include <study/page.hpp>
+#include <study/page/markdown.hpp>
+#include <study/page/page.hpp>
 #include <study/rows.hpp>
 #include <support/files/data_folder.hpp>
 #include <support/run_program.hpp>

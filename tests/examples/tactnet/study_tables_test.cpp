@@ -15,8 +15,8 @@
 #include <reports/html.hpp>
 #include <string>
 #include <string_view>
-#include <study/class_rates.hpp>
-#include <study/learning_curves.hpp>
+#include <study/page/class_rates.hpp>
+#include <study/page/learning_curves.hpp>
 #include <study/split_rules.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>

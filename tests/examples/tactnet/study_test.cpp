@@ -244,6 +244,21 @@ TEST_SUITE("program") {
                      "--report-only excludes --times-only");
     }
 
+    TEST_CASE("study: trainings of an earlier version stand in for those that this one has not made") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        const std::string table = text_of(shop / "s/study.csv");
+        std::string lines;
+        for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
+            lines += tactnet::with_checksum(with_member(plain_line(line), "library", "0.0.9")) + '\n';
+        tactnet::write_file(shop / "s/evaluation.jsonl", lines);
+        CHECK(shop.run(study(shop, "s", {"--report-only"})).out.find("not trained yet") != std::string::npos);
+        REQUIRE(shop.run(study(shop, "s", {"--report-only", "--trained-by", "0.0.9"})).status == 0);
+        CHECK(text_of(shop / "s/study.csv") == table);
+        CHECK(text_of(shop / "s/study.md").find("trained by this version or 0.0.9") != std::string::npos);
+        shop.refuses(study(shop, "s", {"--trained-by", "0.0.9"}), "--trained-by requires --report-only");
+    }
+
     TEST_CASE("study: what cannot be had has its row, with the reason") {
         const workshop shop;
         const outcome run =

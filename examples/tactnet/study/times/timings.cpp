@@ -1,4 +1,4 @@
-#include "study/timings.hpp"
+#include "study/times/timings.hpp"
 
 #include "methods/description.hpp"
 

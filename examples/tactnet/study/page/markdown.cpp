@@ -1,4 +1,4 @@
-#include "study/markdown.hpp"
+#include "study/page/markdown.hpp"
 
 #include "methods/description.hpp"
 #include "methods/training_settings.hpp"
@@ -96,6 +96,22 @@ std::string methods(const std::vector<study_row>& rows) {
     return text + (reasons.empty() ? "" : "\n" + reasons);
 }
 
+/// What networks take of memory; empty where nobody says what their code takes.
+std::string memory(const std::vector<study_row>& rows) {
+    std::string text;
+    for (const study_row& row : rows) {
+        if (row.code_bytes == 0 || row.recipe != "default")
+            continue; // a recipe changes no bytes
+        text += line_of({plain(method_title(row)), fmt::format("{} × {}", row.rows, row.columns),
+                         count_of(row.costs.parameter_bytes), count_of(row.costs.activation_bytes),
+                         count_of(row.code_bytes)});
+    }
+    if (text.empty())
+        return {};
+    return line_of({"method", "tactels", "weights, bytes", "working memory, bytes", "code, bytes"}) +
+           line_of(std::vector<std::string>(5, "---")) + text;
+}
+
 /// To two digits: times of two machines tell no more.
 std::size_t two_digits(double ratio) {
     const double unit = std::pow(10, std::max(0.0, std::floor(std::log10(ratio)) - 1));
@@ -136,6 +152,7 @@ std::string study_markdown(const std::vector<study_row>& rows, const std::string
     const auto program = describe_program();
     const bool touches =
         std::ranges::any_of(rows, [](const study_row& row) { return row.published != nullptr; });
+    const std::string bytes = memory(rows);
     const std::string against = touches ? against_paper(rows) : "";
     return fmt::format("# What accuracy costs in time\n\n{}. {}, {}, {}; tactnet {}; {:%Y-%m-%d}. Accuracy "
                        "on test images: "
@@ -149,5 +166,6 @@ std::string study_markdown(const std::vector<study_row>& rows, const std::string
            (against.empty() ? ""
                             : "\nFor each method of the paper, the fastest here whose mean accuracy is at "
                               "least as high:\n\n" +
-                                  between("against", against));
+                                  between("against", against)) +
+           (bytes.empty() ? "" : "\nWhat they take of memory:\n\n" + between("memory", bytes));
 }

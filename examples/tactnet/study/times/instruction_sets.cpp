@@ -1,4 +1,4 @@
-#include "study/instruction_sets.hpp"
+#include "study/times/instruction_sets.hpp"
 
 #include "reports/html.hpp"
 

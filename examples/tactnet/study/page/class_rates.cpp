@@ -1,4 +1,4 @@
-#include "study/class_rates.hpp"
+#include "study/page/class_rates.hpp"
 
 #include "methods/training_settings.hpp"
 #include "reports/html.hpp"

@@ -2,7 +2,7 @@
 
 // How the networks of a study learn, epoch by epoch: the paper's figure 6.
 
-#include "study/pictures.hpp"
+#include "study/page/pictures.hpp"
 
 #include <vector>
 

@@ -1,11 +1,11 @@
-#include "study/pictures.hpp"
+#include "study/page/pictures.hpp"
 
 #include "console/standard_streams.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/gnuplot.hpp"
-#include "study/accuracy_axis.hpp"
-#include "study/gnuplot_text.hpp"
-#include "study/learning_curves.hpp"
+#include "study/page/accuracy_axis.hpp"
+#include "study/page/gnuplot_text.hpp"
+#include "study/page/learning_curves.hpp"
 
 #include <tactnet/io/file.hpp>
 

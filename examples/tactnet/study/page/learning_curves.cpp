@@ -1,7 +1,7 @@
-#include "study/learning_curves.hpp"
+#include "study/page/learning_curves.hpp"
 
 #include "methods/training_settings.hpp"
-#include "study/gnuplot_text.hpp"
+#include "study/page/gnuplot_text.hpp"
 
 #include <fmt/format.h>
 

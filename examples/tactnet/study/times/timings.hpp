@@ -4,7 +4,7 @@
 // those of another machine are not to be mixed in.
 
 #include "files/line_file.hpp"
-#include "study/latency.hpp"
+#include "study/times/latency.hpp"
 
 #include <tactnet/io/model_file.hpp>
 

@@ -3,8 +3,8 @@
 // The pictures of a study, drawn by gnuplot: as PNG beside the page, and as SVG in it, where the pointer asks
 // what a point is (gnuplot_svg.showHypertext, which the page has).
 
-#include "study/peers.hpp"
 #include "study/rows.hpp"
+#include "study/times/peers.hpp"
 
 #include <filesystem>
 #include <string>

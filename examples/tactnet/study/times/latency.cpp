@@ -1,4 +1,4 @@
-#include "study/latency.hpp"
+#include "study/times/latency.hpp"
 
 #include <algorithm>
 #include <atomic>

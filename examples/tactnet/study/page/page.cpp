@@ -1,12 +1,12 @@
-#include "study/page.hpp"
+#include "study/page/page.hpp"
 
 #include "methods/description.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/html.hpp"
 #include "reports/report.hpp"
-#include "study/class_rates.hpp"
-#include "study/instruction_sets.hpp"
+#include "study/page/class_rates.hpp"
 #include "study/split_rules.hpp"
+#include "study/times/instruction_sets.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -19,4 +19,4 @@ struct peer_time {
 
 /// Those of single frames: a line is `tactnet6/28x50,1,…`, and each column `NAME_us` is a peer but those of
 /// tactnet itself, `NAME_8bit_us` one in 8 bits; `nan` is one that did not run. Throws tactnet::file_error.
-std::vector<peer_time> read_peer_times(const std::filesystem::path& table);
+std::vector<peer_time> read_peer_times(const std::filesystem::path& file);
