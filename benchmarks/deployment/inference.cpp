@@ -1,23 +1,33 @@
 // Deployed inference and its peers: runs the benchmarks (see --help; --benchmark_out=FILE for JSON), then
 // prints a table of medians, spreads, ratios to each peer and shares of the core's multiply-add peak,
 // measured in the same run. Rounds of all benchmarks are interleaved, so that a change of the machine's speed
-// meets them alike. --table=FILE and --table_8bit=FILE write CSV; with --fastest the tables have the fastest
-// round in place of the median, for a machine that others use too.
+// meets them alike; there are more of them until each ratio is known to 3 % (--known_to=0.03), or a time has
+// passed (--seconds=300; with 0 there are seven rounds). A loop in registers runs beside, and tells how much
+// of that is the machine's. --table=FILE and --table_8bit=FILE write CSV; with --fastest the tables have the
+// fastest round in place of the median, for a machine that others use too.
 
 #include "inference.hpp"
 
+#include "../../examples/support/processor.hpp"
 #include "../support/peak.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <utility>
 
 namespace {
 
 /// Keeps the time of every round.
 class collector final : public benchmark::ConsoleReporter {
 public:
+    bool ReportContext(const Context& context) override { // once, not for each call
+        const bool told = std::exchange(told_, true);
+        return told || ConsoleReporter::ReportContext(context);
+    }
     explicit collector(bool fastest) : ConsoleReporter(OO_None), fastest_(fastest) {}
     void ReportRuns(const std::vector<Run>& runs) override {
         for (const Run& run : runs)
@@ -29,29 +39,58 @@ public:
         ConsoleReporter::ReportRuns(runs);
     }
     [[nodiscard]] bool failed() const { return failed_; }
-    /// Median, or the fastest, and half the distance of the quartiles, as a share of it; no number where it
-    /// did not run.
+    /// Median, or the fastest; half the distance of the quartiles and the median's standard error, as shares
+    /// of it. No numbers where it did not run.
     struct summary {
-        double median, spread;
+        double median, spread, error;
     };
     [[nodiscard]] summary of(const std::string& name) const {
         const auto found = seconds_.find(name);
         if (found == seconds_.end())
-            return {std::nan(""), std::nan("")};
+            return {std::nan(""), std::nan(""), std::nan("")};
         std::vector<double> s = found->second;
         std::sort(s.begin(), s.end());
         const double median = fastest_ ? s.front() : s[s.size() / 2];
-        return {median, (s[s.size() * 3 / 4] - s[s.size() / 4]) / 2 / median};
+        const double spread = (s[s.size() * 3 / 4] - s[s.size() / 4]) / 2 / median;
+        // Of a normal distribution: half the quartiles' distance is 0.6745 σ, the median's error 1.2533 σ ÷
+        // √n.
+        return {median, spread, 1.2533 / 0.6745 * spread / std::sqrt(static_cast<double>(s.size()))};
     }
 
 private:
     std::map<std::string, std::vector<double>> seconds_;
-    bool fastest_, failed_ = false;
+    bool fastest_, failed_ = false, told_ = false;
 };
+
+/// This one's name, as a cell of a table.
+std::string processor_cell() {
+    std::string name = processor_name();
+    std::replace(name.begin(), name.end(), ',', ' ');
+    return name;
+}
+
+/// The standard error of a ratio of two medians, as a share of it.
+double error_of_ratio(const collector::summary& a, const collector::summary& b) {
+    return std::hypot(a.error, b.error);
+}
+
+/// The largest of all ratios to oneDNN that were measured; 0 where there are none.
+double largest_error(const collector& all) {
+    double largest = 0;
+    for (const auto& c : benchmark::inference_cases())
+        for (const char* const batch : {"/batch1", "/batch64"})
+            for (const char* const form : {"", "_8bit"}) {
+                const double error =
+                    error_of_ratio(all.of(std::string("tactnet") + form + "/" + c.name + batch),
+                                   all.of(std::string("onednn") + form + "/" + c.name + batch));
+                largest = std::isfinite(error) ? std::max(largest, error) : largest;
+            }
+    return largest;
+}
 
 void print_table(const collector& all, std::size_t batch, double peak, std::FILE* csv) {
     std::printf("\nbatch %zu, microseconds a frame (median, half the quartiles' distance)\n"
-                "%-20s %18s %18s %8s %9s\n",
+                "%-20s %18s %18s %15s %9s\n",
                 batch, "network", "tactnet", "onednn", "ratio", "of peak");
     double logarithms = 0, smallest = 1e9;
     std::size_t count = 0;
@@ -59,15 +98,17 @@ void print_table(const collector& all, std::size_t batch, double peak, std::FILE
         const std::string end = c.name + "/batch" + std::to_string(batch);
         const auto ours = all.of("tactnet/" + end), theirs = all.of("onednn/" + end);
         const double ratio = theirs.median / ours.median, frames = static_cast<double>(batch);
-        std::printf("%-20s %9.2f ± %4.1f %% %9.2f ± %4.1f %% %8.2f %7.1f %%\n", c.name.c_str(),
+        const double error = error_of_ratio(ours, theirs);
+        std::printf("%-20s %9.2f ± %4.1f %% %9.2f ± %4.1f %% %6.2f ± %4.1f %% %7.1f %%\n", c.name.c_str(),
                     1e6 * ours.median / frames, 100 * ours.spread, 1e6 * theirs.median / frames,
-                    100 * theirs.spread, ratio,
+                    100 * theirs.spread, ratio, 100 * error,
                     100 * frames * static_cast<double>(c.multiply_adds_on_pixels) / ours.median / peak);
         if (csv)
-            std::fprintf(csv, "%s,%zu,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g\n", c.name.c_str(), batch,
+            std::fprintf(csv, "%s,%zu,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g,%.2g,%s\n", c.name.c_str(), batch,
                          c.multiply_adds_on_pixels, 1e6 * ours.median / frames, ours.spread,
                          1e6 * theirs.median / frames, theirs.spread, ratio,
-                         frames * static_cast<double>(c.multiply_adds_on_pixels) / ours.median / peak);
+                         frames * static_cast<double>(c.multiply_adds_on_pixels) / ours.median / peak, error,
+                         processor_cell().c_str());
         if (std::isfinite(ratio)) {
             logarithms += std::log(ratio);
             smallest = std::min(smallest, ratio);
@@ -96,9 +137,9 @@ void print_8bit_table(const collector& all, std::size_t batch, std::FILE* csv) {
                     1e6 * ours.median / frames, 100 * ours.spread, 1e6 * theirs.median / frames,
                     100 * theirs.spread, ratio, to_floats);
         if (csv)
-            std::fprintf(csv, "%s,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g\n", c.name.c_str(), batch,
+            std::fprintf(csv, "%s,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g,%s\n", c.name.c_str(), batch,
                          1e6 * ours.median / frames, ours.spread, 1e6 * theirs.median / frames, theirs.spread,
-                         ratio, to_floats);
+                         ratio, to_floats, processor_cell().c_str());
         if (std::isfinite(ratio) && std::isfinite(to_floats)) {
             logarithms += std::log(ratio), of_floats += std::log(to_floats);
             smallest = std::min(smallest, ratio);
@@ -128,6 +169,7 @@ int main(int argc, char** argv) {
                                      "--benchmark_report_aggregates_only=false"};
     std::FILE *csv = nullptr, *csv_8bit = nullptr;
     bool fastest = false;
+    double known_to = 0.03, seconds = 300;
     for (const std::string& option : std::vector<std::string>(argv + 1, argv + argc)) {
         const bool whole = option.starts_with("--table="), bytes = option.starts_with("--table_8bit=");
         fastest = fastest || option == "--fastest";
@@ -137,6 +179,14 @@ int main(int argc, char** argv) {
             if (!opened)
                 return std::perror(file.c_str()), EXIT_FAILURE;
             (whole ? csv : csv_8bit) = opened;
+        } else if (option.starts_with("--known_to=") || option.starts_with("--seconds=")) {
+            const std::string text = option.substr(option.find('=') + 1);
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            if (text.empty() || *end != '\0' || !(value >= 0))
+                return std::fprintf(stderr, "expected a number from 0 on, found %s\n", option.c_str()),
+                       EXIT_FAILURE;
+            (option[2] == 'k' ? known_to : seconds) = value;
         } else if (option != "--fastest") {
             options.push_back(option);
         }
@@ -152,20 +202,33 @@ int main(int argc, char** argv) {
         benchmark::inference_cases().begin(), benchmark::inference_cases().end(),
         [](const auto& a, const auto& b) { return a.multiply_adds_on_pixels < b.multiply_adds_on_pixels; });
     collector all(fastest);
-    benchmark::RunSpecifiedBenchmarks(&all);
-    const double peak =
-        static_cast<double>(benchmark::multiply_adds_of_chains) / all.of("peak/multiply_adds").median;
+    const auto begin = std::chrono::steady_clock::now();
+    const auto passed = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    double last = 0; // how long a call takes: none is begun that would end too late
+    do {
+        const double before = passed();
+        benchmark::RunSpecifiedBenchmarks(&all);
+        last = passed() - before;
+    } while (!all.failed() && largest_error(all) > known_to && passed() + last < seconds);
+    const auto registers = all.of("peak/multiply_adds");
+    const double peak = static_cast<double>(benchmark::multiply_adds_of_chains) / registers.median;
     std::printf("\none core, %zu lanes, multiply-add peak %.1f GFLOP/s\n", tactnet::kernels::lanes<float>,
                 2e-9 * peak);
+    std::printf(
+        "the ratio that is known worst is known to ± %.1f %%; a loop in registers varied by ± %.1f %%%s\n",
+        100 * largest_error(all), 100 * registers.spread,
+        largest_error(all) > known_to ? ": this machine is too noisy for more, or needs more --seconds" : "");
     if (csv)
         std::fprintf(
             csv, "network,batch,multiply_adds_on_pixels,tactnet_us,tactnet_spread,onednn_us,onednn_spread,"
-                 "ratio,share_of_peak\n");
+                 "ratio,share_of_peak,ratio_error,processor\n");
     for (const std::size_t batch : {std::size_t{1}, std::size_t{64}})
         print_table(all, batch, peak, csv);
     if (csv_8bit)
         std::fprintf(csv_8bit, "network,batch,tactnet_8bit_us,tactnet_8bit_spread,onednn_8bit_us,"
-                               "onednn_8bit_spread,ratio,ratio_to_single_precision\n");
+                               "onednn_8bit_spread,ratio,ratio_to_single_precision,processor\n");
     for (const std::size_t batch : {std::size_t{1}, std::size_t{64}})
         print_8bit_table(all, batch, csv_8bit);
     for (std::FILE* const file : {csv, csv_8bit})

@@ -28,6 +28,7 @@
 #include <iterator>
 #include <memory>
 #include <printable.hpp>
+#include <processor.hpp>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -192,6 +193,14 @@ int study(const study_options& o) {
     std::vector<peer_time> peers;
     for (const std::string& file : o.peers)
         std::ranges::move(read_peer_times(file), std::back_inserter(peers));
+    if (const auto other = std::ranges::find_if(peers,
+                                                [](const peer_time& time) {
+                                                    return !time.processor.empty() &&
+                                                           time.processor != processor_name();
+                                                });
+        other != peers.end())
+        tell("warning: --peers: times of {} were measured on {}, not on this {}\n", printable(other->peer),
+             printable(other->processor), processor_name());
     const std::vector<code_size> code =
         o.code_bytes.empty() ? std::vector<code_size>{} : read_code_bytes(o.code_bytes);
     const split_plan splits = splits_of(o);

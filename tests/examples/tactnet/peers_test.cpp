@@ -64,6 +64,13 @@ TEST_SUITE("the program tactnet") {
         CHECK(times[0].microseconds == 38.5);
     }
 
+    TEST_CASE("read_peer_times: the processor that a table was made on, where it says so") {
+        const auto times = read("network,batch,onednn_us,ratio,processor\ntactnet6/28x50,1,38.5,2,A 1\n");
+        REQUIRE(times.size() == 1);
+        CHECK(times[0].processor == "A 1");
+        CHECK(read("network,batch,onednn_us\ntactnet6/28x50,1,38.5\n").at(0).processor.empty());
+    }
+
     TEST_CASE("read_peer_times: refuses what is no such table, with its place") {
         const std::string head = "network,batch,onednn_us\n";
         CHECK(refused("") ==

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <processor.hpp>
 #include <string_view>
 
 namespace {

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <processor.hpp>
 #include <string_view>
 
 namespace {

@@ -3,6 +3,8 @@
 #include "number_options.hpp"
 #include "study/times/network_table.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 
@@ -23,6 +25,7 @@ std::vector<peer_time> read_peer_times(const std::filesystem::path& file) {
             name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") !=
                 std::string::npos)
             table.refuse(1, "columns of letters, digits and _", name); // they are text of a picture later
+    const auto processor = std::ranges::find(table.names(), "processor");
     std::vector<peer_time> times;
     for (const network_line& line : table.lines()) {
         if (line.cells[1] != "1")
@@ -42,7 +45,10 @@ std::vector<peer_time> read_peer_times(const std::filesystem::path& file) {
             const auto microseconds = time_of(cell);
             if (!microseconds)
                 table.refuse(line.number, "microseconds above 0 of " + std::string(peer), cell);
-            times.push_back({std::string(peer), line.method, line.rows, line.columns, *microseconds, bits});
+            peer_time& time = times.emplace_back(
+                peer_time{std::string(peer), line.method, line.rows, line.columns, *microseconds, bits});
+            if (processor != table.names().end())
+                time.processor = line.cells[static_cast<std::size_t>(processor - table.names().begin())];
         }
     }
     return times;

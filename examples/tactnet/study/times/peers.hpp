@@ -15,6 +15,7 @@ struct peer_time {
     std::size_t rows, columns;
     double microseconds;   ///< a frame alone
     std::size_t bits = 32; ///< of a weight
+    std::string processor{}; ///< that it was measured on; empty where the table does not say
 };
 
 /// Those of single frames: a line is `tactnet6/28x50,1,…`, and each column `NAME_us` is a peer but those of

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <fstream>
+#include <processor.hpp>
 #include <stdexcept>
 #include <string>
 #include <unistd.h>
@@ -84,15 +85,6 @@ void timing_list::add(const method& what, std::size_t bits, const frame_latency&
                                      {"jitter", found.jitter}}
                   .dump());
     all_[key] = found;
-}
-
-std::string processor_name() {
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name"))
-            if (const auto colon = line.find(": "); colon != std::string::npos)
-                return line.substr(colon + 2);
-    return "unknown";
 }
 
 std::string compiler_name() {

@@ -32,7 +32,5 @@ private:
     std::map<tactnet::file_metadata, frame_latency> all_;
 };
 
-/// What this machine calls its processor.
-std::string processor_name();
 /// The compiler and its version.
 std::string compiler_name();
