@@ -163,8 +163,11 @@ public:
     }
 
 private:
-    /// Frames that pass together at most, beyond one for each thread.
-    static constexpr std::size_t most_together = 16;
+    /// Frames that pass together at most, beyond one for each thread. Weights are read once for all of them,
+    /// but their maps drive each other out of the caches: so many that the weights' share of a frame takes no
+    /// more than its maps do, and no more than 16.
+    static constexpr std::size_t most_together =
+        std::clamp<std::size_t>((weight_bytes + scratch_bytes - 1) / scratch_bytes, 1, 16);
 
     template <class Count>
     frame_status recognise_groups(thread_pool& threads, std::span<const Count> frames, std::span<float> to,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/tensor/alignment.hpp>
+#include <tactnet/tensor/large_pages.hpp>
 
 #include <cstddef>
 #include <new>
@@ -9,7 +10,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// An allocator whose memory vector loads may be aligned on.
+/// An allocator whose memory vector loads may be aligned on; large blocks lie on large pages where the system
+/// has them.
 template <class T>
 struct aligned_allocator {
     using value_type = T;
@@ -21,13 +23,21 @@ struct aligned_allocator {
     [[nodiscard]] T* allocate(std::size_t count) {
         if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T))
             throw std::bad_array_new_length();
-        return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{alignment}));
+        const std::size_t bytes = count * sizeof(T);
+        void* const memory = ::operator new(bytes, alignment_of(count));
+        if (bytes >= detail::least_on_large_pages)
+            detail::prefer_large_pages(memory, bytes);
+        return static_cast<T*>(memory);
     }
-    void deallocate(T* memory, std::size_t) noexcept {
-        ::operator delete (memory, std::align_val_t{alignment});
-    }
+    void deallocate(T* memory, std::size_t count) noexcept { ::operator delete(memory, alignment_of(count)); }
 
     friend constexpr bool operator==(const aligned_allocator&, const aligned_allocator&) { return true; }
+
+private:
+    static constexpr std::align_val_t alignment_of(std::size_t count) {
+        return std::align_val_t{count * sizeof(T) < detail::least_on_large_pages ? alignment
+                                                                                 : detail::large_page};
+    }
 };
 
 template <class T>
