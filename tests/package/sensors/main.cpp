@@ -9,6 +9,10 @@
 #error "sensors must not include Eigen or xsimd"
 #endif
 
+#if !defined(TACTNET_VERSION)
+#error "every header tells the version"
+#endif
+
 int main() {
     constexpr std::string_view text = "ROWS 1\nCOLS 2\nASCII_DATA @@\n4,5\n@@\n";
     const auto recording = tactnet::decode_all(tactnet::any_recording(), std::as_bytes(std::span(text)));
