@@ -6,10 +6,16 @@
 #include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/training/initialise.hpp>
 
+#include <algorithm>
 #include <benchmark/benchmark.h>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <memory>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 // Deployed inference beside its peers: one network at one size, in batches of 1 and 64, in single precision
@@ -94,45 +100,71 @@ void time_checked(State& state, std::vector<float>& logits, const std::vector<do
     state.counters["error"] = error / largest;
 }
 
+/// What rounds and benchmarks share, made when the first of them runs: it takes longer than they do.
+template <class Make>
+auto made_once(Make make) {
+    using made = decltype(make());
+    return [make, kept = std::make_shared<std::unique_ptr<const made>>()]() -> const made& {
+        if (!*kept)
+            *kept = std::make_unique<const made>(make());
+        return **kept;
+    };
+}
+
+/// A network, frames, and what it makes of them in double precision.
+template <class Network, class Count>
+struct task {
+    Network network = trained_network<Network>();
+    std::vector<Count> frames;
+    std::vector<double> expected;
+
+    task(std::size_t batch, double low, double high) : frames(batch * Network::input_shape.size()) {
+        tactnet::random_stream random(3, tactnet::draw::order);
+        for (Count& f : frames) {
+            const double value = random.uniform(low, high);
+            f = static_cast<Count>(std::is_same_v<Count, float> ? value : std::max(value, 0.0));
+        }
+        expected = exact_logits(network, std::vector<float>(frames.begin(), frames.end()));
+    }
+};
+
+/// Times `deployed` on the frames of a task.
+template <class Network, class Count, class Deployed>
+void time_deployed(State& state, const task<Network, Count>& given, const Deployed& deployed,
+                   double tolerance) {
+    std::vector<float> logits(given.expected.size());
+    typename Deployed::scratch memory;
+    tactnet::thread_pool one(1);
+    time_checked(state, logits, given.expected, tolerance, [&] {
+        const auto status =
+            given.expected.size() == Network::outputs
+                ? deployed(tactnet::tensor_view<const Count, Network::input_shape>(given.frames.data()),
+                           std::span(logits).template first<Network::outputs>(), memory)
+                : deployed(one, std::span(given.frames), std::span(logits));
+        if (status != tactnet::frame_status::recognised)
+            state.SkipWithError("a frame was not recognised");
+    });
+}
+
 template <class Network>
 void register_8bit_inference(const std::string& end, std::size_t batch) {
-    const auto make_frames = [batch] {
-        std::vector<std::uint8_t> frames(batch * Network::input_shape.size());
-        tactnet::random_stream random(3, tactnet::draw::order);
-        for (std::uint8_t& f : frames)
-            f = static_cast<std::uint8_t>(std::max(random.uniform(-200, 255), 0.0));
-        return frames;
-    };
-    RegisterBenchmark(("tactnet_8bit/" + end).c_str(), [=](State& state) {
-        const auto network = trained_network<Network>();
-        const std::vector<std::uint8_t> frames = make_frames();
-        std::vector<float> logits(batch * Network::outputs);
+    const auto given = made_once([=] { return task<Network, std::uint8_t>(batch, -200, 255); });
+    const auto deployed = made_once([=] {
         const std::vector<float> mean(Network::input_shape.size());
-        const auto deployed = tactnet::deploy<tactnet::eight_bit>(
-            network, std::span(mean).template first<Network::input_shape.size()>(), 1.0f,
-            std::span<const std::uint8_t>(frames));
-        typename decltype(deployed)::scratch memory;
-        tactnet::thread_pool one(1);
-        time_checked(state, logits, exact_logits(network, std::vector<float>(frames.begin(), frames.end())),
-                     byte_tolerance, [&] {
-                         const auto status =
-                             batch == 1
-                                 ? deployed(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(
-                                                frames.data()),
-                                            std::span(logits).template first<Network::outputs>(), memory)
-                                 : deployed(one, std::span(frames), std::span(logits));
-                         if (status != tactnet::frame_status::recognised)
-                             state.SkipWithError("a frame was not recognised");
-                     });
+        return tactnet::deploy<tactnet::eight_bit>(
+            given().network, std::span(mean).template first<Network::input_shape.size()>(), 1.0f,
+            std::span<const std::uint8_t>(given().frames));
     });
+    RegisterBenchmark(("tactnet_8bit/" + end).c_str(),
+                      [=](State& state) { time_deployed(state, given(), deployed(), byte_tolerance); });
 #ifdef TACTNET_BENCHMARK_ONEDNN
+    const auto onednn = made_once(
+        [=] { return make_onednn_8bit(described_network::of(given().network), batch, given().frames); });
     RegisterBenchmark(("onednn_8bit/" + end).c_str(), [=](State& state) {
-        const auto network = trained_network<Network>();
-        const std::vector<std::uint8_t> frames = make_frames();
-        std::vector<float> logits(batch * Network::outputs);
-        const auto onednn = make_onednn_8bit(described_network::of(network), batch, frames);
-        time_checked(state, logits, exact_logits(network, std::vector<float>(frames.begin(), frames.end())),
-                     byte_tolerance, [&] { onednn->run(frames, logits); });
+        std::vector<float> logits(given().expected.size());
+        byte_peer& theirs = *onednn();
+        const std::vector<std::uint8_t>& frames = given().frames;
+        time_checked(state, logits, given().expected, byte_tolerance, [&] { theirs.run(frames, logits); });
     });
 #endif
 }
@@ -142,38 +174,19 @@ void register_inference(const std::string& name) {
     inference_cases().push_back({name, Network::multiply_adds_on_pixels});
     for (const std::size_t batch : {std::size_t{1}, std::size_t{64}}) {
         const std::string end = name + "/batch" + std::to_string(batch);
-        const auto make_frames = [batch] {
-            std::vector<float> frames(batch * Network::input_shape.size());
-            tactnet::random_stream random(3, tactnet::draw::order);
-            for (float& f : frames)
-                f = static_cast<float>(random.uniform(-20, 100));
-            return frames;
-        };
-        RegisterBenchmark(("tactnet/" + end).c_str(), [=](State& state) {
-            const auto network = trained_network<Network>();
-            const std::vector<float> frames = make_frames();
-            std::vector<float> logits(batch * Network::outputs);
-            const auto deployed = tactnet::deploy(network);
-            typename decltype(deployed)::scratch memory;
-            tactnet::thread_pool one(1);
-            time_checked(state, logits, exact_logits(network, frames), float_tolerance, [&] {
-                const auto status =
-                    batch == 1
-                        ? deployed(tactnet::tensor_view<const float, Network::input_shape>(frames.data()),
-                                   std::span(logits).template first<Network::outputs>(), memory)
-                        : deployed(one, std::span(frames), std::span(logits));
-                if (status != tactnet::frame_status::recognised)
-                    state.SkipWithError("a frame was not recognised");
-            });
-        });
+        const auto given = made_once([=] { return task<Network, float>(batch, -20, 100); });
+        const auto deployed = made_once([=] { return tactnet::deploy(given().network); });
+        RegisterBenchmark(("tactnet/" + end).c_str(),
+                          [=](State& state) { time_deployed(state, given(), deployed(), float_tolerance); });
 #ifdef TACTNET_BENCHMARK_ONEDNN
+        const auto onednn =
+            made_once([=] { return make_onednn(described_network::of(given().network), batch); });
         RegisterBenchmark(("onednn/" + end).c_str(), [=](State& state) {
-            const auto network = trained_network<Network>();
-            const std::vector<float> frames = make_frames();
-            std::vector<float> logits(batch * Network::outputs);
-            const auto onednn = make_onednn(described_network::of(network), batch);
-            time_checked(state, logits, exact_logits(network, frames), float_tolerance,
-                         [&] { onednn->run(frames, logits); });
+            std::vector<float> logits(given().expected.size());
+            peer& theirs = *onednn();
+            const std::vector<float>& frames = given().frames;
+            time_checked(state, logits, given().expected, float_tolerance,
+                         [&] { theirs.run(frames, logits); });
         });
 #endif
         register_8bit_inference<Network>(end, batch);
