@@ -36,7 +36,7 @@ function(block_of file name result)
     set(${result} "${block}" PARENT_SCOPE)
 endfunction()
 
-foreach(place IN ITEMS README.md:front docs/results.md:methods docs/results.md:against)
+foreach(place IN ITEMS README.md:front docs/results.md:methods docs/results.md:against docs/results.md:memory)
     string(REPLACE ":" ";" place "${place}")
     list(GET place 0 page)
     list(GET place 1 name)
