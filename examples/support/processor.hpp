@@ -2,15 +2,24 @@
 
 // Which processor this is, for measurements that are kept.
 
+#include <algorithm>
 #include <fstream>
+#include <map>
 #include <string>
 
-/// What the system calls it; "unknown" where it says nothing.
+/// What the system calls it, with family and model where they are told, since a virtual machine may call all
+/// of a maker's processors the same: "AMD EPYC (family 26 model 2)". "unknown" where the system says nothing.
 inline std::string processor_name() {
     std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name"))
-            if (const auto colon = line.find(": "); colon != std::string::npos)
-                return line.substr(colon + 2);
-    return "unknown";
+    std::map<std::string, std::string> first; // of the first core
+    for (std::string line; std::getline(file, line) && !line.empty();)
+        if (const auto colon = line.find(':'); colon != std::string::npos)
+            first.emplace(line.substr(0, line.find_last_not_of(" \t", colon - 1) + 1),
+                          line.substr(std::min(colon + 2, line.size())));
+    if (!first.contains("model name"))
+        return "unknown";
+    std::string name = first["model name"];
+    if (first.contains("cpu family") && first.contains("model"))
+        name += " (family " + first["cpu family"] + " model " + first["model"] + ")";
+    return name;
 }

@@ -69,6 +69,20 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND TACTNET_SIMD)
             list(APPEND alone "$<TARGET_FILE:test_deployed_${name}>")
         endif()
     endforeach()
+    # Sizes of caches change how work is cut, and no result.
+    if(TACTNET_CPU_HAS_avx2)
+        tactnet_reduced_unit(
+            deployed_small_caches FUNCTION reduced_second OPTIONS -march=x86-64-v3 -DTACTNET_L1_CACHE_KIB=4
+            -DTACTNET_L2_CACHE_KIB=8
+        )
+        tactnet_reduced_program(test_deployed_small_caches UNITS deployed_small_caches FUNCTIONS reduced_second)
+        add_test(
+            NAME deployment.small_caches
+            COMMAND
+                "${CMAKE_COMMAND}" "-DFIRST=$<TARGET_FILE:test_deployed_avx2>"
+                "-DSECOND=$<TARGET_FILE:test_deployed_small_caches>" -P "${CMAKE_CURRENT_SOURCE_DIR}/same_outputs.cmake"
+        )
+    endif()
     list(LENGTH units count)
     if(count GREATER 1)
         tactnet_reduced_program(test_deployed_together UNITS ${units} FUNCTIONS ${functions})

@@ -125,9 +125,24 @@
 #define TACTNET_ARCH_DSP
 #endif
 
+// Sizes of caches, where they are given (kernels/caches.hpp): they decide how weights lie and how much memory
+// a kernel takes.
+#define TACTNET_ARCH_SIZE_JOINED(name, size) _##name##_##size
+#define TACTNET_ARCH_SIZE(name, size) TACTNET_ARCH_SIZE_JOINED(name, size)
+#if defined(TACTNET_L1_CACHE_KIB)
+#define TACTNET_ARCH_L1 TACTNET_ARCH_SIZE(l1, TACTNET_L1_CACHE_KIB)
+#else
+#define TACTNET_ARCH_L1
+#endif
+#if defined(TACTNET_L2_CACHE_KIB)
+#define TACTNET_ARCH_L2 TACTNET_ARCH_SIZE(l2, TACTNET_L2_CACHE_KIB)
+#else
+#define TACTNET_ARCH_L2
+#endif
+
 #define TACTNET_ARCH_JOINED(kind, level, fma, fma4, bmi2, lzcnt, cd, dq, bw, vl, vbmi, vnni, avxvnni,        \
-                            dotprod, dsp)                                                                    \
-    kind##level##fma##fma4##bmi2##lzcnt##cd##dq##bw##vl##vbmi##vnni##avxvnni##dotprod##dsp
+                            dotprod, dsp, l1, l2)                                                            \
+    kind##level##fma##fma4##bmi2##lzcnt##cd##dq##bw##vl##vbmi##vnni##avxvnni##dotprod##dsp##l1##l2
 // Once more, so that the parts are what they stand for before they are joined.
 #define TACTNET_ARCH_JOIN(...) TACTNET_ARCH_JOINED(__VA_ARGS__)
 /// For example simd_avx2_fma, or scalar_sse2.
@@ -135,4 +150,5 @@
     TACTNET_ARCH_JOIN(TACTNET_ARCH_KIND, TACTNET_ARCH_LEVEL, TACTNET_ARCH_FMA, TACTNET_ARCH_FMA4,            \
                       TACTNET_ARCH_BMI2, TACTNET_ARCH_LZCNT, TACTNET_ARCH_CD, TACTNET_ARCH_DQ,               \
                       TACTNET_ARCH_BW, TACTNET_ARCH_VL, TACTNET_ARCH_VBMI, TACTNET_ARCH_VNNI,                \
-                      TACTNET_ARCH_AVXVNNI, TACTNET_ARCH_DOTPROD, TACTNET_ARCH_DSP)
+                      TACTNET_ARCH_AVXVNNI, TACTNET_ARCH_DOTPROD, TACTNET_ARCH_DSP, TACTNET_ARCH_L1,         \
+                      TACTNET_ARCH_L2)

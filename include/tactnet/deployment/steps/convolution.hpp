@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame/joined_pixels.hpp>
 #include <tactnet/kernels/frame/winograd.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
 
@@ -45,31 +46,37 @@ private:
         Kernel.groups_apart() ? Kernel.group() : Kernel.joined();
     static constexpr kernels::large_convolution large_plan{part};
     using tiles = kernels::winograd_tiles<part>;
+    using joined = kernels::joined_pixels<part>;
 
 public:
     /// Whether maps or weights are so large that it is computed by panels (kernels/panels).
     static constexpr bool large = kernels::large_convolution::suits(part);
+    /// Pixels that share a vector, where taps are added to few filters.
+    static constexpr std::size_t pixels_of_vector = !large && joined::suits ? joined::pixels : 1;
     /// Rows and columns of outputs that make a tile, where tiles take fewer operations than taps; else 0.
     static constexpr std::size_t tile_outputs = [] {
         if constexpr (large)
             return large_plan.tiles.outputs;
         else
-            return std::size_t{tiles::pays ? 2 : 0};
+            return std::size_t{pixels_of_vector == 1 && tiles::pays ? 2 : 0};
     }();
     static constexpr bool tiled = tile_outputs > 0;
     static constexpr std::size_t packed_weights = [] {
         if constexpr (large)
             return whole_lines(large_plan.weights());
         else
-            return whole_lines(tiled ? tiles::weights : part.weights());
+            return whole_lines(tiled                  ? tiles::weights
+                               : pixels_of_vector > 1 ? joined::weights
+                                                      : part.weights());
     }();
-    static constexpr std::size_t packed_part = packed_weights + whole_lines(part.padded_filters());
+    static constexpr std::size_t packed_part =
+        packed_weights + whole_lines(pixels_of_vector * part.padded_filters());
     static constexpr std::size_t packed = parts * packed_part;
     static constexpr std::size_t scratch = [] {
         if constexpr (large)
             return large_plan.scratch();
         else
-            return tiled ? tiles::scratch : 0;
+            return tiled ? tiles::scratch : pixels_of_vector > 1 ? joined::scratch : 0;
     }();
 
     static constexpr void pack(const float* from, float* to) {
@@ -83,9 +90,13 @@ public:
                 large_plan.pack(to, weight);
             else if constexpr (tiled)
                 kernels::pack_winograd_weights<part>(to, weight);
+            else if constexpr (pixels_of_vector > 1)
+                kernels::pack_joined_weights<part>(to, weight);
             else
                 kernels::pack_frame_weights<part>(to, weight);
-            std::copy_n(from + weights + p * part.filters, part.filters, to + packed_weights);
+            const float* const biases = from + weights + p * part.filters;
+            for (std::size_t pixel = 0; pixel < pixels_of_vector; ++pixel)
+                std::copy_n(biases, part.filters, to + packed_weights + pixel * part.padded_filters());
         }
     }
     static double reach(const float* from, double input) {
@@ -102,6 +113,8 @@ public:
                 kernels::convolve_large(large_plan, {}, from, values, values + packed_weights, to, memory);
             else if constexpr (tiled)
                 kernels::convolve_frame_by_tiles<part>(from, values, values + packed_weights, to, memory);
+            else if constexpr (pixels_of_vector > 1)
+                kernels::convolve_joined_pixels<part>(from, values, values + packed_weights, to, memory);
             else
                 kernels::convolve_frame<part>(from, values, values + packed_weights, to);
         }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
@@ -47,20 +48,20 @@ struct winograd_tiles {
     /// Tiles from the first transform to the last: as many as the first level of cache holds, where the
     /// kernels are small enough to be read for each of these bands; else all.
     static constexpr std::size_t band = [] {
-        constexpr std::size_t cache = 24 * 1024 / sizeof(float), small_kernels = 64 * 1024 / sizeof(float);
-        constexpr std::size_t of_a_tile = elements * (input_stride + block_stride);
-        if (elements * channels * C.padded_filters() > small_kernels)
+        constexpr std::size_t of_a_tile = elements * (input_stride + block_stride) * sizeof(float);
+        constexpr std::size_t most = std::max<std::size_t>(near_bytes / of_a_tile, 8);
+        if (elements * channels * C.padded_filters() * sizeof(float) > near_weight_bytes)
             return count;
-        const std::size_t bands = (count + std::max<std::size_t>(cache / of_a_tile, 8) - 1) /
-                                  std::max<std::size_t>(cache / of_a_tile, 8);
+        const std::size_t bands = (count + most - 1) / most;
         return (count + bands - 1) / bands;
     }();
-    /// Tiles in a register block: as many as registers allow, evenly spread.
-    static constexpr std::size_t block = [] {
+    /// Tiles in a register block, of so many in all: as many as registers allow, evenly spread.
+    static constexpr std::size_t block_of(std::size_t tiles) {
         constexpr std::size_t most =
             std::max<std::size_t>((vector_registers == 32 ? 24 : 12) / C.block_vectors(), 1);
-        return (band + (band + most - 1) / most - 1) / ((band + most - 1) / most);
-    }();
+        return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
+    }
+    static constexpr std::size_t block = block_of(band);
 
     /// Up to a whole cache line, so that what lies behind is aligned: the products, the memory of another
     /// frame.
@@ -88,7 +89,7 @@ struct winograd_tiles {
     /// Whether fewer operations are needed than with taps on real pixels. Register blocks of few tiles wait
     /// for the weights.
     static constexpr bool pays = [] {
-        if (!possible || block * C.block_vectors() < 8)
+        if (!possible || block_of(count) * C.block_vectors() < 8)
             return false;
         const std::size_t direct = C.window.taps_on_pixels() * channels * C.vectors();
         const std::size_t tiled =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/bits_as.hpp>
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/fused_convolution.hpp>
 #include <tactnet/kernels/integer/word_products.hpp>
 #include <tactnet/tensor/alignment.hpp>
@@ -49,21 +50,21 @@ struct integer_tiles {
     /// Tiles from the first transform to the last: as many as the first level of cache holds, where the
     /// kernels are small enough to be read for each of these bands; else all.
     static constexpr std::size_t band = [] {
-        constexpr std::size_t cache = 24 * 1024, small_kernels = 64 * 1024;
         constexpr std::size_t of_a_tile =
             elements * (channels * sizeof(std::int16_t) + block_stride * sizeof(std::int32_t));
-        if (elements * groups * group * C.padded_filters() * sizeof(std::int16_t) > small_kernels)
+        if (elements * groups * group * C.padded_filters() * sizeof(std::int16_t) > near_weight_bytes)
             return count;
-        constexpr std::size_t most = std::max<std::size_t>(cache / of_a_tile, 8);
+        constexpr std::size_t most = std::max<std::size_t>(near_bytes / of_a_tile, 8);
         const std::size_t bands = (count + most - 1) / most;
         return (count + bands - 1) / bands;
     }();
-    /// Tiles in a register block: as many as registers allow, evenly spread.
-    static constexpr std::size_t block = [] {
+    /// Tiles in a register block, of so many in all: as many as registers allow, evenly spread.
+    static constexpr std::size_t block_of(std::size_t tiles) {
         constexpr std::size_t most =
             std::max<std::size_t>((vector_registers == 32 ? 24 : 12) / block_vectors, 1);
-        return (band + (band + most - 1) / most - 1) / ((band + most - 1) / most);
-    }();
+        return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
+    }
+    static constexpr std::size_t block = block_of(band);
 
     /// Bytes of scratch memory: transformed inputs, then products.
     static constexpr std::size_t transformed_bytes =
@@ -82,7 +83,7 @@ struct integer_tiles {
     /// Whether fewer operations are needed than with taps. A product counts twice, since its sum is another
     /// operation; transforms count with their loads and stores.
     static constexpr bool pays = [] {
-        if (!possible || most_integer_lanes == 1 || block * block_vectors < 8)
+        if (!possible || most_integer_lanes == 1 || block_of(count) * block_vectors < 8)
             return false;
         const std::size_t direct = 2 * C.rows() * C.columns() * C.window.kernel.area() * groups * vectors;
         const std::size_t tiled = 2 * elements * count * groups * vectors +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/fused_convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/kernels/panels/staging.hpp>
@@ -21,7 +22,7 @@ struct panel_plan {
     /// Taps of a part: four vectors of sixteen filters each make a panel of 32 kB. Outputs of a band, and
     /// elements of their inputs.
     static constexpr std::size_t most_taps = 128, most_pixels = 224, fewest_pixels = 56,
-                                 most_inputs = 64 * 1024;
+                                 most_inputs = second_cache / 2 / sizeof(float);
     /// Rows that lie a multiple of so many elements apart meet in the same lines of a cache.
     static constexpr std::size_t clashing = 1024;
 

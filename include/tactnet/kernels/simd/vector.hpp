@@ -216,6 +216,15 @@ template <class T>
 #pragma GCC diagnostic pop
 #endif
 
+/// Leaves what was loaded in its register. GCC would load it again for each product where it is used, though
+/// loads over two lines of the cache take twice as long.
+template <class Vector>
+[[gnu::always_inline]] inline void keep_in_register([[maybe_unused]] Vector& values) {
+#if !defined(TACTNET_NO_SIMD) && defined(__AVX512F__) && defined(__GNUC__) && !defined(__clang__)
+    asm("" : "+v"(values.data));
+#endif
+}
+
 /// The larger of both; a NaN in either is kept, so that a broken number is seen and not hidden by a pool.
 template <class T>
 [[nodiscard]] inline vector<T> maximum_keeping_nan(const vector<T>& a, const vector<T>& b) {

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cstddef>
+
+// What a core has to itself, by which kernels cut their work into parts that stay near. Sizes change times,
+// never results: each output is the same sum in the same order.
+//
+// Configuration: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB, whole numbers of KiB, for a processor
+// of which more is known. The defaults are what nearly every processor with vectors has at least. Units of
+// other sizes have namespaces of their own, as those of other instruction sets (config.hpp).
+#if !defined(TACTNET_L1_CACHE_KIB)
+#define TACTNET_L1_CACHE_KIB 32
+#endif
+#if !defined(TACTNET_L2_CACHE_KIB)
+#define TACTNET_L2_CACHE_KIB 512
+#endif
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Bytes of the first level, for data, and of the second.
+inline constexpr std::size_t first_cache = TACTNET_L1_CACHE_KIB * std::size_t{1024},
+                             second_cache = TACTNET_L2_CACHE_KIB * std::size_t{1024};
+static_assert(
+    first_cache >= 4096 && second_cache >= first_cache,
+    "tactnet: expected at least 4 KiB of L1 (TACTNET_L1_CACHE_KIB), and of L2 (TACTNET_L2_CACHE_KIB) as "
+    "much as of L1");
+
+/// Of the first level what an intermediate map may take, beside weights and outputs that pass through.
+inline constexpr std::size_t near_bytes = first_cache / 4 * 3;
+/// Weights that are read again for each part of a map come from the second level, quickly enough up to here.
+inline constexpr std::size_t near_weight_bytes = second_cache / 8;
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,196 @@
+#pragma once
+
+#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/simd/row_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+// Convolution of an image of one channel by few filters, the first layer of most networks: where all filters
+// fill half of a vector or less, several neighbouring pixels share one. The rows under a kernel are spread
+// before, each number as often as a pixel has lanes. A vector from anywhere in such a row then holds the
+// inputs of neighbouring pixels under one tap, each beside its filters. Sums have the order of
+// convolve_frame, and its bits.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// How a convolution is cut into vectors of several pixels.
+template <frame_convolution C>
+struct joined_pixels {
+    /// Lanes of a pixel, and pixels of a vector.
+    static constexpr std::size_t width = C.width(), pixels = std::max<std::size_t>(lanes<float> / width, 1);
+    static constexpr bool suits =
+        pixels > 1 &&
+        C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent(1) &&
+        !C.adds && C.map_stride == 0 && pixels % C.pool.columns == 0 && C.columns() >= pixels;
+
+    static constexpr std::size_t vectors = (C.columns() + pixels - 1) / pixels; ///< of a row of outputs
+    static constexpr std::size_t rows = C.block_rows(); ///< of outputs that are computed together
+    /// Vectors of a row in a register block, evenly spread, beside an input and weights.
+    static constexpr std::size_t block = [] {
+        constexpr std::size_t most = std::max<std::size_t>((vector_registers == 32 ? 20 : 10) / rows, 1);
+        constexpr std::size_t blocks = (vectors + most - 1) / most;
+        return (vectors + blocks - 1) / blocks;
+    }();
+
+    /// Rows of the input under a block, which are kept spread, and elements of one of them.
+    static constexpr std::size_t under_rows = rows - 1 + C.window.kernel.rows;
+    static constexpr std::size_t row_elements = (vectors * pixels + C.window.kernel.columns - 1) * width;
+    static constexpr std::size_t scratch = whole_lines(under_rows * row_elements);
+
+    static constexpr std::size_t weights = C.window.kernel.area() * pixels * width;
+};
+
+/// Weights as [kernel row][kernel column][pixel of a vector][filter], the same for each pixel, as biases are
+/// too. `weight(filter, channel, row, column)`.
+template <frame_convolution C, class Weight>
+constexpr void pack_joined_weights(float* packed, Weight&& weight) {
+    using joined = joined_pixels<C>;
+    for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
+        for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
+            for (std::size_t lane = 0; lane < joined::pixels * joined::width; ++lane) {
+                const std::size_t f = lane % joined::width;
+                *packed++ = f < C.filters ? weight(f, 0, row, column) : 0.0f;
+            }
+}
+
+/// Each number of a row of the image in all lanes of a pixel, with zeros where its padding is.
+template <frame_convolution C>
+void spread_row(const float* row, float* spread) {
+    using joined = joined_pixels<C>;
+    using narrow = sized_vector<float, joined::width>;
+    constexpr std::size_t count = joined::row_elements / joined::width, left = C.window.left;
+    constexpr std::size_t inside = std::min(C.window.input.columns, count - left);
+    for (std::size_t c = 0; c < left; ++c)
+        store_as(spread + c * joined::width, narrow(0.0f));
+#pragma GCC unroll 8
+    for (std::size_t c = 0; c < inside; ++c)
+        store_as(spread + (left + c) * joined::width, narrow(row[c * C.input_stride]));
+    for (std::size_t c = left + inside; c < count; ++c)
+        store_as(spread + c * joined::width, narrow(0.0f));
+}
+
+/// One register block: `Rows` × `Vectors` vectors of outputs before pooling, of which the first `Columns`
+/// pixels of each row count. `rows` are those under its taps, null where there is padding.
+template <frame_convolution C, std::size_t Rows, std::size_t Vectors, std::size_t Columns>
+[[gnu::flatten, gnu::noinline]] void
+convolve_joined_block(const std::array<const float*, joined_pixels<C>::under_rows>& rows,
+                      const float* weights, const float* biases, float* output) {
+    using joined = joined_pixels<C>;
+    using narrow = sized_vector<float, joined::width>;
+    constexpr std::size_t width = joined::width, pixels = joined::pixels;
+    constexpr extent kernel = C.window.kernel;
+    constexpr std::size_t under_rows = Rows - 1 + kernel.rows;
+    constexpr std::size_t under_columns = (Vectors - 1) * pixels + kernel.columns;
+
+    register_block<vector<float>, Rows, Vectors> sums;
+    const auto start = load<float>(biases);
+#pragma GCC unroll 64
+    for (std::size_t y = 0; y < Rows; ++y)
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < Vectors; ++v)
+            sums[y][v] = start;
+
+#pragma GCC unroll 64
+    for (std::size_t r = 0; r < under_rows; ++r) {
+        if (rows[r] == nullptr)
+            continue;
+#pragma GCC unroll 64
+        for (std::size_t c = 0; c < under_columns; ++c) {
+            auto x = load_anywhere<vector<float>>(rows[r] + c * width);
+            keep_in_register(x);
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < Rows; ++y)
+#pragma GCC unroll 64
+                for (std::size_t tap = 0; tap < kernel.columns; ++tap)
+                    if (r >= y && r - y < kernel.rows && c >= tap && (c - tap) % pixels == 0 &&
+                        (c - tap) / pixels < Vectors)
+                        sums[y][(c - tap) / pixels] = fused_multiply_add(
+                            load<float>(weights + ((r - y) * kernel.columns + tap) * lanes<float>), x,
+                            sums[y][(c - tap) / pixels]);
+        }
+    }
+
+    // Pools take rows first, as whole vectors, then the pixels of these.
+    constexpr std::size_t pooled_rows = (Rows + C.pool.rows - 1) / C.pool.rows,
+                          pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
+    alignas(alignment) std::array<float, pooled_rows * Vectors * lanes<float>> map;
+#pragma GCC unroll 64
+    for (std::size_t o = 0; o < pooled_rows; ++o)
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < Vectors; ++v) {
+            auto largest = sums[o * C.pool.rows][v];
+            const std::size_t end = std::min(Rows, (o + 1) * C.pool.rows);
+#pragma GCC unroll 64
+            for (std::size_t y = o * C.pool.rows + 1; y < end; ++y)
+                largest = maximum_or_second(sums[y][v], largest);
+            if constexpr (C.rectified)
+                largest = maximum_or_second(vector<float>(0.0f), largest);
+            store(map.data() + (o * Vectors + v) * lanes<float>, largest);
+        }
+#pragma GCC unroll 64
+    for (std::size_t o = 0; o < pooled_rows * pooled_columns; ++o) {
+        const std::size_t row = o / pooled_columns, left = o % pooled_columns * C.pool.columns;
+        const float* const from = map.data() + (row * Vectors * pixels + left) * width;
+        const std::size_t across = std::min(C.pool.columns, Columns - left);
+        auto largest = load_as<narrow>(from);
+#pragma GCC unroll 64
+        for (std::size_t i = 1; i < across; ++i)
+            largest = maximum_or_second(load_as<narrow>(from + i * width), largest);
+        store_as(output + (row * C.output_columns() + o % pooled_columns) * width, largest);
+    }
+}
+
+/// output = the fused step, as convolve_frame does it, with weights and biases packed for joined pixels.
+/// `scratch` is aligned to `alignment`.
+template <frame_convolution C>
+void convolve_joined_pixels(const float* input, const float* weights, const float* biases, float* output,
+                            float* scratch) {
+    using joined = joined_pixels<C>;
+    static_assert(joined::suits,
+                  "convolve_joined_pixels: there must be one channel, and room for two pixels");
+    constexpr std::size_t height = C.window.input.rows;
+    std::size_t spread = 0; // rows of the image so far
+    const auto some_rows = [&](auto rows, std::size_t y) {
+        std::array<const float*, joined::under_rows> under{};
+        for (std::size_t r = 0; r < rows - 1 + C.window.kernel.rows; ++r) {
+            if (y + r < C.window.top || y + r - C.window.top >= height)
+                continue;
+            const std::size_t row = y + r - C.window.top;
+            float* const place = scratch + row % joined::under_rows * joined::row_elements;
+            if (row >= spread) {
+                spread_row<C>(input + row * C.window.input.columns * C.input_stride, place);
+                spread = row + 1;
+            }
+            under[r] = place;
+        }
+        float* const to = output + y / C.pool.rows * C.output_columns() * joined::width;
+        blocked<joined::vectors, joined::block>([&](auto vectors, std::size_t first) {
+            const auto columns = [&](auto count) {
+                convolve_joined_block<C, rows, vectors, count>(
+                    under, weights, biases, to + first * joined::pixels / C.pool.columns * joined::width);
+            };
+            constexpr std::size_t rest = C.columns() - (joined::vectors - vectors) * joined::pixels;
+            if (first + vectors == joined::vectors)
+                columns(constant<rest>{});
+            else
+                columns(constant<vectors * joined::pixels>{});
+            for (auto& row : under)
+                if (row != nullptr)
+                    row += vectors * joined::pixels * joined::width;
+        });
+    };
+    for (std::size_t y = 0; y + joined::rows <= C.rows(); y += joined::rows)
+        some_rows(constant<joined::rows>{}, y);
+    if constexpr (C.rows() % joined::rows != 0)
+        some_rows(constant<C.rows() % joined::rows>{}, C.rows() / joined::rows * joined::rows);
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
