@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <stdexcept>
 #include <variant>
 
 using namespace tactnet;
@@ -24,6 +25,30 @@ TEST_CASE("recipe::published: as in the authors' programs for pretrained network
     CHECK(r.patience == 4);
     CHECK(r.input == input_rule::scale);
     CHECK(r.augmentation == augmentation_rule::none);
+}
+
+TEST_CASE("recipe::on_from_photographs: the published one on reflected images, with one cycle, for a third "
+          "longer") {
+    const published_training own{.rate = 2e-3,
+                                 .drop_period = 0,
+                                 .patience = 4,
+                                 .transfer =
+                                     published_transfer{.epochs = 15, .batch = 64, .new_layer_factor = 20}};
+    const recipe r = recipe::on_from_photographs(own);
+    CHECK(r.name == "default");
+    CHECK(r.epochs == 20);
+    CHECK(r.batch == 64);
+    CHECK(r.rate == 4e-3);
+    CHECK(r.pretrained_rate == doctest::Approx(1.0 / 20));
+    CHECK(std::get<sgd>(r.optimiser).momentum == 0.9);
+    CHECK(std::holds_alternative<one_cycle>(r.schedule));
+    CHECK(r.input == input_rule::scale);
+    CHECK(r.augmentation == augmentation_rule::each_epoch);
+    CHECK(r.ranges == augmentation_ranges{.reflect_rows = 0.5, .reflect_columns = 0.5});
+    CHECK(r.averaging == 0.95);
+    CHECK(r.patience == 0);
+    CHECK_THROWS_WITH_AS(static_cast<void>(recipe::on_from_photographs(tactnet6_training({28, 50}))),
+                         doctest::Contains("found one that begins by chance"), std::invalid_argument);
 }
 
 TEST_CASE("recipe::thorough: the same with three times as many epochs, erased parts and gradients from "

@@ -180,10 +180,9 @@ public:
         return std::make_shared<begun_weights>(
             tactnet::pretrained_trunk(file, stored_arrays_of(*code_), form));
     }
-    /// The authors' of those that begin with pretrained weights.
     tactnet::recipe default_recipe() const override {
         if (pretrained() && published)
-            return tactnet::recipe::published(rows, columns, *published);
+            return tactnet::recipe::on_from_photographs(*published);
         tactnet::recipe r = method::default_recipe();
         if (code_->takes_counts)
             r.input = tactnet::input_rule::scale;
