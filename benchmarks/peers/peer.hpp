@@ -29,6 +29,10 @@ public:
 /// oneDNN, primitives called one after the other, in the layouts that it prefers.
 [[nodiscard]] std::unique_ptr<peer> make_onednn(const described_network& network, std::size_t batch,
                                                 std::size_t threads = 1);
+/// OpenCV's engine for networks, on one thread.
+[[nodiscard]] std::unique_ptr<peer> make_opencv_dnn(const described_network& network, std::size_t batch);
+/// PyTorch's C++ functions, on one thread, in its usual layout.
+[[nodiscard]] std::unique_ptr<peer> make_libtorch(const described_network& network, std::size_t batch);
 /// oneDNN in 8 bits on one thread. `frames`, as many as it will run, tell which numbers the maps hold.
 [[nodiscard]] std::unique_ptr<byte_peer> make_onednn_8bit(const described_network& network, std::size_t batch,
                                                           std::span<const std::uint8_t> frames);
