@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <torch/torch.h>
 #include <vector>
 
@@ -45,6 +47,9 @@ public:
         for (std::size_t i = 0; i < operations_.size(); ++i)
             apply(operations_[i], constants_[i]);
         const torch::Tensor out = maps_[operations_.back().output].contiguous();
+        if (static_cast<std::size_t>(out.numel()) != logits.size())
+            throw std::runtime_error("libtorch: expected " + std::to_string(logits.size()) +
+                                     " logits, found " + std::to_string(out.numel()));
         std::copy_n(out.data_ptr<float>(), logits.size(), logits.begin());
     }
 

@@ -16,10 +16,13 @@ inline std::string processor_name() {
         if (const auto colon = line.find(':'); colon != std::string::npos)
             first.emplace(line.substr(0, line.find_last_not_of(" \t", colon - 1) + 1),
                           line.substr(std::min(colon + 2, line.size())));
-    if (!first.contains("model name"))
-        return "unknown";
-    std::string name = first["model name"];
+    std::string name = "unknown";
+    if (first.contains("model name"))
+        name = first["model name"];
+    else if (first.contains("CPU implementer") && first.contains("CPU part")) // of ARM
+        name = "implementer " + first["CPU implementer"] + " part " + first["CPU part"];
     if (first.contains("cpu family") && first.contains("model"))
         name += " (family " + first["cpu family"] + " model " + first["model"] + ")";
+    std::replace(name.begin(), name.end(), ',', ' ');
     return name;
 }

@@ -27,14 +27,14 @@ TEST_CASE("recipe::published: as in the authors' programs for pretrained network
     CHECK(r.augmentation == augmentation_rule::none);
 }
 
-TEST_CASE("recipe::on_from_photographs: the published one on reflected images, with one cycle, for a third "
+TEST_CASE("recipe::fine_tuning: the published one on reflected images, with one cycle, for a third "
           "longer") {
     const published_training own{.rate = 2e-3,
                                  .drop_period = 0,
                                  .patience = 4,
                                  .transfer =
                                      published_transfer{.epochs = 15, .batch = 64, .new_layer_factor = 20}};
-    const recipe r = recipe::on_from_photographs(own);
+    const recipe r = recipe::fine_tuning(own);
     CHECK(r.name == "default");
     CHECK(r.epochs == 20);
     CHECK(r.batch == 64);
@@ -47,8 +47,9 @@ TEST_CASE("recipe::on_from_photographs: the published one on reflected images, w
     CHECK(r.ranges == augmentation_ranges{.reflect_rows = 0.5, .reflect_columns = 0.5});
     CHECK(r.averaging == 0.95);
     CHECK(r.patience == 0);
-    CHECK_THROWS_WITH_AS(static_cast<void>(recipe::on_from_photographs(tactnet6_training({28, 50}))),
-                         doctest::Contains("found one that begins by chance"), std::invalid_argument);
+    CHECK_THROWS_WITH_AS(static_cast<void>(recipe::fine_tuning(tactnet6_training({28, 50}))),
+                         doctest::Contains("published_training::transfer), found none"),
+                         std::invalid_argument);
 }
 
 TEST_CASE("recipe::thorough: the same with three times as many epochs, erased parts and gradients from "

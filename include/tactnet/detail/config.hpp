@@ -125,19 +125,21 @@
 #define TACTNET_ARCH_DSP
 #endif
 
-// Sizes of caches, where they are given (kernels/caches.hpp): they decide how weights lie and how much memory
-// a kernel takes.
+// Sizes of caches, where they are given (kernels/caches.hpp): they decide how much memory a kernel takes.
+// Plain numbers, since they become part of a name; given before the first header, or not at all.
 #define TACTNET_ARCH_SIZE_JOINED(name, size) _##name##_##size
 #define TACTNET_ARCH_SIZE(name, size) TACTNET_ARCH_SIZE_JOINED(name, size)
 #if defined(TACTNET_L1_CACHE_KIB)
 #define TACTNET_ARCH_L1 TACTNET_ARCH_SIZE(l1, TACTNET_L1_CACHE_KIB)
 #else
 #define TACTNET_ARCH_L1
+#define TACTNET_L1_CACHE_BY_DEFAULT
 #endif
 #if defined(TACTNET_L2_CACHE_KIB)
 #define TACTNET_ARCH_L2 TACTNET_ARCH_SIZE(l2, TACTNET_L2_CACHE_KIB)
 #else
 #define TACTNET_ARCH_L2
+#define TACTNET_L2_CACHE_BY_DEFAULT
 #endif
 
 #define TACTNET_ARCH_JOINED(kind, level, fma, fma4, bmi2, lzcnt, cd, dq, bw, vl, vbmi, vnni, avxvnni,        \

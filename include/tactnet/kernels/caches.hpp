@@ -4,26 +4,34 @@
 
 #include <cstddef>
 
-// What a core has to itself, by which kernels cut their work into parts that stay near. Sizes change times,
-// never results: each output is the same sum in the same order.
+// What a core has to itself, by which kernels of deployed networks cut their work into parts that stay near.
+// Sizes change times, never results: each output is the same sum in the same order.
 //
-// Configuration: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB, whole numbers of KiB, for a processor
-// of which more is known. The defaults are what nearly every processor with vectors has at least. Units of
-// other sizes have namespaces of their own, as those of other instruction sets (config.hpp).
-#if !defined(TACTNET_L1_CACHE_KIB)
-#define TACTNET_L1_CACHE_KIB 32
-#endif
-#if !defined(TACTNET_L2_CACHE_KIB)
-#define TACTNET_L2_CACHE_KIB 512
+// Configuration: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB, plain numbers of KiB, for a processor
+// of which more is known, before the first header of the library. The defaults are what nearly every
+// processor with vectors has at least. Units of other sizes have namespaces of their own, as those of other
+// instruction sets (config.hpp).
+#if (defined(TACTNET_L1_CACHE_KIB) && defined(TACTNET_L1_CACHE_BY_DEFAULT)) ||                               \
+    (defined(TACTNET_L2_CACHE_KIB) && defined(TACTNET_L2_CACHE_BY_DEFAULT))
+#error "tactnet: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB before the first header of the library"
 #endif
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Bytes of the first level, for data, and of the second.
-inline constexpr std::size_t first_cache = TACTNET_L1_CACHE_KIB * std::size_t{1024},
-                             second_cache = TACTNET_L2_CACHE_KIB * std::size_t{1024};
+/// Bytes of the first level, for data.
+#if defined(TACTNET_L1_CACHE_BY_DEFAULT)
+inline constexpr std::size_t first_cache = 32 * 1024;
+#else
+inline constexpr std::size_t first_cache = TACTNET_L1_CACHE_KIB * std::size_t{1024};
+#endif
+/// Bytes of the second level.
+#if defined(TACTNET_L2_CACHE_BY_DEFAULT)
+inline constexpr std::size_t second_cache = 512 * 1024;
+#else
+inline constexpr std::size_t second_cache = TACTNET_L2_CACHE_KIB * std::size_t{1024};
+#endif
 static_assert(
     first_cache >= 4096 && second_cache >= first_cache,
     "tactnet: expected at least 4 KiB of L1 (TACTNET_L1_CACHE_KIB), and of L2 (TACTNET_L2_CACHE_KIB) as "

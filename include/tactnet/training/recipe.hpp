@@ -135,13 +135,13 @@ struct recipe {
         return r;
     }
 
-    /// For a network that goes on from weights learnt from photographs: as published, with reflected images
-    /// and no other variation, one cycle up to twice the rate over a third more epochs, and averaged
-    /// parameters. Without a published form there is nothing to begin from: throws std::invalid_argument.
-    [[nodiscard]] static recipe on_from_photographs(const published_training& own) {
+    /// For a network that goes on from weights learnt from photographs: as published, on images reflected at
+    /// random and varied in no other way, with one cycle of twice the rate over 4/3 of the epochs, and
+    /// averaged parameters. Throws std::invalid_argument for settings of a network that begins by chance.
+    [[nodiscard]] static recipe fine_tuning(const published_training& own) {
         if (!own.transfer)
-            throw std::invalid_argument("recipe: expected how a network that begins with weights learnt from "
-                                        "photographs was trained, found one that begins by chance");
+            throw std::invalid_argument("recipe: expected published settings of transfer learning "
+                                        "(published_training::transfer), found none");
         recipe r = published({}, own, *own.transfer);
         r.epochs += r.epochs / 3;
         r.rate *= 2;

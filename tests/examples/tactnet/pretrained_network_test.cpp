@@ -58,7 +58,7 @@ TEST_SUITE("program") {
         {
             const auto file = tactnet::safetensors_source::open(shop / "net");
             CHECK(file.metadata().at("network") == "squeezenet-nn");
-            CHECK(file.metadata().at("recipe") == "published");
+            CHECK(file.metadata().at("recipe") == "default");
             CHECK(file.metadata().count("pretrained") == 1);
             CHECK(file.at("classifier.1.weight").extents == std::vector<std::size_t>{3, 512, 1, 1});
         }

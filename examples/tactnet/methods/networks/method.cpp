@@ -182,7 +182,7 @@ public:
     }
     tactnet::recipe default_recipe() const override {
         if (pretrained() && published)
-            return tactnet::recipe::on_from_photographs(*published);
+            return tactnet::recipe::fine_tuning(*published);
         tactnet::recipe r = method::default_recipe();
         if (code_->takes_counts)
             r.input = tactnet::input_rule::scale;

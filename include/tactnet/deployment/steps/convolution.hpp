@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
-#include <tactnet/kernels/frame/joined_pixels.hpp>
+#include <tactnet/kernels/frame/packed_pixels.hpp>
 #include <tactnet/kernels/frame/winograd.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
 
@@ -46,13 +46,13 @@ private:
         Kernel.groups_apart() ? Kernel.group() : Kernel.joined();
     static constexpr kernels::large_convolution large_plan{part};
     using tiles = kernels::winograd_tiles<part>;
-    using joined = kernels::joined_pixels<part>;
+    using pixels = kernels::packed_pixels<part>;
 
 public:
     /// Whether maps or weights are so large that it is computed by panels (kernels/panels).
     static constexpr bool large = kernels::large_convolution::suits(part);
     /// Pixels that share a vector, where taps are added to few filters.
-    static constexpr std::size_t pixels_of_vector = !large && joined::suits ? joined::pixels : 1;
+    static constexpr std::size_t pixels_of_vector = !large && pixels::suits ? pixels::pixels : 1;
     /// Rows and columns of outputs that make a tile, where tiles take fewer operations than taps; else 0.
     static constexpr std::size_t tile_outputs = [] {
         if constexpr (large)
@@ -66,7 +66,7 @@ public:
             return whole_lines(large_plan.weights());
         else
             return whole_lines(tiled                  ? tiles::weights
-                               : pixels_of_vector > 1 ? joined::weights
+                               : pixels_of_vector > 1 ? pixels::weights
                                                       : part.weights());
     }();
     static constexpr std::size_t packed_part =
@@ -76,7 +76,7 @@ public:
         if constexpr (large)
             return large_plan.scratch();
         else
-            return tiled ? tiles::scratch : pixels_of_vector > 1 ? joined::scratch : 0;
+            return tiled ? tiles::scratch : pixels_of_vector > 1 ? pixels::scratch : 0;
     }();
 
     static constexpr void pack(const float* from, float* to) {
@@ -91,7 +91,7 @@ public:
             else if constexpr (tiled)
                 kernels::pack_winograd_weights<part>(to, weight);
             else if constexpr (pixels_of_vector > 1)
-                kernels::pack_joined_weights<part>(to, weight);
+                kernels::pack_pixel_weights<part>(to, weight);
             else
                 kernels::pack_frame_weights<part>(to, weight);
             const float* const biases = from + weights + p * part.filters;
@@ -114,7 +114,7 @@ public:
             else if constexpr (tiled)
                 kernels::convolve_frame_by_tiles<part>(from, values, values + packed_weights, to, memory);
             else if constexpr (pixels_of_vector > 1)
-                kernels::convolve_joined_pixels<part>(from, values, values + packed_weights, to, memory);
+                kernels::convolve_packed_pixels<part>(from, values, values + packed_weights, to, memory);
             else
                 kernels::convolve_frame<part>(from, values, values + packed_weights, to);
         }

@@ -61,6 +61,7 @@ struct winograd_tiles {
             std::max<std::size_t>((vector_registers == 32 ? 24 : 12) / C.block_vectors(), 1);
         return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
     }
+    /// The same in a band.
     static constexpr std::size_t block = block_of(band);
 
     /// Up to a whole cache line, so that what lies behind is aligned: the products, the memory of another

@@ -64,6 +64,7 @@ struct integer_tiles {
             std::max<std::size_t>((vector_registers == 32 ? 24 : 12) / block_vectors, 1);
         return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
     }
+    /// The same in a band.
     static constexpr std::size_t block = block_of(band);
 
     /// Bytes of scratch memory: transformed inputs, then products.

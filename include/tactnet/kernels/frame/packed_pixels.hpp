@@ -13,7 +13,7 @@
 // fill half of a vector or less, several neighbouring pixels share one. The rows under a kernel are spread
 // before, each number as often as a pixel has lanes. A vector from anywhere in such a row then holds the
 // inputs of neighbouring pixels under one tap, each beside its filters. Sums have the order of
-// convolve_frame, and its bits.
+// convolve_frame, and its bits, but for the sign of a sum that is zero: padding beside the image is computed.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -21,9 +21,10 @@ namespace kernels {
 
 /// How a convolution is cut into vectors of several pixels.
 template <frame_convolution C>
-struct joined_pixels {
+struct packed_pixels {
     /// Lanes of a pixel, and pixels of a vector.
     static constexpr std::size_t width = C.width(), pixels = std::max<std::size_t>(lanes<float> / width, 1);
+    /// Whether several pixels fit a vector, and nothing is asked that this kernel does not do.
     static constexpr bool suits =
         pixels > 1 &&
         C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent(1) &&
@@ -31,30 +32,35 @@ struct joined_pixels {
 
     static constexpr std::size_t vectors = (C.columns() + pixels - 1) / pixels; ///< of a row of outputs
     static constexpr std::size_t rows = C.block_rows(); ///< of outputs that are computed together
-    /// Vectors of a row in a register block, evenly spread, beside an input and weights.
+    /// Sums in a register block, so that a third of the registers is left to inputs and weights: with 12 to
+    /// 24 of 32 the times are within 9 % (Zen 5), with 20 they are the least.
+    static constexpr std::size_t most_sums = vector_registers == 32 ? 20 : 10;
+    /// Vectors of a row in a register block, evenly spread.
     static constexpr std::size_t block = [] {
-        constexpr std::size_t most = std::max<std::size_t>((vector_registers == 32 ? 20 : 10) / rows, 1);
+        constexpr std::size_t most = std::max<std::size_t>(most_sums / rows, 1);
         constexpr std::size_t blocks = (vectors + most - 1) / most;
         return (vectors + blocks - 1) / blocks;
     }();
 
-    /// Rows of the input under a block, which are kept spread, and elements of one of them.
+    /// Rows of the input under a block, which are kept spread.
     static constexpr std::size_t under_rows = rows - 1 + C.window.kernel.rows;
+    /// Elements of one of them.
     static constexpr std::size_t row_elements = (vectors * pixels + C.window.kernel.columns - 1) * width;
+    /// Elements of scratch memory.
     static constexpr std::size_t scratch = whole_lines(under_rows * row_elements);
-
+    /// Elements of the packed weights, without biases.
     static constexpr std::size_t weights = C.window.kernel.area() * pixels * width;
 };
 
 /// Weights as [kernel row][kernel column][pixel of a vector][filter], the same for each pixel, as biases are
 /// too. `weight(filter, channel, row, column)`.
 template <frame_convolution C, class Weight>
-constexpr void pack_joined_weights(float* packed, Weight&& weight) {
-    using joined = joined_pixels<C>;
+constexpr void pack_pixel_weights(float* packed, Weight&& weight) {
+    using plan = packed_pixels<C>;
     for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
         for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-            for (std::size_t lane = 0; lane < joined::pixels * joined::width; ++lane) {
-                const std::size_t f = lane % joined::width;
+            for (std::size_t lane = 0; lane < plan::pixels * plan::width; ++lane) {
+                const std::size_t f = lane % plan::width;
                 *packed++ = f < C.filters ? weight(f, 0, row, column) : 0.0f;
             }
 }
@@ -62,28 +68,28 @@ constexpr void pack_joined_weights(float* packed, Weight&& weight) {
 /// Each number of a row of the image in all lanes of a pixel, with zeros where its padding is.
 template <frame_convolution C>
 void spread_row(const float* row, float* spread) {
-    using joined = joined_pixels<C>;
-    using narrow = sized_vector<float, joined::width>;
-    constexpr std::size_t count = joined::row_elements / joined::width, left = C.window.left;
+    using plan = packed_pixels<C>;
+    using narrow = sized_vector<float, plan::width>;
+    constexpr std::size_t count = plan::row_elements / plan::width, left = C.window.left;
     constexpr std::size_t inside = std::min(C.window.input.columns, count - left);
     for (std::size_t c = 0; c < left; ++c)
-        store_as(spread + c * joined::width, narrow(0.0f));
+        store_as(spread + c * plan::width, narrow(0.0f));
 #pragma GCC unroll 8
     for (std::size_t c = 0; c < inside; ++c)
-        store_as(spread + (left + c) * joined::width, narrow(row[c * C.input_stride]));
+        store_as(spread + (left + c) * plan::width, narrow(row[c * C.input_stride]));
     for (std::size_t c = left + inside; c < count; ++c)
-        store_as(spread + c * joined::width, narrow(0.0f));
+        store_as(spread + c * plan::width, narrow(0.0f));
 }
 
 /// One register block: `Rows` × `Vectors` vectors of outputs before pooling, of which the first `Columns`
 /// pixels of each row count. `rows` are those under its taps, null where there is padding.
 template <frame_convolution C, std::size_t Rows, std::size_t Vectors, std::size_t Columns>
 [[gnu::flatten, gnu::noinline]] void
-convolve_joined_block(const std::array<const float*, joined_pixels<C>::under_rows>& rows,
+convolve_packed_block(const std::array<const float*, packed_pixels<C>::under_rows>& rows,
                       const float* weights, const float* biases, float* output) {
-    using joined = joined_pixels<C>;
-    using narrow = sized_vector<float, joined::width>;
-    constexpr std::size_t width = joined::width, pixels = joined::pixels;
+    using plan = packed_pixels<C>;
+    using narrow = sized_vector<float, plan::width>;
+    constexpr std::size_t width = plan::width, pixels = plan::pixels;
     constexpr extent kernel = C.window.kernel;
     constexpr std::size_t under_rows = Rows - 1 + kernel.rows;
     constexpr std::size_t under_columns = (Vectors - 1) * pixels + kernel.columns;
@@ -146,49 +152,48 @@ convolve_joined_block(const std::array<const float*, joined_pixels<C>::under_row
     }
 }
 
-/// output = the fused step, as convolve_frame does it, with weights and biases packed for joined pixels.
+/// output = the fused step, as convolve_frame does it, with weights and biases packed likewise.
 /// `scratch` is aligned to `alignment`.
 template <frame_convolution C>
-void convolve_joined_pixels(const float* input, const float* weights, const float* biases, float* output,
+void convolve_packed_pixels(const float* input, const float* weights, const float* biases, float* output,
                             float* scratch) {
-    using joined = joined_pixels<C>;
-    static_assert(joined::suits,
-                  "convolve_joined_pixels: there must be one channel, and room for two pixels");
+    using plan = packed_pixels<C>;
+    static_assert(plan::suits, "convolve_packed_pixels: there must be one channel, and room for two pixels");
     constexpr std::size_t height = C.window.input.rows;
     std::size_t spread = 0; // rows of the image so far
     const auto some_rows = [&](auto rows, std::size_t y) {
-        std::array<const float*, joined::under_rows> under{};
+        std::array<const float*, plan::under_rows> under{};
         for (std::size_t r = 0; r < rows - 1 + C.window.kernel.rows; ++r) {
             if (y + r < C.window.top || y + r - C.window.top >= height)
                 continue;
             const std::size_t row = y + r - C.window.top;
-            float* const place = scratch + row % joined::under_rows * joined::row_elements;
+            float* const place = scratch + row % plan::under_rows * plan::row_elements;
             if (row >= spread) {
                 spread_row<C>(input + row * C.window.input.columns * C.input_stride, place);
                 spread = row + 1;
             }
             under[r] = place;
         }
-        float* const to = output + y / C.pool.rows * C.output_columns() * joined::width;
-        blocked<joined::vectors, joined::block>([&](auto vectors, std::size_t first) {
+        float* const to = output + y / C.pool.rows * C.output_columns() * plan::width;
+        blocked<plan::vectors, plan::block>([&](auto vectors, std::size_t first) {
             const auto columns = [&](auto count) {
-                convolve_joined_block<C, rows, vectors, count>(
-                    under, weights, biases, to + first * joined::pixels / C.pool.columns * joined::width);
+                convolve_packed_block<C, rows, vectors, count>(
+                    under, weights, biases, to + first * plan::pixels / C.pool.columns * plan::width);
             };
-            constexpr std::size_t rest = C.columns() - (joined::vectors - vectors) * joined::pixels;
-            if (first + vectors == joined::vectors)
+            constexpr std::size_t rest = C.columns() - (plan::vectors - vectors) * plan::pixels;
+            if (first + vectors == plan::vectors)
                 columns(constant<rest>{});
             else
-                columns(constant<vectors * joined::pixels>{});
+                columns(constant<vectors * plan::pixels>{});
             for (auto& row : under)
                 if (row != nullptr)
-                    row += vectors * joined::pixels * joined::width;
+                    row += vectors * plan::pixels * plan::width;
         });
     };
-    for (std::size_t y = 0; y + joined::rows <= C.rows(); y += joined::rows)
-        some_rows(constant<joined::rows>{}, y);
-    if constexpr (C.rows() % joined::rows != 0)
-        some_rows(constant<C.rows() % joined::rows>{}, C.rows() / joined::rows * joined::rows);
+    for (std::size_t y = 0; y + plan::rows <= C.rows(); y += plan::rows)
+        some_rows(constant<plan::rows>{}, y);
+    if constexpr (C.rows() % plan::rows != 0)
+        some_rows(constant<C.rows() % plan::rows>{}, C.rows() / plan::rows * plan::rows);
 }
 
 } // namespace kernels
