@@ -65,11 +65,6 @@ private:
     bool fastest_, failed_ = false, told_ = false;
 };
 
-/// This one's name, as a cell of a table.
-std::string processor_cell() {
-    return processor_name(); // without commas
-}
-
 /// The standard error of a ratio of two medians, as a share of it.
 double error_of_ratio(const collector::summary& a, const collector::summary& b) {
     return std::hypot(a.error, b.error);
@@ -128,7 +123,7 @@ void print_table(const collector& all, std::size_t batch, double peak, std::FILE
             std::fprintf(csv, "%s,%zu,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g,%.2g,%.4g,%.4g,%s\n", c.name.c_str(),
                          batch, c.multiply_adds_on_pixels, 1e6 * ours.median / frames, ours.spread,
                          1e6 * theirs.median / frames, theirs.spread, ratio, share, error, others[0],
-                         others[1], processor_cell().c_str());
+                         others[1], processor_name().c_str());
         if (std::isfinite(ratio)) {
             logarithms += std::log(ratio);
             smallest = std::min(smallest, ratio);
@@ -159,7 +154,7 @@ void print_8bit_table(const collector& all, std::size_t batch, std::FILE* csv) {
         if (csv)
             std::fprintf(csv, "%s,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g,%s\n", c.name.c_str(), batch,
                          1e6 * ours.median / frames, ours.spread, 1e6 * theirs.median / frames, theirs.spread,
-                         ratio, to_floats, processor_cell().c_str());
+                         ratio, to_floats, processor_name().c_str());
         if (std::isfinite(ratio) && std::isfinite(to_floats)) {
             logarithms += std::log(ratio), of_floats += std::log(to_floats);
             smallest = std::min(smallest, ratio);

@@ -115,11 +115,10 @@ struct step_description<tactnet::convolution_step<Format, C>> {
     static std::string plan() {
         const std::string tiles = std::to_string(step::tile_outputs);
         return std::string(step::large ? "panels" : "") + (step::large && step::tiled ? ", " : "") +
-               (step::tiled   ? "tiles " + tiles + " × " + tiles
-                : step::large ? ""
-                              : step::pixels_of_vector > 1
-                                  ? std::to_string(step::pixels_of_vector) + " pixels a vector"
-                                  : "taps");
+               (step::tiled                  ? "tiles " + tiles + " × " + tiles
+                : step::large                ? ""
+                : step::pixels_of_vector > 1 ? std::to_string(step::pixels_of_vector) + " pixels a vector"
+                                             : "taps");
     }
     static constexpr std::size_t multiply_adds =
         C.window.taps_on_pixels() * C.window.input.channels / C.groups * C.filters;

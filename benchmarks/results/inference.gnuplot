@@ -1,5 +1,5 @@
 # Latency of one frame against multiply-adds, ours and the peers'. From a table of benchmark_inference:
-#   gnuplot -e "table='benchmarks/results/DATE_inference.csv'; picture='docs/pictures/latency.png'" benchmarks/results/inference.gnuplot
+#   gnuplot -e "table='benchmarks/results/PROCESSOR/DATE/inference.csv'; picture='docs/pictures/latency.png'" benchmarks/results/inference.gnuplot
 set terminal pngcairo size 900,560 font "sans,11"
 set output picture
 set datafile separator ","

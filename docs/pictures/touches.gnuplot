@@ -8,11 +8,12 @@ unset tics
 unset border
 set size ratio -1
 set title offset 0,-0.7
-do for [name in "pliers scissors key sticky_tape rubber allen_key can cable"] {
+do for [strip in "tools/pliers tools/scissors tools/key tools/sticky_tape solids/rubber bars/allen_key bars/can bars/cable"] {
+    name = strip[strstrt(strip, "/") + 1:]
     set title (name eq "sticky_tape" ? "sticky tape" : name eq "allen_key" ? "Allen key" : name)
     # A strip is 872 × 72: eight pictures of 100 × 56, 8 apart; rows count from the bottom.
     set xrange [440:539]
     set yrange [8:63]
-    plot "objects/".name.".png" binary filetype=png with rgbimage
+    plot "objects/".strip.".png" binary filetype=png with rgbimage
 }
 unset multiplot

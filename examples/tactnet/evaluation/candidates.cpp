@@ -57,8 +57,7 @@ std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& p
         for (const candidate& c : candidates)
             for (const tactnet::split_rule rule : plan.rules) {
                 const std::uint64_t seed = plan.first_seed + split;
-                all.push_back({&c, rule, seed,
-                               describe_training(*c.what, c.training, rule, seed, *c.data)});
+                all.push_back({&c, rule, seed, describe_training(*c.what, c.training, rule, seed, *c.data)});
             }
     return all;
 }

@@ -93,9 +93,9 @@ struct resize_plan {
 
 } // namespace detail
 
-/// Resizes an image of counts or of numbers, channel by channel. `Kernel` is `keys<…>` or lagrange. The result
-/// may leave the range of the input where it overshoots; NaN and infinity reach the outputs whose taps of
-/// weight other than zero hold them, and no others. On the stack: `From` and one pass of the result.
+/// Resizes an image of counts or of numbers, channel by channel. `Kernel` is `keys<…>` or lagrange. The
+/// result may leave the range of the input where it overshoots; NaN and infinity reach the outputs whose taps
+/// of weight other than zero hold them, and no others. On the stack: `From` and one pass of the result.
 template <shape From, shape To, class Kernel = keys<>>
 void resize(tensor_view<const float, From> from, tensor_view<float, To> to) {
     detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());

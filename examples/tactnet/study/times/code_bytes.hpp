@@ -1,6 +1,7 @@
 #pragma once
 
-// What networks take of a program beside their weights: the table that the target tactnet_program_code_bytes writes.
+// What networks take of a program beside their weights: the table that the target tactnet_program_code_bytes
+// writes.
 
 #include <cstddef>
 #include <filesystem>

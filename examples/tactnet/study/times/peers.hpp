@@ -13,8 +13,8 @@ struct peer_time {
     std::string peer; ///< as the column is named: "onednn"
     std::string method;
     std::size_t rows, columns;
-    double microseconds;   ///< a frame alone
-    std::size_t bits = 32; ///< of a weight
+    double microseconds;     ///< a frame alone
+    std::size_t bits = 32;   ///< of a weight
     std::string processor{}; ///< that it was measured on; empty where the table does not say
 };
 

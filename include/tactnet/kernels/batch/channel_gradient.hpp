@@ -26,7 +26,9 @@ struct channel_gradient_plan {
     static constexpr std::size_t row_bytes(std::size_t vectors_of_block) {
         return W.input.columns * lanes<T> * vectors_of_block * lanes<T> * sizeof(T);
     }
-    static constexpr std::size_t cache_bytes = 32768; // first level
+    /// Of the first level. Not that of the configuration (caches.hpp): trainings have the same bits on all
+    /// cores, and what does not fit is summed in another order.
+    static constexpr std::size_t cache_bytes = 32 * 1024;
     static constexpr bool fits = lanes<T> > 1 && W.input.channels % lanes<T> == 0 &&
                                  row_bytes(1) <= cache_bytes;
     static constexpr std::size_t vectors = W.input.channels / lanes<T>;

@@ -1,0 +1,164 @@
+// tactnet check: folders of images that are right, and that are not.
+
+#include "../workshop.hpp"
+
+#include <tactnet/io/file.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <data/folder_check.hpp>
+#include <string>
+#include <string_view>
+#include <support/files/data_folder.hpp>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+outcome check(const workshop& shop, const fs::path& data) {
+    return shop.run({"check", "--data", data.string()});
+}
+/// Columns of a table are as wide as need be: any number of spaces counts as one.
+bool says(const outcome& found, std::string_view text) {
+    std::string narrow = found.out;
+    narrow.erase(
+        std::unique(narrow.begin(), narrow.end(), [](char a, char b) { return a == ' ' && b == ' '; }),
+        narrow.end());
+    return narrow.find(text) != std::string::npos;
+}
+void write_image(const fs::path& path, std::uint8_t first, std::uint8_t others, std::size_t height = rows) {
+    std::vector<std::uint8_t> pixels(height * columns, others);
+    pixels.front() = first;
+    write_png(path, height, columns, pixels);
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("check: what is in a folder, where nothing is wrong") {
+        const workshop shop;
+        const outcome found = check(shop, shop.data());
+        CHECK_MESSAGE(found.status == 0, found.out);
+        CHECK(found.error.empty());
+        const std::vector<std::string> lines = lines_of(found.out);
+        REQUIRE(lines.size() == 8);
+        CHECK(lines[0] == "class           images  size  copies  with 255");
+        CHECK(lines[2] == "left                12  7x13       0         0");
+        CHECK(lines[5] == "all                 36  7x13       0         0");
+        CHECK(lines[6].starts_with("These are not the paper's 1 100 images of 22 classes, 28x50, "));
+        CHECK(lines[7] == "nothing is wrong");
+    }
+
+    TEST_CASE("check: each image that is wrong is named, with what is wrong") {
+        const workshop shop;
+        const std::string whole = text_of(shop.data() / "left/image3.png");
+        tactnet::write_file(shop.data() / "left/image3.png", whole.substr(0, whole.size() / 2));
+        tactnet::write_file(shop.data() / "left/image4.png", std::string("no image"));
+        write_image(shop.data() / "left/image5.png", 7, 7);
+        write_image(shop.data() / "right/image5.png", 7, 7); // no copy of the other one
+        write_image(shop.data() / "right/image6.png", 0, 255);
+        write_image(shop.data() / "right/image7.png", 9, 0, rows + 1);
+        fs::copy_file(shop.data() / "left/image0.png", shop.data() / "right/image12.png");
+        const outcome found = check(shop, shop.data());
+        CHECK(found.status == 1);
+        CHECK(says(found, "\nleft 12 7x13, unreadable 0 0\n"));
+        CHECK(says(found, "\nright 13 7x13, 8x13 1 1\n"));
+        CHECK(says(found, "\nleft/image3.png: expected "));
+        CHECK(says(
+            found,
+            "\nleft/image4.png: expected a JPEG or PNG image, found a file that begins with 'no image'\n"));
+        for (const char* empty : {"left/image5.png", "right/image5.png"})
+            CHECK(says(found, std::string("\n") + empty +
+                                  ": expected a touch, found the same value in all tactels\n"));
+        CHECK(says(found, "\nright/image6.png: expected pressures that the sensor can tell, found 90 of 90 "
+                          "pressed tactels at 255\n"));
+        CHECK(says(found, "\nright/image7.png: expected 7x13 as most images, or --resize in training, found "
+                          "8x13\n"));
+        CHECK(says(found, "\nright/image12.png: expected an image of one class, found a copy of "
+                          "left/image0.png\n"));
+        CHECK(found.out.ends_with("\n7 problems\n"));
+    }
+
+    TEST_CASE("check: half of the pressed tactels at 255 are too many, fewer are told") {
+        const workshop shop;
+        std::vector<std::uint8_t> pixels(rows * columns);
+        std::fill_n(pixels.begin(), 21, std::uint8_t{100});
+        std::fill_n(pixels.begin(), 10, std::uint8_t{255});
+        write_png(shop.data() / "left/image1.png", rows, columns, pixels);
+        outcome found = check(shop, shop.data());
+        CHECK(found.status == 0);
+        CHECK(says(found, "\nleft 12 7x13 0 1\n"));
+        pixels[20] = 0;
+        write_png(shop.data() / "left/image1.png", rows, columns, pixels);
+        found = check(shop, shop.data());
+        CHECK(found.status == 1);
+        CHECK(says(found, "left/image1.png: expected pressures that the sensor can tell, found 10 of 20 "));
+    }
+
+    TEST_CASE("check: copies inside a class and files that are no images are told, and not wrong") {
+        const workshop shop;
+        fs::copy_file(shop.data() / "left/image0.png", shop.data() / "left/image12.png");
+        tactnet::write_file(shop.data() / "right/notes.txt", std::string("notes"));
+        tactnet::write_file(shop.data() / "right/.hidden.png", std::string("hidden"));
+        tactnet::write_file(shop.data() / "beside.png", std::string("beside"));
+        const outcome found = check(shop, shop.data());
+        CHECK_MESSAGE(found.status == 0, found.out);
+        CHECK(says(found, "\nleft/image12.png is a copy of left/image0.png: "));
+        CHECK(says(found, "\n2 files are no images of a class and are passed over, such as beside.png\n"));
+        CHECK(found.out.ends_with("\nnothing is wrong\n"));
+    }
+
+    TEST_CASE("check: names are shown as text, and what is no folder of classes is refused") {
+        const workshop shop;
+        fs::rename(shop.data() / "left", shop.data() / "le\x1B[31mft");
+        tactnet::write_file(shop.data() / "right/\nimage.png", std::string("no image"));
+        const outcome found = check(shop, shop.data());
+        CHECK(found.status == 1);
+        CHECK(says(found, "le\\x1b[31mft"));
+        CHECK(says(found, "right/\\x0aimage.png: expected "));
+        CHECK(!says(found, "\x1B"));
+        shop.refuses({"check", "--data", "nowhere"},
+                     "nowhere: expected a folder with one subfolder a class, found nothing of that name");
+        shop.refuses({"check"}, "--data is required");
+    }
+
+    TEST_CASE("check: the paper's images are known, by their pixels") {
+        const auto data = find_data("tactile_images");
+        if (!data)
+            return;
+        const workshop shop;
+        const outcome found = check(shop, *data);
+        CHECK_MESSAGE(found.status == 0, found.out);
+        CHECK(says(found, "\nall 1 100 28x50 5 462\n"));
+        CHECK(says(found, "These are the paper's 1 100 images of 22 classes, 28x50, of which 5 are copies "
+                          "(github.com/"));
+        for (const char* copy : {"bottle/bottle16.jpg is a copy of bottle/bottle12.jpg",
+                                 "bottle/bottle19.jpg is a copy of bottle/bottle15.jpg",
+                                 "caliper/caliper50.jpg is a copy of caliper/caliper48.jpg"})
+            CHECK_MESSAGE(says(found, copy), copy);
+        const folder_check read = check_folder(*data);
+        CHECK(read.images.size() == paper_images::images);
+        CHECK(read.classes.size() == paper_images::classes);
+        CHECK(read.rows == paper_images::rows);
+        CHECK(read.columns == paper_images::columns);
+        CHECK(read.copies.size() == paper_images::copies);
+        CHECK(read.fingerprint() == paper_images::fingerprint);
+    }
+
+    TEST_CASE("folder_check: its fingerprint is of pixels and classes, not of names and order") {
+        const workshop shop;
+        const std::uint64_t before = check_folder(shop.data()).fingerprint();
+        fs::rename(shop.data() / "left", shop.data() / "zuletzt");
+        fs::rename(shop.data() / "right/image0.png", shop.data() / "right/image99.png");
+        CHECK(check_folder(shop.data()).fingerprint() == before);
+        fs::rename(shop.data() / "right/image1.png", shop.data() / "zuletzt/image99.png");
+        CHECK(check_folder(shop.data()).fingerprint() != before);
+        fs::rename(shop.data() / "zuletzt/image99.png", shop.data() / "right/image1.png");
+        CHECK(check_folder(shop.data()).fingerprint() == before);
+        write_image(shop.data() / "right/image1.png", 1, 2);
+        CHECK(check_folder(shop.data()).fingerprint() != before);
+    }
+}

@@ -1,0 +1,269 @@
+// tactnet evaluate.
+
+#include "../workshop.hpp"
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <fcntl.h>
+#include <sstream>
+#include <string>
+#include <sys/file.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+using namespace support;
+
+TEST_SUITE("program") {
+    TEST_CASE("evaluate: what is done is kept") {
+        const workshop shop;
+        const auto evaluate = [&](std::vector<std::string> more) {
+            std::vector<std::string> all{"evaluate",
+                                         "--data",
+                                         shop.data().string(),
+                                         "--network",
+                                         "tactnet4,tactnet6-economical",
+                                         "--rows",
+                                         "7",
+                                         "--columns",
+                                         "13",
+                                         "--epochs",
+                                         "3",
+                                         "--results",
+                                         "r"};
+            all.insert(all.end(), more.begin(), more.end());
+            return shop.run(all);
+        };
+        const outcome first = evaluate({"--splits", "1", "--jobs", "2"});
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        CHECK(first.error.find("4 trainings to do, 0 done before") != std::string::npos);
+        const auto kept = text_of(shop / "r/evaluation.jsonl");
+        CHECK(lines_of(kept).size() == 4);
+        for (const std::string& line : lines_of(kept)) {
+            const auto result = nlohmann::json::parse(line);
+            CHECK(result.at("reflected_accuracy").is_number());
+        }
+        CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
+        CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
+        CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
+        CHECK(lines_of(text_of(shop / "r/accuracy_and_cost.csv"))[0] ==
+              "network,multiply_adds,microseconds,random_accuracy,random_deviation,blocked_accuracy,"
+              "blocked_deviation");
+        CHECK(lines_of(text_of(shop / "r/table.csv"))[0] ==
+              "network,rows,columns,recipe,splits,random_accuracy,random_deviation,blocked_accuracy,"
+              "blocked_deviation,parameters,multiply_adds,multiply_adds_on_pixels,bytes,activation_bytes,"
+              "microseconds,microseconds_in_batch,training_seconds");
+        // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
+        // last layer.
+        CHECK(first.out.find(" 6 323 ") != std::string::npos);
+
+        const outcome second = evaluate({"--splits", "2", "--jobs", "1"});
+        REQUIRE_MESSAGE(second.status == 0, second.error);
+        CHECK(second.error.find("4 trainings to do, 4 done before") != std::string::npos);
+        CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(kept));
+
+        // One kind of split alone: the same trainings, and nothing is said of the other kind.
+        const outcome random = evaluate({"--splits", "2", "--split", "random", "--jobs", "1"});
+        CHECK(random.status == 0);
+        CHECK(random.error.find("0 trainings to do, 4 done before") != std::string::npos);
+        CHECK(random.out.find("random, %") != std::string::npos);
+        for (const std::string& text :
+             {random.out, text_of(shop / "r/table.csv"), text_of(shop / "r/table.jsonl"),
+              text_of(shop / "r/accuracy_and_cost.csv")})
+            CHECK_MESSAGE(text.find("blocked") == std::string::npos, text);
+        CHECK(lines_of(text_of(shop / "r/table.csv"))[0].find(
+                  ",splits,random_accuracy,random_deviation,par") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/accuracy_and_cost.csv"))[0] ==
+              "network,multiply_adds,microseconds,random_accuracy,random_deviation");
+
+        // A line that was being written when the power went is passed over, and replaced.
+        const auto whole = text_of(shop / "r/evaluation.jsonl");
+        tactnet::write_file(shop / "r/evaluation.jsonl",
+                            std::string_view(whole).substr(0, whole.size() - 20));
+        const outcome third = evaluate({"--splits", "2", "--jobs", "1"});
+        CHECK(third.error.find("1 trainings to do, 7 done before") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 8);
+
+        // Another version of the library may train otherwise: its results are not taken for this one's.
+        std::string older = text_of(shop / "r/evaluation.jsonl");
+        const std::string version = "\"library\":\"";
+        REQUIRE(older.find(version) != std::string::npos);
+        for (std::size_t at = 0; (at = older.find(version, at)) != std::string::npos; at += version.size())
+            older.insert(at + version.size(), "0.");
+        tactnet::write_file(shop / "r/evaluation.jsonl", older);
+        const outcome changed = evaluate({"--splits", "1"});
+        CHECK(changed.status == 2);
+        CHECK(changed.error.find("evaluation.jsonl: checksum of the line 1: expected") != std::string::npos);
+        // As that version would have written it, without checksums.
+        std::string plain;
+        std::istringstream lines(older);
+        for (std::string line; std::getline(lines, line);) {
+            const std::size_t at = line.find("\"checksum\":");
+            REQUIRE(at != std::string::npos);
+            const std::size_t comma = line.rfind(',', at), end = line.find('"', at + 13) + 1;
+            line.erase(comma == std::string::npos ? at : comma,
+                       end - (comma == std::string::npos ? at : comma));
+            plain += line + "\n";
+        }
+        older = plain;
+        tactnet::write_file(shop / "r/evaluation.jsonl", older);
+        CHECK(evaluate({"--splits", "1"}).error.find("4 trainings to do, 0 done before") !=
+              std::string::npos);
+        CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(older));
+
+        CHECK(evaluate({"--splits", "1", "--afresh"}).error.find("4 trainings to do, 0 done before") !=
+              std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
+
+        tactnet::write_file(shop / "r/evaluation.jsonl", "{}\n");
+        const outcome damaged = evaluate({"--splits", "1"});
+        CHECK(damaged.status == 2);
+        CHECK(damaged.error.find("evaluation.jsonl: line 1: expected a result of tactnet evaluate, found") !=
+              std::string::npos);
+
+        // Counts that are none, in a list of a version without checksums.
+        for (const auto& counts :
+             std::vector<std::pair<std::string, std::string>>{{"\"epochs\":3,", "\"epochs\":-3,"},
+                                                              {"\"epochs\":3,", "\"epochs\":2.5,"},
+                                                              {"\"epochs\":3,", "\"epochs\":true,"},
+                                                              {"\"classes\":3,", "\"classes\":3.7,"},
+                                                              {"\"confusion\":[", "\"confusion\":[0.9,"}}) {
+            const std::string &right = counts.first, &wrong = counts.second; // doctest's checks capture them
+            std::string list = older;
+            const std::size_t at = list.find(right);
+            REQUIRE_MESSAGE(at != std::string::npos, right);
+            list.replace(at, right.size(), wrong);
+            if (wrong.ends_with("0.9,")) { // in place of the first count
+                const std::size_t count = at + wrong.size();
+                list.erase(count, list.find(',', count) - count + 1);
+            }
+            tactnet::write_file(shop / "r/evaluation.jsonl", list);
+            const outcome refused = evaluate({"--splits", "1"});
+            CHECK(refused.status == 2);
+            CHECK_MESSAGE(refused.error.find("line 1: expected a result of tactnet evaluate, found 'expected "
+                                             "a whole number from 0, found ") != std::string::npos,
+                          refused.error);
+        }
+    }
+
+    TEST_CASE("evaluate: support vector machines, on the same splits") {
+        const workshop shop;
+        const auto evaluate = [&](std::vector<std::string> more) {
+            std::vector<std::string> all{"evaluate", "--data",   shop.data().string(),
+                                         "--rows",   "7",        "--columns",
+                                         "13",       "--split",  "random",
+                                         "--splits", "2",        "--results",
+                                         "r",        "--method", "svm-linear,svm-rbf,surf-svm"};
+            all.insert(all.end(), more.begin(), more.end());
+            return all;
+        };
+        const outcome first = shop.run(evaluate({"--jobs", "2"}));
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        const auto table = lines_of(text_of(shop / "r/table.csv"));
+        REQUIRE(table.size() == 4);
+        const char* names[] = {"svm-linear", "svm-rbf", "surf-svm"};
+        for (std::size_t m = 0; m < 3; ++m) {
+            CAPTURE(table[m + 1]);
+            // The bars are told apart with ease, by the window's edges even where only words count; chance
+            // is a third.
+            const std::string start = std::string(names[m]) + ",7,13,default,2,";
+            REQUIRE(table[m + 1].find(start) == 0);
+            CHECK(std::stod(table[m + 1].substr(start.size())) >= (m < 2 ? 1.0 : 0.9));
+            CHECK(fs::exists(shop / ("r/confusion_" + std::string(names[m]) + "_7x13.csv").c_str()));
+        }
+        const auto kept = text_of(shop / "r/evaluation.jsonl");
+        const outcome again = shop.run(evaluate({"--jobs", "1"}));
+        CHECK(again.error.find("0 trainings to do, 6 done before") != std::string::npos);
+        CHECK(text_of(shop / "r/evaluation.jsonl") == kept);
+
+        shop.refuses(evaluate({"--epochs", "3"}), "expected a network, found svm-linear");
+        shop.refuses(evaluate({"--recipe", "published"}),
+                     "expected default, since nothing was published for svm-linear");
+        shop.refuses(evaluate({"--recipe", "thorough"}),
+                     "a thorough training is one of a network that begins by chance, not of svm-linear");
+
+        // They are described by their own settings, and by no recipe of networks.
+        const auto described = lines_of(kept);
+        REQUIRE(described.size() == 6);
+        for (const std::string& line : described) {
+            const auto has = [&](const char* text) { return line.find(text) != std::string::npos; };
+            for (const char* recipe : {"optimiser", "rate", "batch", "augmentation", "patience"})
+                CHECK_MESSAGE(!has(("\"" + std::string(recipe) + "\":").c_str()), line);
+            for (const char* common : {"\"seed\":", "\"data\":", "\"library\":", "\"instruction_set\":",
+                                       "\"tolerance\":", "\"iteration_limit\":"})
+                CHECK_MESSAGE(has(common), line);
+            CHECK(has("\"cost\":\"1\"") == has("\"network\":\"svm-linear\""));
+            CHECK(has("\"gamma_rule\":\"scale\"") == has("\"network\":\"svm-rbf\""));
+            CHECK(has("\"loss\":\"squared hinge\"") != has("\"network\":\"svm-rbf\""));
+            for (const char* of_words :
+                 {"\"words\":\"500\"", "\"surf_step\":\"3x3\"", "\"surf_scales\":\"1 2\"",
+                  "\"word_descriptors\":\"20000\"",
+                  "\"word_iterations\":", "\"word_seed\":", "\"histogram\":\"square roots of counts\""})
+                CHECK_MESSAGE(has(of_words) == has("\"network\":\"surf-svm\""), line);
+        }
+    }
+
+#if !defined(__SANITIZE_ADDRESS__) &&                                                                        \
+    !defined(__SANITIZE_THREAD__) // which takes more addresses than any limit
+    TEST_CASE("evaluate: goes on with fewer threads where the system refuses some") {
+        const workshop shop;
+        // A stack of 4 GiB for each thread, of 2 GiB in all.
+        const auto limited =
+            run_program("ulimit -S -s 4194304 && ulimit -v 2097152 || exit 77; cd '" + shop.work().string() +
+                        "' && exec " TACTNET_PROGRAM " evaluate --data '" + shop.data().string() +
+                        "' --method svm-linear --rows 7 --columns 13 --splits 2 --results r --jobs 3");
+        if (limited.status == 77) {
+            MESSAGE("skipped: limits cannot be set here");
+            return;
+        }
+        CHECK_MESSAGE(limited.status == 0, limited.error);
+        CHECK(limited.error.find("the system refuses more threads: 1 trainings at a time in place of 3") !=
+              std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
+    }
+#endif
+
+    TEST_CASE("evaluate: several share a folder of results") {
+        const workshop shop;
+        const auto arguments = [&](const char* seed, const char* splits, const char* results) {
+            return std::vector<std::string>{"evaluate",  "--data",    shop.data().string(),
+                                            "--network", "tactnet4",  "--rows",
+                                            "7",         "--columns", "13",
+                                            "--epochs",  "2",         "--jobs",
+                                            "1",         "--split",   "random",
+                                            "--results", results,     "--seed",
+                                            seed,        "--splits",  splits};
+        };
+        REQUIRE(shop.run(arguments("0", "1", "other")).status == 0);
+        const std::string line = text_of(shop / "other/evaluation.jsonl");
+
+        // The test writes as another program does, and is slow about it.
+        fs::create_directory(shop / "r");
+        const fs::path list = shop / "r/evaluation.jsonl";
+        const int file = open(list.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+        REQUIRE(file >= 0);
+        REQUIRE(flock(file, LOCK_EX) == 0);
+        const std::size_t half = line.size() / 2;
+        REQUIRE(write(file, line.data(), half) == static_cast<ssize_t>(half));
+        const pid_t child = shop.start(arguments("1", "2", "r"));
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        REQUIRE(write(file, line.data() + half, line.size() - half) ==
+                static_cast<ssize_t>(line.size() - half));
+        REQUIRE(close(file) == 0);
+        const outcome waited = shop.wait(child);
+        REQUIRE_MESSAGE(waited.status == 0, waited.error);
+        CHECK(text_of(list).starts_with(line));
+        CHECK(lines_of(text_of(list)).size() == 3);
+
+        // Two at once.
+        const pid_t one = shop.start(arguments("10", "20", "r")),
+                    two = shop.start(arguments("30", "20", "r"));
+        CHECK(shop.wait(one).status == 0);
+        CHECK(shop.wait(two).status == 0);
+        CHECK(lines_of(text_of(list)).size() == 43);
+        CHECK(shop.run(arguments("10", "40", "r")).error.find("0 trainings to do, 40 done before") !=
+              std::string::npos);
+    }
+}

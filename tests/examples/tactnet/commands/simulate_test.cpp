@@ -1,0 +1,105 @@
+// tactnet simulate.
+
+#include "../workshop.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace support;
+
+TEST_SUITE("program") {
+    TEST_CASE("simulate: a folder that a training takes, from a seed, on any number of threads") {
+        const workshop shop;
+        const auto simulate = [&](const char* out, std::vector<std::string> more) {
+            more.insert(more.begin(), {"simulate", "--out", out, "--per-class", "2"});
+            return shop.run(more);
+        };
+        const outcome made = simulate("one", {"--threads", "1"});
+        CHECK(made.status == 0);
+        CHECK(made.out.find("44 images of 22 classes") != std::string::npos);
+        REQUIRE(simulate("three", {"--threads", "3"}).status == 0);
+        REQUIRE(simulate("other", {"--seed", "2"}).status == 0);
+        REQUIRE(simulate("ideal", {"--scene", "ideal"}).status == 0);
+        std::size_t files = 0, same = 0;
+        for (const auto& entry : fs::recursive_directory_iterator(shop / "one"))
+            if (entry.path().extension() == ".png") {
+                const fs::path inside = fs::relative(entry.path(), shop / "one");
+                const tactnet::grey_image image = decode_image(entry.path());
+                CHECK((image.rows == 28 && image.columns == 50));
+                CHECK(image.pixels == decode_image(shop / "three" / inside).pixels);
+                same += image.pixels == decode_image(shop / "other" / inside).pixels;
+                same += image.pixels == decode_image(shop / "ideal" / inside).pixels;
+                ++files;
+            }
+        CHECK(files == 44);
+        CHECK(same == 0);
+
+        // A folder begun with these settings is gone on with, any other left alone.
+        fs::remove(shop / "one" / "rock" / "00002.png");
+        CHECK(simulate("one", {}).status == 0);
+        CHECK(text_of(shop / "one" / "rock" / "00002.png") == text_of(shop / "three" / "rock" / "00002.png"));
+        shop.refuses({"simulate", "--out", "one", "--per-class", "3"},
+                     "expected images of the same simulation");
+        shop.refuses({"simulate", "--out", shop.data().string()}, "expected a new folder, an empty one");
+        shop.refuses({"simulate", "--out", ""}, "found no name");
+        shop.refuses({"simulate", "--out", "one/simulation.json/in"}, "expected to make the folder");
+        shop.refuses({"simulate", "--out", "new", "--seed", "-1"}, "--seed");
+        shop.refuses({"simulate", "--out", "new", "--per-class", "0"}, "--per-class");
+        shop.refuses({"simulate", "--out", "new", "--scene", "none"}, "--scene");
+        tactnet::write_file(shop / "other" / "simulation.json", std::string("{\"scene\": "));
+        shop.refuses({"simulate", "--out", "other", "--per-class", "2"}, "found no JSON");
+
+        // Levels without end would take a stack without end.
+        for (const char* level : {"[", "{\"scene\":"}) {
+            std::string deep;
+            for (int i = 0; i < 100'000; ++i)
+                deep += level;
+            tactnet::write_file(shop / "other" / "simulation.json", deep);
+            shop.refuses({"simulate", "--out", "other", "--per-class", "2"},
+                         "simulation.json: expected images");
+        }
+        tactnet::write_file(shop / "other" / "simulation.json",
+                            std::string(100'000, '[') + std::string(100'000, ']'));
+        shop.refuses({"simulate", "--out", "other", "--per-class", "2"}, "found JSON of more than 8 levels");
+
+        // Ended at its very beginning it can still be gone on with.
+        fs::create_directory(shop / "begun");
+        fs::copy(shop / "one" / "simulation.json", shop / "begun");
+        CHECK(simulate("begun", {}).status == 0);
+        CHECK(text_of(shop / "begun" / "rock" / "00002.png") ==
+              text_of(shop / "three" / "rock" / "00002.png"));
+    }
+
+    TEST_CASE("simulate: Ctrl-C, then the same command goes on; two at once do no harm") {
+        const workshop shop;
+        const auto command = [](const char* out) {
+            return std::vector<std::string>{"simulate", "--out",     out, "--per-class", "40", "--seed",
+                                            "3",        "--threads", "1"};
+        };
+        const pid_t child = shop.start(command("stopped"));
+        for (int i = 0; i < 60'000 && !fs::exists(shop / "stopped" / "ball" / "00002.png"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        kill(child, SIGINT);
+        const outcome stopped = shop.wait(child);
+        CHECK(stopped.status == 130);
+        CHECK(stopped.error.find("the same command goes on") != std::string::npos);
+        const pid_t one = shop.start(command("stopped")), two = shop.start(command("stopped"));
+        CHECK(shop.wait(one).status == 0);
+        CHECK(shop.wait(two).status == 0);
+        REQUIRE(shop.run(command("whole")).status == 0);
+        std::size_t files = 0;
+        for (const auto& entry : fs::recursive_directory_iterator(shop / "stopped")) {
+            if (!entry.is_regular_file())
+                continue;
+            CHECK(text_of(entry.path()) ==
+                  text_of(shop / "whole" / fs::relative(entry.path(), shop / "stopped")));
+            ++files;
+        }
+        CHECK(files == 22 * 40 + 1); // with the note, and nothing half-written
+    }
+}

@@ -1,0 +1,323 @@
+// tactnet study and tactnet recommend.
+
+#include "../workshop.hpp"
+
+#include <tactnet/io/file.hpp>
+#include <tactnet/io/safetensors/json_checksum.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+/// A study of two methods on 7 × 13 tactels, in single precision.
+std::vector<std::string> study(const workshop& shop, const std::string& results,
+                               const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all{"study",
+                                 "--data",
+                                 shop.data().string(),
+                                 "--methods",
+                                 "tactnet4,svm-linear",
+                                 "--sizes",
+                                 "7x13",
+                                 "--recipes",
+                                 "default",
+                                 "--splits",
+                                 "2",
+                                 "--bits",
+                                 "32",
+                                 "--results",
+                                 results};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+/// What of the table does not depend on the machine or the hour: all up to the first time.
+std::vector<std::string> accuracies_in(const std::string& csv) {
+    std::vector<std::string> lines = lines_of(csv);
+    const std::string head = lines.at(0);
+    const std::size_t end = head.find(",microseconds");
+    const auto columns = static_cast<std::size_t>(
+                             std::count(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(end), ',')) +
+                         1;
+    for (std::string& line : lines) {
+        std::size_t place = 0;
+        for (std::size_t c = 0; c < columns; ++c)
+            place = line.find(',', place) + 1;
+        line.resize(place - 1);
+    }
+    return lines;
+}
+
+/// A line as it was before it was given a checksum, its last member.
+std::string plain_line(const std::string& line) {
+    return line.substr(0, line.rfind(",\"checksum\"")) + '}';
+}
+
+/// With another text for a member that has one.
+std::string with_member(std::string json, const std::string& name, const std::string& text) {
+    const std::size_t begin = json.find('"' + name + "\":\"") + name.size() + 4;
+    return json.replace(begin, json.find('"', begin) - begin, text);
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("study: methods trained and timed once, on one page") {
+        const workshop shop;
+        const outcome first = shop.run(study(shop, "s"));
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        CHECK(first.error.find("8 trainings to do, of 8 in all") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8);
+        CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
+        CHECK(lines_of(text_of(shop / "s/study.csv")).size() == 3);
+        CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 2);
+        CHECK(first.out.find("svm-linear") != std::string::npos);
+
+        // The page stands alone, and says all of it.
+        const std::string page = text_of(shop / "s/study.html");
+        CHECK(page.starts_with("<!DOCTYPE html>"));
+        CHECK(page.ends_with("</html>\n"));
+        for (const std::string_view part :
+             {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
+              "middle, of all", "<th>validation, %</th>", "Random against blocked splits",
+              "knows each class</h2>"})
+            CHECK_MESSAGE(page.find(part) != std::string::npos, part);
+        for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
+            CHECK_MESSAGE(page.find(foreign) == std::string::npos, foreign);
+        if (fs::exists(shop / "s/accuracy_and_time.png")) { // where there is gnuplot
+            CHECK(page.find("<svg") != std::string::npos);
+            CHECK(fs::exists(shop / "s/learning_curves.png"));
+        }
+        for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
+            CHECK((line.find("\"curve\":[[") != std::string::npos) ==
+                  (line.find("\"network\":\"tactnet4\"") != std::string::npos));
+
+        // Tables for a README, each between comments.
+        const std::string tables = text_of(shop / "s/study.md");
+        for (const std::string_view part : {"<!-- study front -->\n| method |", "<!-- study front ends -->\n",
+                                            "| tactnet4 | 7 × 13 | default |", "| svm-linear | 7 × 13 |"})
+            CHECK_MESSAGE(tables.find(part) != std::string::npos, part);
+
+        const auto before = text_of(shop / "s/study.csv");
+        const outcome second = shop.run(study(shop, "s"));
+        REQUIRE_MESSAGE(second.status == 0, second.error);
+        CHECK(second.error.find("0 trainings to do, of 8 in all") != std::string::npos);
+        CHECK(text_of(shop / "s/study.csv") == before);
+    }
+
+    TEST_CASE("study: networks in 8 bits have rows of their own, of the same trainings") {
+        const workshop shop;
+        const std::vector<std::string> both{
+            "study",     "--data",  shop.data().string(), "--methods", "tactnet4",  "--sizes", "7x13",
+            "--recipes", "default", "--splits",           "2",         "--results", "s"};
+        const outcome first = shop.run(both);
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        CHECK(first.error.find("4 trainings to do, of 4 in all") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8); // each in both
+        CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
+        const std::vector<std::string> rows = lines_of(text_of(shop / "s/study.jsonl"));
+        REQUIRE(rows.size() == 2);
+        CHECK(rows[0].find("\"bits\":32") != std::string::npos);
+        CHECK(rows[1].find("\"bits\":8") != std::string::npos);
+        CHECK(rows[1].find("\"random_splits\":2,") != std::string::npos);
+        const std::string tables = text_of(shop / "s/study.md");
+        CHECK(tables.find("| tactnet4 in 8 bits | 7 × 13 | default |") != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find(">tactnet4 in 8 bits</td>") != std::string::npos);
+
+        // It weighs less than a third, so a budget of bytes finds it.
+        const outcome small = shop.run({"recommend", "--results", "s", "--bytes", "12000"});
+        REQUIRE_MESSAGE(small.status == 0, small.error);
+        CHECK(small.out.starts_with("tactnet4 7x13 in 8 bits, default recipe: "));
+
+        // Single precision alone needs no more trainings.
+        std::vector<std::string> single = both;
+        single.insert(single.end(), {"--bits", "32"});
+        const outcome second = shop.run(single);
+        REQUIRE_MESSAGE(second.status == 0, second.error);
+        CHECK(second.error.find("0 trainings to do, of 4 in all") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 1);
+    }
+
+    TEST_CASE("study: parts of several machines give the table of one, to the last digit") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "whole")).status == 0);
+        for (const char* part : {"1", "2"}) {
+            const outcome run =
+                shop.run(study(shop, std::string("part") + part, {"--shard", std::string(part) + "/2"}));
+            REQUIRE_MESSAGE(run.status == 0, run.error);
+            CHECK(run.error.find("4 trainings to do, of 8 in all") != std::string::npos);
+        }
+        const outcome merged = shop.run(study(shop, "merged", {"--merge", "part1,part2", "--report-only"}));
+        REQUIRE_MESSAGE(merged.status == 0, merged.error);
+        CHECK(accuracies_in(text_of(shop / "merged/study.csv")) ==
+              accuracies_in(text_of(shop / "whole/study.csv")));
+        CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
+        CHECK(merged.error.find("\nwarning: 8 of 8 trainings are there, 0 of 2 methods are timed\n") !=
+              std::string::npos);
+        // Again: nothing is doubled.
+        REQUIRE(shop.run(study(shop, "merged", {"--merge", "part1,part2", "--report-only"})).status == 0);
+        CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
+    }
+
+    TEST_CASE("study: killed, it goes on with what is left, and so do two programs on one folder") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "whole")).status == 0);
+        const pid_t child = shop.start(study(shop, "killed", {"--jobs", "1"}));
+        for (int i = 0; i < 60'000 && !fs::exists(shop / "killed/evaluation.jsonl"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        kill(child, SIGKILL);
+        shop.wait(child);
+        const pid_t one = shop.start(study(shop, "killed", {"--jobs", "1"})),
+                    other = shop.start(study(shop, "killed", {"--jobs", "1"}));
+        CHECK(shop.wait(one).status == 0);
+        CHECK(shop.wait(other).status == 0);
+        CHECK(lines_of(text_of(shop / "killed/timings.jsonl")).size() == 2); // one of them timed
+        CHECK(lines_of(text_of(shop / "killed/evaluation.jsonl")).size() == 8);
+        CHECK(accuracies_in(text_of(shop / "killed/study.csv")) ==
+              accuracies_in(text_of(shop / "whole/study.csv")));
+    }
+
+    TEST_CASE("study: blocked splits alone, and fewer splits than were asked for, are shown as that") {
+        const workshop shop;
+        const outcome blocked = shop.run(study(shop, "s", {"--split", "blocked"}));
+        REQUIRE_MESSAGE(blocked.status == 0, blocked.error);
+        CHECK(text_of(shop / "s/study.html").find("Test accuracy over blocked splits") != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find("class=\"confusion\"") != std::string::npos);
+        std::vector<std::string> more = study(shop, "s", {"--split", "blocked", "--report-only"});
+        *(std::find(more.begin(), more.end(), "--splits") + 1) = "5";
+        const outcome fewer = shop.run(more);
+        REQUIRE_MESSAGE(fewer.status == 0, fewer.error);
+        CHECK(fewer.out.find(" (2 of 5)") != std::string::npos);
+        CHECK(fewer.error.starts_with("warning: 4 of 10 trainings are there, 2 of 2 methods are timed\n"));
+        CHECK(text_of(shop / "s/study.html").find("2 of 5 splits") != std::string::npos);
+
+        // Of another kind of split nothing is there: rows without accuracies, or none.
+        CHECK(
+            shop.run(study(shop, "s", {"--split", "random", "--report-only"})).out.find("not trained yet") !=
+            std::string::npos);
+        const outcome none =
+            shop.run(study(shop, "s", {"--split", "random", "--report-only", "--only-trained"}));
+        REQUIRE_MESSAGE(none.status == 0, none.error);
+        CHECK(text_of(shop / "s/study.csv").empty());
+        shop.refuses(study(shop, "s", {"--report-only", "--shard", "1/2"}),
+                     "expected one of them, found both");
+    }
+
+    TEST_CASE("study: times of programs compiled for other instruction sets stand beside its own") {
+        const workshop shop;
+        const outcome timed = shop.run(study(shop, "s", {"--times-only"}));
+        REQUIRE_MESSAGE(timed.status == 0, timed.error);
+        CHECK(!fs::exists(shop / "s/evaluation.jsonl"));
+        CHECK(!fs::exists(shop / "s/study.html"));
+        std::string lines = text_of(shop / "s/timings.jsonl");
+        REQUIRE(lines_of(lines).size() == 2);
+        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        CHECK(text_of(shop / "s/timings.jsonl") == lines); // not timed again
+        CHECK(text_of(shop / "s/study.html").find("Other instruction sets") == std::string::npos);
+
+        // As another build would have written them, and one of another compiler, which is left out.
+        for (const std::string& line : lines_of(text_of(shop / "s/timings.jsonl"))) {
+            const std::string plain = plain_line(line);
+            lines += tactnet::with_checksum(with_member(plain, "instruction_set", "scalar_sse2")) + '\n' +
+                     tactnet::with_checksum(with_member(with_member(plain, "instruction_set", "simd_sse41"),
+                                                        "compiler", "another")) +
+                     '\n';
+        }
+        tactnet::write_file(shop / "s/timings.jsonl", lines);
+        REQUIRE(shop.run(study(shop, "s", {"--report-only"})).status == 0);
+        const std::string page = text_of(shop / "s/study.html");
+        CHECK(page.find("Other instruction sets") != std::string::npos);
+        CHECK(page.find("<th title=\"scalar_sse2\">no vectors (SSE2)</th>") != std::string::npos);
+        CHECK(page.find("SSE4.1</th>") == std::string::npos);
+        shop.refuses(study(shop, "s", {"--times-only", "--report-only"}),
+                     "--report-only excludes --times-only");
+    }
+
+    TEST_CASE("study: trainings of an earlier version stand in for those that this one has not made") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        const std::string table = text_of(shop / "s/study.csv");
+        std::string lines;
+        for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
+            lines += tactnet::with_checksum(with_member(plain_line(line), "library", "0.0.9")) + '\n';
+        tactnet::write_file(shop / "s/evaluation.jsonl", lines);
+        CHECK(shop.run(study(shop, "s", {"--report-only"})).out.find("not trained yet") != std::string::npos);
+        REQUIRE(shop.run(study(shop, "s", {"--report-only", "--trained-by", "0.0.9"})).status == 0);
+        CHECK(text_of(shop / "s/study.csv") == table);
+        CHECK(text_of(shop / "s/study.md").find("trained by this version or 0.0.9") != std::string::npos);
+        shop.refuses(study(shop, "s", {"--trained-by", "0.0.9"}), "--trained-by requires --report-only");
+    }
+
+    TEST_CASE("study: what cannot be had has its row, with the reason") {
+        const workshop shop;
+        const outcome run =
+            shop.run({"study", "--data", shop.data().string(), "--methods", "svm-linear,squeezenet-svm",
+                      "--sizes", "7x13", "--splits", "1", "--results", "s"});
+        REQUIRE_MESSAGE(run.status == 0, run.error);
+        const std::string reason =
+            "needs SqueezeNet 1.1 trained on photographs, --pretrained squeezenet=FILE";
+        CHECK(run.out.find("squeezenet-svm 7x13: " + reason) != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find(reason) != std::string::npos);
+        CHECK(text_of(shop / "s/study.csv").find(reason) != std::string::npos);
+    }
+
+    TEST_CASE("study: what it cannot take is said") {
+        const workshop shop;
+        shop.refuses(study(shop, "s", {"--shard", "3/2"}),
+                     "--shard: expected a part of all such as 1/4, from 1 on, found '3/2'");
+        shop.refuses(study(shop, "s", {"--shard", "0/2"}), "found '0/2'");
+        shop.refuses(
+            study(shop, "s", {"--pretrained", "resnet=x"}),
+            "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'");
+        shop.refuses({"study", "--data", shop.data().string(), "--methods", "tactnet5"},
+                     "--methods: expected some of tactnet4");
+        shop.refuses({"study", "--data", shop.data().string(), "--sizes", "1x1"},
+                     "--sizes: expected sizes that were compiled in, found '1x1'");
+        shop.refuses(study(shop, "s", {"--merge", "nowhere"}),
+                     "--merge: expected a folder of results, found no nowhere/evaluation.jsonl");
+    }
+
+    TEST_CASE("recommend: the best network of a study within a budget, or why there is none") {
+        const workshop shop;
+        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        const auto recommend = [&](std::vector<std::string> more) {
+            more.insert(more.begin(), {"recommend", "--results", "s"});
+            return more;
+        };
+        const outcome any = shop.run(recommend({"--microseconds", "1000000"}));
+        REQUIRE_MESSAGE(any.status == 0, any.error);
+        CHECK(any.out.starts_with("tactnet4 7x13, default recipe: "));
+        CHECK(any.out.find(" over 2 random splits, ") != std::string::npos);
+        CHECK(any.out.ends_with("tactnet::tactnet4<tactnet::shape{7, 13}, 22>\n"));
+        CHECK(shop.run(recommend({"--rows", "7", "--columns", "13", "--split", "blocked"})).status == 0);
+        shop.refuses(recommend({"--bytes", "100"}),
+                     "expected a budget that a network of s/study.jsonl keeps, found "
+                     "none; the fastest, tactnet4 7x13, takes ");
+        shop.refuses(recommend({"--rows", "6"}), "found none; the fastest");
+        shop.refuses({"recommend", "--results", "nowhere"}, "nowhere/study.jsonl: expected");
+
+        // Rows that are lost, at the end and before it.
+        const std::string whole = text_of(shop / "s/study.jsonl");
+        const std::size_t first = whole.find('\n') + 1;
+        tactnet::write_file(shop / "s/study.jsonl", whole.substr(0, first));
+        shop.refuses(recommend({}), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
+        tactnet::write_file(shop / "s/study.jsonl", whole.substr(0, whole.size() - 1));
+        shop.refuses(recommend({}), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
+        tactnet::write_file(shop / "s/study.jsonl", whole.substr(first));
+        shop.refuses(recommend({}), "s/study.jsonl: line 1: expected a row of tactnet study, found 'the row "
+                                    "that was line 2 of 2'");
+        tactnet::write_file(shop / "s/study.jsonl", std::string("{\"method\": 3}\n"));
+        shop.refuses(recommend({}), "s/study.jsonl: line 1: expected a row of tactnet study, found '");
+    }
+}

@@ -1,0 +1,243 @@
+// tactnet train.
+
+#include "../workshop.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <png.h>
+#include <string>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+/// 16 bits a pixel.
+void write_deep_png(const fs::path& path) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = columns;
+    image.height = rows;
+    image.format = PNG_FORMAT_LINEAR_Y;
+    const std::vector<png_uint_16> pixels(rows * columns, 1000);
+    REQUIRE(png_image_write_to_file(&image, path.c_str(), 0, pixels.data(), 0, nullptr) != 0);
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("train: the file is evaluated and classifies") {
+        const workshop shop;
+        const outcome trained = shop.train({"--epochs", "15", "--output", "out/net.safetensors"});
+        REQUIRE_MESSAGE(trained.status == 0, trained.error);
+        CHECK(trained.out.find("test accuracy") != std::string::npos);
+        for (const char* name :
+             {"net.safetensors", "net.learning.csv", "net.learning.jsonl", "net.confusion.csv"})
+            CHECK_MESSAGE(fs::exists(shop / "out" / name), name);
+        // A picture, or what it takes to draw it.
+        for (const char* name : {"net.learning", "net.confusion"})
+            CHECK(fs::exists(shop / "out" / (std::string(name) + ".png")) !=
+                  fs::exists(shop / "out" / (std::string(name) + ".gp")));
+        CHECK(lines_of(text_of(shop / "out/net.learning.csv")).size() == 16);
+        CHECK(lines_of(text_of(shop / "out/net.learning.jsonl")).size() == 15);
+        CHECK(lines_of(text_of(shop / "out/net.confusion.csv"))[0] ==
+              "true class,left,\"middle, of all\",right");
+        CHECK_FALSE(fs::exists(shop / "out/net.safetensors.checkpoint"));
+
+        // A network of three classes, whatever the program could tell apart.
+        const auto file = tactnet::safetensors::read(shop / "out/net.safetensors");
+        file.require_extents("fc.bias", std::vector<std::size_t>{3});
+        CHECK(file.metadata().at("network") == "tactnet4");
+        CHECK(file.metadata().at("classes") == "[\"left\",\"middle, of all\",\"right\"]");
+        CHECK(file.metadata().at("seed") == "5");
+        CHECK(file.contains("selftest.logits"));
+        CHECK(file.contains("input_mean"));
+
+        // The split's test images give the same accuracy again.
+        const outcome tested =
+            shop.run({"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string()});
+        REQUIRE_MESSAGE(tested.status == 0, tested.error);
+        const auto accuracy = std::stod(file.metadata().at("test_accuracy"));
+        CHECK(tested.out.find("tactnet4  7x13") != std::string::npos);
+        CHECK(accuracy > 0.5); // three bright bars: nearly all are right
+        const outcome all = shop.run({"evaluate", "--weights", "out/net.safetensors", "--data",
+                                      shop.data().string(), "--images", "all"});
+        CHECK(all.status == 0);
+        CHECK(all.out.find("     36  ") != std::string::npos);
+
+        const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
+        const outcome named = shop.run({"classify", "--weights", "out/net.safetensors", image, image});
+        REQUIRE_MESSAGE(named.status == 0, named.error);
+        const auto lines = lines_of(named.out);
+        REQUIRE(lines.size() == 2);
+        CHECK(lines[0] == lines[1]);
+        CHECK(lines[0].starts_with("\"" + image + "\",1,\"middle, of all\",0."));
+
+        // Another size only when asked.
+        write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));
+        shop.refuses({"classify", "--weights", "out/net.safetensors", "large.png"},
+                     "large.png: expected 7 x 13 pixels (rows x columns), or --resize, found 14 x 26");
+        CHECK(shop.run({"classify", "--resize", "--weights", "out/net.safetensors", "large.png"}).status ==
+              0);
+    }
+
+    TEST_CASE("train: same seed, same bits; another seed, others; any number of threads") {
+        const workshop shop;
+        REQUIRE(shop.train({"--epochs", "4", "--output", "a"}).status == 0);
+        REQUIRE(shop.train({"--epochs", "4", "--output", "b", "--threads", "3"}).status == 0);
+        REQUIRE(shop.train({"--epochs", "4", "--output", "c", "--seed", "6"}).status == 0);
+        CHECK(text_of(shop / "a") == text_of(shop / "b"));
+        CHECK(text_of(shop / "a") != text_of(shop / "c"));
+        for (const char* recipe : {"published", "thorough", "default"})
+            for (const char* augmentation : {"none", "each-epoch", "sixfold"})
+                CHECK(shop.train({"--epochs", "2", "--output", "d", "--recipe", recipe, "--augmentation",
+                                  augmentation, "--input", "scale", "--split", "blocked"})
+                          .status == 0);
+    }
+
+    TEST_CASE("train: it starts from a weight file") {
+        const workshop shop;
+        REQUIRE(shop.train({"--output", "first.safetensors"}).status == 0);
+        const auto again = [&](const std::vector<std::string>& more) {
+            std::vector<std::string> all{"--start", "first.safetensors", "--epochs", "1", "--seed", "6"};
+            all.insert(all.end(), more.begin(), more.end());
+            return shop.train(all);
+        };
+        REQUIRE(again({"--output", "second.safetensors"}).status == 0);
+        REQUIRE(again({"--output", "third.safetensors"}).status == 0);
+        REQUIRE(shop.train({"--epochs", "1", "--seed", "6", "--output", "fresh.safetensors"}).status == 0);
+        const auto second = tactnet::safetensors::read(shop / "second.safetensors"),
+                   third = tactnet::safetensors::read(shop / "third.safetensors"),
+                   fresh = tactnet::safetensors::read(shop / "fresh.safetensors"),
+                   first = tactnet::safetensors::read(shop / "first.safetensors");
+        const auto weights = [](const tactnet::safetensors& file) {
+            return file.values<float>("conv1.weight");
+        };
+        CHECK(weights(second) == weights(third));
+        CHECK(second.metadata().contains("start"));
+        CHECK(!fresh.metadata().contains("start"));
+        const auto distance = [&](const tactnet::safetensors& file) {
+            double sum = 0;
+            for (std::size_t i = 0; i < weights(file).size(); ++i)
+                sum += std::abs(static_cast<double>(weights(file)[i] - weights(first)[i]));
+            return sum;
+        };
+        CHECK(distance(second) > 0);
+        CHECK(distance(second) < 0.2 * distance(fresh)); // one epoch does not lead far
+        CHECK(shop.run({"evaluate", "--data", shop.data().string(), "--network", "tactnet4", "--rows", "7",
+                        "--columns", "13", "--start", "first.safetensors", "--epochs", "1", "--splits", "1",
+                        "--results", "results"})
+                  .status == 0);
+
+        shop.refuses(shop.train_arguments({"--start", "none.safetensors", "--output", "x.safetensors"}),
+                     "none.safetensors");
+        shop.refuses(shop.train_arguments(
+                         {"--start", "first.safetensors", "--output", "x.safetensors", "--input", "scale"}),
+                     "expected a network of inputs by 'scale'");
+        shop.refuses(
+            shop.train_arguments({"--start", "first.safetensors", "--network", "svm-rbf", "--output", "x"}),
+            "expected a network, found svm-rbf");
+        fs::rename(shop.data() / "left", shop.data() / "leftmost");
+        shop.refuses(shop.train_arguments({"--start", "first.safetensors", "--output", "x.safetensors"}),
+                     "the 3 classes of the images");
+    }
+
+    TEST_CASE("train: one that diverges says so and writes nothing") {
+        const workshop shop;
+        const outcome result =
+            shop.train({"--epochs", "30", "--rate", "1e30", "--recipe", "published", "--output", "net"});
+        CHECK(result.status == 1);
+        CHECK(result.error.find("training diverged in epoch ") != std::string::npos);
+        CHECK(shop.everything().empty());
+    }
+
+    TEST_CASE("train: bad images") {
+        const workshop shop;
+        const auto refuses = [&](const std::string& sentence) {
+            shop.refuses(shop.train_arguments({"--epochs", "1", "--output", "net"}), sentence);
+        };
+        const fs::path image = shop.data() / "left" / "image2.png";
+        const std::string good = text_of(image);
+
+        tactnet::write_file(image, std::string_view(good).substr(0, good.size() / 2));
+        refuses("image2.png: PNG data: expected an intact image, found ");
+        write_png(image, 8, 13, std::vector<std::uint8_t>(8 * 13));
+        refuses("image2.png: expected 7 x 13 pixels (rows x columns), found 8 x 13 pixels (rows x columns)");
+        tactnet::write_file(image, "hello");
+        refuses("image2.png: expected a JPEG or PNG image, found a file that begins with 'hello'");
+        write_deep_png(image);
+        refuses("image2.png: PNG data: expected 8 bits per channel, found 16");
+        tactnet::write_file(image, good);
+
+        fs::create_directory(shop.data() / "zebra");
+        refuses(
+            "zebra: expected at least one image (.jpg, .jpeg, .png) for this class, found an empty folder");
+        fs::remove_all(shop.data() / "zebra");
+        fs::remove_all(shop.data() / "left");
+        fs::remove_all(shop.data() / "right");
+        refuses("data: expected at least two classes, a subfolder each, found only 'middle, of all'");
+        fs::remove_all(shop.data() / "middle, of all");
+        refuses("data: expected one subfolder a class, found an empty folder");
+        fs::remove_all(shop.data());
+        refuses("data: expected a folder with one subfolder a class, found nothing of that name");
+    }
+
+    TEST_CASE("train: images that are resized are varied as they were taken, and the file says so") {
+        const workshop shop;
+        const fs::path large = shop / "large";
+        tactnet::random_stream random(2, tactnet::draw::order);
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t i = 0; i < images_per_class; ++i) {
+                std::vector<std::uint8_t> pixels(28 * 50);
+                for (std::size_t e = 0; e < pixels.size(); ++e)
+                    pixels[e] = static_cast<std::uint8_t>(random.below(40) + (e % 50 / 17 == c ? 150 : 0));
+                const fs::path folder = large / std::string(1, static_cast<char>('a' + c));
+                fs::create_directories(folder);
+                write_png(folder / (std::to_string(i) + ".png"), 28, 50, pixels);
+            }
+        const auto trained = [&](const char* name, std::vector<std::string> more) {
+            more.insert(more.end(), {"--data", large.string(), "--epochs", "2", "--output", name});
+            const outcome result = shop.train(more);
+            REQUIRE_MESSAGE(result.status == 0, result.error);
+            const auto metadata = tactnet::safetensors::read(shop / name).metadata();
+            const auto found = metadata.find("varied");
+            return found == metadata.end() ? std::string() : found->second;
+        };
+        CHECK(trained("taken", {"--resize"}).starts_with("28x50 "));
+        CHECK(trained("published", {"--resize", "--recipe", "published"}).empty());
+        CHECK(trained("alike", {"--resize", "--augmentation", "none"}).empty());
+        CHECK(text_of(shop / "taken") != text_of(shop / "alike"));
+
+        // Where not all have one size, nothing is known of how they were taken.
+        write_png(large / "a" / "small.png", 7, 13, std::vector<std::uint8_t>(7 * 13, 90));
+        CHECK(trained("mixed", {"--resize"}).empty());
+    }
+
+    TEST_CASE("train: bad arguments") {
+        const workshop shop;
+        const auto refuses = [&](const std::vector<std::string>& more, const std::string& sentence) {
+            shop.refuses(shop.train_arguments(more), sentence);
+        };
+        const outcome help = shop.run({"--help"});
+        CHECK(help.status == 0);
+        CHECK_MESSAGE(help.out.find("(instruction set: s") != std::string::npos, help.out);
+        CHECK(shop.run({"train", "--help"}).status == 0);
+        CHECK(shop.run({}).status == 2);
+        shop.refuses({"train", "--output", "net"}, "--data is required");
+        refuses({"--output", "net", "--network", "vgg"}, "--method: expected one of tactnet4");
+        refuses({"--output", "net", "--epochs", "0"}, "--epochs");
+        refuses({"--output", "net", "--rate", "-1"}, "--rate");
+        refuses({"--output", "net", "--split", "other"}, "--split");
+        refuses({"--output", "net", "--seed", "-1"}, "--seed");
+        refuses({"--output", "net", "--test", "0.6", "--validation", "0.5"},
+                "expected shares that leave some images for training, found 0.5 and 0.6");
+        refuses({"--output", "net", "--resume"},
+                "net.checkpoint: expected a file, found nothing of that name");
+        refuses({"--output", "."}, "expected the name of a file to write, found a folder");
+        tactnet::write_file(shop / "file", "");
+        refuses({"--output", "file/net"}, "file/net: expected a folder to write in, found a file at ");
+        shop.refuses({"evaluate", "--data", shop.data().string(), "--sizes", "7x", "--splits", "1"},
+                     "--sizes: expected sizes such as 28x50, found '7x'");
+    }
+}

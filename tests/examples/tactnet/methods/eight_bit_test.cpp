@@ -1,0 +1,201 @@
+// --bits 8 of train, evaluate and export, and what all commands make of the files.
+
+#include "../workshop.hpp"
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+std::vector<std::string> evaluate_arguments(const workshop& shop, const std::vector<std::string>& more) {
+    std::vector<std::string> all{"evaluate", "--data",    shop.data().string(),
+                                 "--rows",   "7",         "--columns",
+                                 "13",       "--epochs",  "3",
+                                 "--splits", "1",         "--split",
+                                 "random",   "--results", "r",
+                                 "--jobs",   "1"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("train: with --bits 8 the file is evaluated, classifies and becomes a header") {
+        const workshop shop;
+        const outcome trained =
+            shop.train({"--epochs", "15", "--output", "out/net.safetensors", "--bits", "8"});
+        REQUIRE_MESSAGE(trained.status == 0, trained.error);
+        CHECK_MESSAGE(trained.out.find("in 8 bits, ") != std::string::npos, trained.out);
+        CHECK(trained.out.find("in single precision") != std::string::npos);
+        const auto file = tactnet::safetensors::read(shop / "out/net.safetensors");
+        CHECK(file.metadata().at("bits") == "8");
+        CHECK(file.metadata().at("network") == "tactnet4");
+        CHECK(file.metadata().at("classes") == "[\"left\",\"middle, of all\",\"right\"]");
+        CHECK(file.at("step1.weight").type == tactnet::element_type::int8);
+        CHECK(file.contains("selftest.logits"));
+        CHECK(std::stod(file.metadata().at("test_accuracy")) >
+              0.5); // three bright bars: nearly all are right
+
+        const outcome tested =
+            shop.run({"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string()});
+        REQUIRE_MESSAGE(tested.status == 0, tested.error);
+        CHECK(tested.out.find("tactnet4  7x13") != std::string::npos);
+        CHECK(shop.run({"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string(),
+                        "--images", "all"})
+                  .status == 0);
+        const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
+        const outcome named = shop.run({"classify", "--weights", "out/net.safetensors", image});
+        REQUIRE_MESSAGE(named.status == 0, named.error);
+        CHECK(named.out.starts_with("\"" + image + "\",1,\"middle, of all\",0."));
+        const outcome header =
+            shop.run({"export", "--weights", "out/net.safetensors", "--output", "net.hpp"});
+        REQUIRE_MESSAGE(header.status == 0, header.error);
+        CHECK(text_of(shop / "net.hpp").find("tactnet::eight_bit_between<std::int16_t, std::uint8_t>") !=
+              std::string::npos);
+
+        // The same seed, the same bits; a file that is left half does not pass.
+        REQUIRE(shop.train({"--epochs", "15", "--output", "again.safetensors", "--bits", "8"}).status == 0);
+        CHECK((text_of(shop / "again.safetensors") == text_of(shop / "out/net.safetensors")));
+        const std::string text = text_of(shop / "again.safetensors");
+        tactnet::write_file(shop / "cut", std::string_view(text).substr(0, text.size() - 100));
+        shop.refuses({"classify", "--weights", "cut", image}, "cut: ");
+
+        // What needs single precision says so.
+        shop.refuses({"classify", "--weights", "out/net.safetensors", "--epsilon", "1e-4", image},
+                     "--epsilon: expected weights in single precision, found 8 bits");
+        shop.refuses(
+            shop.train_arguments({"--start", "out/net.safetensors", "--output", "x"}),
+            "out/net.safetensors: metadata 'bits': expected weights in single precision to begin with, "
+            "found '8'");
+        shop.refuses(
+            {"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string(), "--bits", "8"},
+            "--bits: expected a training, found --weights, whose file says itself");
+    }
+
+    TEST_CASE("train: of 8 bits, what has no such form says so") {
+        const workshop shop;
+        shop.refuses(
+            shop.train_arguments({"--network", "svm-linear", "--bits", "8", "--output", "x"}),
+            "--bits: expected a network that is trained from random weights, found the support vector "
+            "machine svm-linear, which has no form in 8 bits");
+        shop.refuses(
+            shop.train_arguments({"--network", "tactnet6-economical", "--bits", "8", "--output", "x"}),
+            "--bits: expected a network whose form in 8 bits was compiled in, found "
+            "tactnet6-economical 7x13; those are chosen when building, by TACTNET_PROGRAM_EIGHT_BIT");
+        shop.refuses(shop.train_arguments({"--bits", "7", "--output", "x"}), "--bits");
+        shop.refuses(evaluate_arguments(shop, {"--network", "tactnet4,svm-linear", "--bits", "8"}),
+                     "found the support vector machine svm-linear, which has no form in 8 bits");
+        // A file in 8 bits of a network that was compiled in single precision alone.
+        REQUIRE(shop.train({"--epochs", "1", "--bits", "8", "--output", "net"}).status == 0);
+        rewrite_metadata(shop / "net", shop / "other", "network", "tactnet6-economical");
+        shop.refuses(
+            {"export", "--weights", "other", "--output", "x.hpp"},
+            "other: metadata 'bits': expected weights in single precision, or a network whose form in 8 "
+            "bits was compiled in");
+        rewrite_metadata(shop / "net", shop / "other", "bits", "4");
+        shop.refuses({"export", "--weights", "other", "--output", "x.hpp"},
+                     "other: metadata 'bits': expected '8', or none for single precision, found '4'");
+    }
+
+    TEST_CASE("export: with --bits 8 a file in single precision becomes one in 8 bits, or such a header") {
+        const workshop shop;
+        const std::string data = shop.data().string();
+        REQUIRE(shop.train({"--epochs", "8", "--output", "float.safetensors"}).status == 0);
+        REQUIRE(shop.train({"--epochs", "8", "--output", "bytes.safetensors", "--bits", "8"}).status == 0);
+        const outcome turned = shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data",
+                                         data, "--output", "out/turned.safetensors"});
+        REQUIRE_MESSAGE(turned.status == 0, turned.error);
+        // As training writes it, with the same images: those of the training, no others.
+        const auto ours = tactnet::safetensors::read(shop / "out/turned.safetensors"),
+                   theirs = tactnet::safetensors::read(shop / "bytes.safetensors");
+        REQUIRE(ours.tensors().size() == theirs.tensors().size());
+        for (const auto& tensor : theirs.tensors())
+            CHECK_MESSAGE(std::ranges::equal(ours.bytes(tensor.first), theirs.bytes(tensor.first)),
+                          tensor.first);
+        CHECK(ours.metadata().at("seed") == "5");
+        CHECK(!ours.metadata().contains("test_accuracy"));
+        CHECK(shop.run({"evaluate", "--weights", "out/turned.safetensors", "--data", data}).status == 0);
+
+        REQUIRE(shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data,
+                          "--output", "a.hpp"})
+                    .status == 0);
+        REQUIRE(shop.run({"export", "--weights", "bytes.safetensors", "--output", "b.hpp"}).status == 0);
+        CHECK((text_of(shop / "a.hpp") == text_of(shop / "b.hpp"))); // told without the texts
+        REQUIRE(shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data,
+                          "--images", "all", "--output", "c.hpp"})
+                    .status == 0);
+
+        const auto refuses = [&](std::vector<std::string> more, const std::string& sentence) {
+            more.insert(more.begin(), "export");
+            shop.refuses(more, sentence);
+        };
+        refuses({"--weights", "float.safetensors", "--bits", "8", "--output", "x.hpp"},
+                "--bits: expected --data with the images of the training");
+        refuses({"--weights", "float.safetensors", "--data", data, "--output", "x.hpp"},
+                "--data: expected --bits 8, for which images are");
+        refuses({"--weights", "float.safetensors", "--output", "x.safetensors"},
+                "--output: expected --bits 8, with which a weight file becomes another");
+        refuses({"--weights", "bytes.safetensors", "--bits", "8", "--data", data, "--output", "x.hpp"},
+                "bytes.safetensors: metadata 'bits': expected weights in single precision");
+        refuses({"--weights", "float.safetensors", "--bits", "8", "--data", data, "--classes", data,
+                 "--output", "x.safetensors"},
+                "--classes: expected a header to write, found a weight file");
+        // Images of another training.
+        fs::remove(shop.data() / "left" / "image2.png");
+        refuses({"--weights", "float.safetensors", "--bits", "8", "--data", data, "--output", "x.hpp"},
+                "expected the images that float.safetensors was trained on");
+    }
+
+    TEST_CASE("evaluate: with --bits 8 each training is told in both forms, and done once") {
+        const workshop shop;
+        const auto evaluate = [&](const std::vector<std::string>& more) {
+            return shop.run(evaluate_arguments(shop, more));
+        };
+        REQUIRE(evaluate({"--network", "tactnet4"}).status == 0);
+        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 1);
+        CHECK(text_of(shop / "r/table.csv").find("bits") == std::string::npos);
+
+        const outcome first = evaluate({"--network", "tactnet4", "--bits", "8"});
+        REQUIRE_MESSAGE(first.status == 0, first.error);
+        CHECK(first.error.find("1 trainings to do, 0 done before") != std::string::npos);
+        const auto lines = lines_of(text_of(shop / "r/evaluation.jsonl"));
+        REQUIRE(lines.size() == 2); // that in single precision was there
+        auto floats = nlohmann::json::parse(lines[0]), bytes = nlohmann::json::parse(lines[1]);
+        CHECK(!floats["settings"].contains("bits"));
+        CHECK(bytes["settings"]["bits"] == "8");
+        bytes["settings"].erase("bits");
+        CHECK(bytes["settings"] == floats["settings"]);
+        const auto table = lines_of(text_of(shop / "r/table.csv"));
+        REQUIRE(table.size() == 3);
+        CHECK(table[0].starts_with("network,rows,columns,recipe,splits,bits,random_accuracy,"));
+        CHECK(table[1].find(",1,32,") != std::string::npos);
+        CHECK(table[2].find(",1,8,") != std::string::npos);
+        CHECK(first.out.find("bits") != std::string::npos);
+        CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
+        CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13_8bit.csv"));
+
+        const outcome second = evaluate({"--network", "tactnet4", "--bits", "8"});
+        CHECK(second.status == 0);
+        CHECK(second.error.find("0 trainings to do, 1 done before") != std::string::npos);
+        const outcome third = evaluate({"--network", "tactnet4"});
+        CHECK(third.status == 0);
+        CHECK(third.error.find("0 trainings to do, 1 done before") != std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 2);
+
+        // Of a training that was not done yet, both lines.
+        REQUIRE(evaluate({"--network", "tactnet4", "--bits", "8", "--seed", "3"}).status == 0);
+        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
+        // Without the line in single precision there is nothing to set beside it.
+        tactnet::write_file(shop / "r/evaluation.jsonl", lines[1] + "\n");
+        const outcome cut = evaluate({"--network", "tactnet4", "--bits", "8"});
+        CHECK(cut.status == 2);
+        CHECK(cut.error.find("expected results in 8 bits beside those in single precision") !=
+              std::string::npos);
+    }
+}

@@ -1,0 +1,252 @@
+// Support vector machines as methods.
+
+#include "../workshop.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstring>
+#include <limits>
+#include <methods/support_vector_machines/machine.hpp>
+#include <span>
+#include <string>
+#include <sys/mman.h>
+#include <vector>
+
+using namespace support;
+
+namespace {
+
+/// Numbers that end where memory ends: to read on ends the program.
+class last_numbers {
+public:
+    explicit last_numbers(const std::vector<double>& values)
+        : size_(values.size()),
+          page_(static_cast<std::size_t>(sysconf(_SC_PAGESIZE))),
+          pages_(mmap(nullptr, 2 * page_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {
+        REQUIRE(pages_ != MAP_FAILED);
+        REQUIRE(mprotect(static_cast<std::byte*>(pages_) + page_, page_, PROT_NONE) == 0);
+        std::memcpy(data(), values.data(), size_ * sizeof(double));
+    }
+    last_numbers(const last_numbers&) = delete;
+    last_numbers& operator=(const last_numbers&) = delete;
+    ~last_numbers() { munmap(pages_, 2 * page_); }
+    std::span<const double> values() const { return {data(), size_}; }
+
+private:
+    double* data() const {
+        return reinterpret_cast<double*>(static_cast<std::byte*>(pages_) + page_) - size_;
+    }
+    std::size_t size_, page_;
+    void* pages_;
+};
+
+/// A machine of one support vector a class, by its labels alone.
+support_vector_machine machine_of(tactnet::multiclass scheme, const std::vector<std::size_t>& labels) {
+    tactnet::kernel_machine_parameters<tactnet::rbf_kernel> parts;
+    parts.kernel.gamma = 1;
+    parts.scheme = scheme;
+    parts.features = 1;
+    parts.labels = labels;
+    for (std::size_t c = 0; c < labels.size(); ++c) {
+        parts.support_counts.push_back(1);
+        parts.support_vectors.push_back(static_cast<float>(c));
+    }
+    parts.coefficients.resize(labels.size() * parts.coefficients_each());
+    parts.offsets.resize(tactnet::machine_count(labels.size(), scheme));
+    return rbf_machine(parts);
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("support_vector_machine: the score is the smallest value in favour of the class") {
+        using tactnet::multiclass;
+        const auto decides = [](const support_vector_machine& machine, const std::vector<double>& values,
+                                std::size_t label, double score) {
+            const last_numbers last(values);
+            const scored_class found = machine.decide(last.values());
+            CHECK(found.label == label);
+            CHECK(found.score == score);
+        };
+        const auto two = machine_of(multiclass::one_versus_one, {3, 5});
+        decides(two, {0.75}, 3, 0.75);
+        decides(two, {-0.25}, 5, 0.25);
+        decides(two, {0}, 5, 0);
+        const auto three = machine_of(multiclass::one_versus_one, {0, 1, 2});
+        decides(three, {-1, 0.5, 0.25}, 1, 0.25);
+        // A file may say so of a machine with a kernel too: a value for each class.
+        const auto rest = machine_of(multiclass::one_versus_rest, {0, 1, 2, 7});
+        decides(rest, {0.5, -1, -0.5, 0.625}, 7, 0.625);
+        decides(machine_of(multiclass::one_versus_rest, {3, 5}), {-0.5, -0.25}, 5, -0.25);
+        CHECK_THROWS(two.decide(std::vector{std::numeric_limits<double>::quiet_NaN()}));
+    }
+
+    TEST_CASE("support_vector_machine: of two classes, from outside") {
+        const workshop shop;
+        fs::remove_all(shop.data() / "right");
+        for (const char* name : {"svm-linear", "svm-rbf"}) {
+            REQUIRE(shop.train({"--network", name, "--output", name}).status == 0);
+            const auto score = [&](const char* folder, const std::string& found) {
+                const outcome result =
+                    shop.run({"classify", "--weights", name, (shop.data() / folder / "image1.png").string()});
+                REQUIRE_MESSAGE(result.status == 0, result.error);
+                CHECK(result.out.find(found) != std::string::npos);
+                return std::stod(result.out.substr(result.out.rfind(',') + 1));
+            };
+            CHECK(score("left", ",0,left,") > 0);
+            CHECK(score("middle, of all", ",1,\"middle, of all\",") > 0);
+        }
+    }
+
+    TEST_CASE("support_vector_machine: trained, the file is evaluated and classifies") {
+        const workshop shop;
+        write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));
+        for (const std::string name : {"svm-linear", "svm-rbf", "surf-svm"}) {
+            CAPTURE(name);
+            const std::string weights = "out/" + name + ".safetensors";
+            const outcome trained = shop.train({"--network", name, "--output", weights});
+            REQUIRE_MESSAGE(trained.status == 0, trained.error);
+            CHECK(trained.out.find("test accuracy") != std::string::npos);
+            CHECK_FALSE(fs::exists(shop / ("out/" + name + ".learning.csv").c_str()));
+            const auto file = tactnet::safetensors::read(shop / weights.c_str());
+            CHECK(file.metadata().at("network") == name);
+            CHECK(file.metadata().at("classes") == "[\"left\",\"middle, of all\",\"right\"]");
+            CHECK(file.metadata().at("rows") == "7");
+            CHECK(file.metadata().count("cost") == 1);
+            CHECK(file.metadata().count("rate") == 0);
+            CHECK(file.contains("surf.words") == (name == "surf-svm"));
+            CHECK(file.contains("selftest.values"));
+
+            // Any number of threads, and the other name of the option.
+            REQUIRE(shop.run({"train", "--data", shop.data().string(), "--method", name, "--rows", "7",
+                              "--columns", "13", "--seed", "5", "--threads", "3", "--output", "again"})
+                        .status == 0);
+            CHECK(text_of(shop / "again") == text_of(shop / weights.c_str()));
+
+            // The split's test images give the same matrix again.
+            const auto evaluate = [&](const char* images) {
+                const outcome tested = shop.run({"evaluate", "--weights", weights, "--data",
+                                                 shop.data().string(), "--images", images, "--results", "r"});
+                REQUIRE_MESSAGE(tested.status == 0, tested.error);
+                CHECK(tested.out.find(name + "  7x13") == tested.out.rfind(name));
+                return text_of(shop / ("r/confusion_" + name + ".csv").c_str());
+            };
+            CHECK(evaluate("test") == text_of(shop / ("out/" + name + ".confusion.csv").c_str()));
+
+            // All images one by one are what the matrix of all says.
+            std::vector<std::string> arguments{"classify", "--weights", weights};
+            for (const char* folder : {"left", "middle, of all", "right"})
+                for (std::size_t i = 0; i < images_per_class; ++i)
+                    arguments.push_back(
+                        (shop.data() / folder / ("image" + std::to_string(i) + ".png")).string());
+            const outcome named = shop.run(arguments);
+            REQUIRE_MESSAGE(named.status == 0, named.error);
+            const auto lines = lines_of(named.out);
+            REQUIRE(lines.size() == 3 * images_per_class);
+            std::string matrix = "true class,left,\"middle, of all\",right\n";
+            std::size_t right = 0;
+            for (std::size_t truth = 0; truth < 3; ++truth) {
+                const char* names[] = {",0,left,", ",1,\"middle, of all\",", ",2,right,"};
+                matrix += std::array{"left", "\"middle, of all\"", "right"}[truth];
+                for (std::size_t found = 0; found < 3; ++found) {
+                    const auto of_class = [&](const std::string& line) {
+                        return line.find(names[found]) != std::string::npos;
+                    };
+                    const auto first = lines.begin() + static_cast<std::ptrdiff_t>(truth * images_per_class);
+                    const auto count = std::count_if(first, first + images_per_class, of_class);
+                    matrix += "," + std::to_string(count);
+                    right += truth == found ? static_cast<std::size_t>(count) : 0;
+                }
+                matrix += "\n";
+            }
+            CHECK(evaluate("all") == matrix);
+            CHECK(right > 2 * images_per_class);
+            // Of those that it has learnt, 24 of the 36, most are at the margin or beyond it.
+            CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+                      return std::stod(line.substr(line.rfind(',') + 1)) > 0.9;
+                  }) > 15);
+
+            shop.refuses({"classify", "--weights", weights, "large.png"},
+                         "large.png: expected 7 x 13 pixels (rows x columns), or --resize, found 14 x 26");
+            CHECK(shop.run({"classify", "--resize", "--weights", weights, "large.png"}).status == 0);
+            shop.refuses({"export", "--weights", weights, "--output", "x.hpp"},
+                         weights + ": expected a network, found the support vector machine " + name +
+                             ", which cannot be written as a header");
+            shop.refuses({"classify", "--weights", weights, "--epsilon", "1", "large.png"},
+                         "--epsilon: expected a network, found " + name + ", which has no batch norms");
+        }
+        shop.refuses(shop.train_arguments({"--network", "svm-rbf", "--output", "net", "--resume"}),
+                     "--resume: expected a network, found svm-rbf, which is trained in one go");
+        shop.refuses(shop.train_arguments({"--network", "svm-rbf", "--output", "net", "--rate", "1"}),
+                     "expected a network, found svm-rbf, which is not trained by epochs");
+        for (const auto& image : fs::recursive_directory_iterator(shop.data()))
+            if (image.is_regular_file())
+                write_png(image.path(), rows, columns, std::vector<std::uint8_t>(rows * columns));
+        shop.refuses(shop.train_arguments({"--network", "surf-svm", "--output", "net"}),
+                     "data: dense SURF: found nothing to describe");
+    }
+
+    TEST_CASE("support_vector_machine: bad weight files") {
+        const workshop shop;
+        for (const char* name : {"svm-linear", "svm-rbf", "surf-svm"})
+            REQUIRE(shop.train({"--network", name, "--output", name}).status == 0);
+        const std::string image = (shop.data() / "left" / "image0.png").string();
+        const auto refuses = [&](const std::string& weights, const std::string& sentence,
+                                 std::vector<std::string> more = {}) {
+            more.insert(more.begin(), {"classify", "--weights", weights, image});
+            shop.refuses(more, weights + ": " + sentence);
+        };
+        for (const char* name : {"svm-linear", "svm-rbf", "surf-svm"}) {
+            const auto whole = text_of(shop / name);
+            for (const std::size_t length :
+                 {std::size_t{0}, std::size_t{5}, whole.size() / 2, whole.size() - 1}) {
+                tactnet::write_file(shop / "cut", std::string_view(whole).substr(0, length));
+                refuses("cut", "");
+            }
+        }
+        refuses("svm-linear", "expected weights of svm-rbf as --method says, found those of svm-linear",
+                {"--network", "svm-rbf"});
+
+        const auto nan = std::numeric_limits<float>::quiet_NaN();
+        rewrite(shop / "svm-linear", shop / "nan", "weights", [=](std::vector<float>& v) { v[7] = nan; });
+        refuses("nan", "tensor 'weights': expected finite numbers, found nan");
+        rewrite(shop / "surf-svm", shop / "nan", "surf.words", [=](std::vector<float>& v) { v[7] = nan; });
+        refuses("nan", "tensor 'surf.words': expected a vocabulary, found 'bag_of_words: expected finite");
+        rewrite(shop / "svm-linear", shop / "moved", "weights", [](std::vector<float>& v) {
+            for (float& value : v)
+                value *= -1;
+        });
+        refuses("moved", "self-test, image 0, machine 0: expected the value ");
+        rewrite<double>(shop / "svm-rbf", shop / "moved", "gamma", [](std::vector<double>& v) { v[0] *= 2; });
+        refuses("moved", "self-test, image 0, machine ");
+        rewrite<double>(shop / "surf-svm", shop / "moved", "offsets",
+                        [](std::vector<double>& v) { v[1] += 3; });
+        refuses("moved", "self-test, image 0, machine 1: expected the value ");
+
+        // What it says of itself.
+        const auto says = [&](const char* name, const char* key, const char* value,
+                              const std::string& sentence, const std::vector<std::string>& more = {}) {
+            const auto file = tactnet::safetensors::read(shop / name);
+            tactnet::safetensors_writer writer;
+            writer.metadata = file.metadata();
+            writer.metadata[key] = value;
+            for (const auto& [tensor, entry] : file.tensors())
+                writer.add(tensor, entry.type, entry.extents, file.bytes(tensor));
+            writer.write(shop / "says");
+            refuses("says", sentence, more);
+        };
+        says("svm-linear", "network", "svm-rbf", "metadata 'machine': expected 'kernel', found 'linear'");
+        says("svm-linear", "network", "surf-svm",
+             "metadata 'features': expected 'histograms of surf words', found 'pixels'");
+        says("surf-svm", "network", "svm-linear",
+             "metadata 'features': expected 'pixels', found 'histograms of surf words'");
+        says("surf-svm", "surf_scales", "1 3", "metadata 'surf_scales': expected '1 2', found '1 3'");
+        says("svm-rbf", "input_scale", "2", "metadata 'input_scale': expected '1', found '2'");
+        says("svm-rbf", "rows", "8", "metadata 'rows': expected '7', found '8'", {"--rows", "7"});
+        says("svm-rbf", "version", "2", "metadata 'version': expected format version 1, found '2'");
+        says("svm-rbf", "format", "other", "metadata 'format': expected 'tactnet', found 'other'");
+        says("svm-rbf", "classes", "[\"a\",\"b\"]", "tensor 'labels': expected labels of 2 classes, found 2");
+        says("svm-rbf", "network", "tactnet4", "expected a tensor ");
+    }
+}

@@ -1,0 +1,105 @@
+// Frames through whole networks, in batches as trained and in the deployed form, after a short training.
+// Every logit is held to the bound that the running error analysis of support/layers/deployment_bound.hpp
+// gives for this network and this frame: absolute, since logits cancel. Behind many layers the worst case
+// says nothing (4e8 for logits of 8); then the deviation that independent roundings have is smaller, and is
+// the bound.
+
+#include "../record.hpp"
+#include "plain_network.hpp"
+#include "trained_subject.hpp"
+
+#include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/networks/tactnet6.hpp>
+#include <tactnet/networks/tactresnet.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
+using namespace tactnet;
+using hard_cases::outcome;
+
+namespace {
+
+std::vector<outcome> outcomes_of(const support::rounded_map& expected, const std::vector<float>& plain,
+                                 const std::vector<float>& ours) {
+    std::vector<outcome> all;
+    for (std::size_t o = 0; o < expected.size(); ++o)
+        all.push_back({expected[o].value, static_cast<double>(plain[o]), static_cast<double>(ours[o]),
+                       std::min(expected[o].error, expected[o].deviation)});
+    return all;
+}
+
+template <class Network>
+void check_frames(const std::string& name) {
+    using subject = hard_cases::trained_subject<Network>;
+    subject trained(7);
+    constexpr shape image = Network::input_shape;
+    const auto folded = support::describe<Network>();
+    const auto unfolded = hard_cases::as_trained(folded);
+    const auto parameters = support::parameters_of(trained.net);
+    const auto check = [&](const char* kind, const std::vector<float>& counts, const auto& fast) {
+        const auto in = support::bounded_input(counts, trained.mean, 1);
+        const std::vector<float> plain =
+            hard_cases::plain_outputs(unfolded, parameters, subject::shifted(counts, trained.mean));
+        const std::string title = name + ", " + kind;
+        hard_cases::hold(
+            "frames", title + ", batch", hard_cases::unit::absolute,
+            outcomes_of(support::bounded_outputs(unfolded, parameters, in), plain, trained.in_batch(counts)));
+        std::vector<float> out(Network::outputs, NAN);
+        const auto status =
+            fast(tensor_view<const float, image>(counts.data()), std::span<float, Network::outputs>(out));
+        // Where a sum might leave the range of single precision, a deployed network says so.
+        if (status == frame_status::not_finite && counts[0] == -1e30f)
+            return hard_cases::tell("frames", title + ", deployed", static_cast<double>(plain[0]), true,
+                                    "not_finite");
+        CHECK(status == frame_status::recognised);
+        hard_cases::hold("frames", title + ", deployed", hard_cases::unit::absolute,
+                         outcomes_of(support::bounded_outputs(folded, parameters, in), plain, out));
+    };
+    const auto fast = deploy(trained.net, std::span<const float, image.size()>(trained.mean), 1.0f);
+    for (const hard_cases::named_frame& frame : hard_cases::hard_frames(image))
+        check(frame.name, frame.counts, fast);
+
+    // A plain ReLU, x > 0 ? x : 0, makes a zero of a NaN. 1e38 is more than sums can hold.
+    for (const hard_cases::broken_value& broken : hard_cases::broken_values()) {
+        bool told = true, seen = true;
+        double plain = 0;
+        for (const std::vector<float>& counts : hard_cases::broken_frames(image, broken.value)) {
+            std::vector<float> out(Network::outputs);
+            told &= fast(tensor_view<const float, image>(counts.data()),
+                         std::span<float, Network::outputs>(out)) == frame_status::not_finite;
+            const std::vector<float> logits = trained.in_batch(counts);
+            seen &= !std::all_of(logits.begin(), logits.end(), [](float x) { return std::isfinite(x); });
+            plain = static_cast<double>(
+                hard_cases::plain_outputs(unfolded, parameters, subject::shifted(counts, trained.mean))[0]);
+        }
+        const std::string title = name + ", " + broken.name;
+        hard_cases::tell("frames", title + ", deployed", plain, told, "not_finite");
+        if (std::isnan(broken.value))
+            hard_cases::tell("frames", title + ", batch", plain, seen, "logits that are not finite");
+    }
+
+    // Denormal numbers go in as they are.
+    std::fill(trained.mean.begin(), trained.mean.end(), 0.0f);
+    check("a ramp of denormals", hard_cases::denormal_ramp(image), deploy(trained.net));
+}
+
+} // namespace
+
+TEST_CASE("frames: TactNet-4, 7 × 13") {
+    check_frames<tactnet4<shape{7, 13}, 22>>("TactNet-4, 7 × 13");
+}
+TEST_CASE("frames: economical TactNet-6, 7 × 13") {
+    check_frames<tactnet6_economical<shape{7, 13}, 22>>("economical TactNet-6, 7 × 13");
+}
+TEST_CASE("frames: TactNet-6, 28 × 50") {
+    check_frames<tactnet6<shape{28, 50}, 22>>("TactNet-6, 28 × 50");
+}
+TEST_CASE("frames: TactResNet, 7 × 13") {
+    check_frames<tactresnet<shape{7, 13}, 22>>("TactResNet, 7 × 13");
+}
