@@ -12,12 +12,10 @@
 #include "../support/peak.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -71,7 +69,7 @@ double error_of_ratio(const collector::summary& a, const collector::summary& b) 
 }
 
 /// Peers beside oneDNN, where they were found when this was compiled.
-constexpr const char* other_peers[] = {"opencv_dnn", "libtorch"};
+constexpr const char* other_peers[] = {"onnxruntime", "opencv_dnn", "libtorch"};
 
 /// The fastest peer of a case ("tactnet6/28x50/batch1"); in 8 bits there is oneDNN alone.
 collector::summary fastest_peer(const collector& all, const std::string& end) {
@@ -101,8 +99,11 @@ void print_table(const collector& all, std::size_t batch, double peak, std::FILE
     std::printf(
         "\nbatch %zu, microseconds a frame (median, half the quartiles' distance); ratio: of oneDNN, or of "
         "a peer that is faster\n"
-        "%-16s %18s %18s %15s %8s %11s %11s\n",
-        batch, "network", "tactnet", "onednn", "ratio", "of peak", other_peers[0], other_peers[1]);
+        "%-16s %18s %18s %15s %8s",
+        batch, "network", "tactnet", "onednn", "ratio", "of peak");
+    for (const char* const name : other_peers)
+        std::printf(" %11s", name);
+    std::printf("\n");
     double logarithms = 0, smallest = 1e9;
     std::size_t count = 0;
     for (const auto& c : benchmark::inference_cases()) {
@@ -110,20 +111,24 @@ void print_table(const collector& all, std::size_t batch, double peak, std::FILE
         const auto ours = all.of("tactnet/" + end), theirs = all.of("onednn/" + end);
         const auto best = fastest_peer(all, end);
         const double frames = static_cast<double>(batch);
-        std::array<double, std::size(other_peers)> others{};
-        for (std::size_t i = 0; i < others.size(); ++i)
-            others[i] = 1e6 * all.of(other_peers[i] + ("/" + end)).median / frames;
         const double ratio = best.median / ours.median, error = error_of_ratio(ours, best);
         const double share = frames * static_cast<double>(c.multiply_adds_on_pixels) / ours.median / peak;
-        std::printf("%-16s %9.2f ± %4.1f %% %9.2f ± %4.1f %% %6.2f ± %4.1f %% %6.1f %% %11.2f %11.2f\n",
-                    c.name.c_str(), 1e6 * ours.median / frames, 100 * ours.spread,
-                    1e6 * theirs.median / frames, 100 * theirs.spread, ratio, 100 * error, 100 * share,
-                    others[0], others[1]);
+        std::printf("%-16s %9.2f ± %4.1f %% %9.2f ± %4.1f %% %6.2f ± %4.1f %% %6.1f %%", c.name.c_str(),
+                    1e6 * ours.median / frames, 100 * ours.spread, 1e6 * theirs.median / frames,
+                    100 * theirs.spread, ratio, 100 * error, 100 * share);
         if (csv)
-            std::fprintf(csv, "%s,%zu,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g,%.2g,%.4g,%.4g,%s\n", c.name.c_str(),
-                         batch, c.multiply_adds_on_pixels, 1e6 * ours.median / frames, ours.spread,
-                         1e6 * theirs.median / frames, theirs.spread, ratio, share, error, others[0],
-                         others[1], processor_name().c_str());
+            std::fprintf(csv, "%s,%zu,%zu,%.4g,%.3g,%.4g,%.3g,%.4g,%.4g,%.2g", c.name.c_str(), batch,
+                         c.multiply_adds_on_pixels, 1e6 * ours.median / frames, ours.spread,
+                         1e6 * theirs.median / frames, theirs.spread, ratio, share, error);
+        for (const char* const name : other_peers) {
+            const double microseconds = 1e6 * all.of(name + ("/" + end)).median / frames;
+            std::printf(" %11.2f", microseconds);
+            if (csv)
+                std::fprintf(csv, ",%.4g", microseconds);
+        }
+        std::printf("\n");
+        if (csv)
+            std::fprintf(csv, ",%s\n", processor_name().c_str());
         if (std::isfinite(ratio)) {
             logarithms += std::log(ratio);
             smallest = std::min(smallest, ratio);
@@ -239,10 +244,13 @@ int main(int argc, char** argv) {
                         ? ": this machine is too noisy for more, or needs more --seconds"
                         : "");
     std::printf("a loop in registers varied by ± %.1f %%\n", 100 * registers.spread);
-    if (csv)
-        std::fprintf(
-            csv, "network,batch,multiply_adds_on_pixels,tactnet_us,tactnet_spread,onednn_us,onednn_spread,"
-                 "ratio,share_of_peak,ratio_error,opencv_dnn_us,libtorch_us,processor\n");
+    if (csv) {
+        std::fprintf(csv, "network,batch,multiply_adds_on_pixels,tactnet_us,tactnet_spread,onednn_us,"
+                          "onednn_spread,ratio,share_of_peak,ratio_error");
+        for (const char* const name : other_peers)
+            std::fprintf(csv, ",%s_us", name);
+        std::fprintf(csv, ",processor\n");
+    }
     for (const std::size_t batch : {std::size_t{1}, std::size_t{64}})
         print_table(all, batch, peak, csv);
     if (csv_8bit)

@@ -198,6 +198,9 @@ void register_inference(const std::string& name) {
 #ifdef TACTNET_BENCHMARK_LIBTORCH
         beside("libtorch", make_libtorch);
 #endif
+#ifdef TACTNET_BENCHMARK_ONNXRUNTIME
+        beside("onnxruntime", make_onnxruntime);
+#endif
         static_cast<void>(beside);
         register_8bit_inference<Network>(end, batch);
     }

@@ -113,9 +113,8 @@ struct step_description<tactnet::convolution_step<Format, C>> {
                (C.adds ? ", sum" : "");
     }
     static std::string plan() {
-        const std::string tiles = std::to_string(step::tile_outputs);
         return std::string(step::large ? "panels" : "") + (step::large && step::tiled ? ", " : "") +
-               (step::tiled                  ? "tiles " + tiles + " × " + tiles
+               (step::tiled                  ? "tiles " + extent_text(step::tile_outputs)
                 : step::large                ? ""
                 : step::pixels_of_vector > 1 ? std::to_string(step::pixels_of_vector) + " pixels a vector"
                                              : "taps");
@@ -149,30 +148,45 @@ template <class Body>
            static_cast<double>(repeats);
 }
 
-/// A convolution by the plan that was not chosen, where it is possible: its name and seconds.
+/// A convolution by plans that were not chosen, where they are possible: the fastest one's name and seconds.
 template <class Step, tactnet::kernels::frame_convolution C = Step::kernel.joined()>
-void time_other_plan(layer_report& layer, const float* in, float* out) {
+void time_other_plans(layer_report& layer, const float* in, float* out) {
     namespace kernels = tactnet::kernels;
-    using tiles = kernels::winograd_tiles<C>;
     const auto weight = [](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
         return 0.01f * static_cast<float>((filter * 7 + channel * 5 + row * 3 + column) % 11) - 0.05f;
     };
     const tactnet::aligned_vector<float> bias(tactnet::whole_lines<float>(C.padded_filters()));
+    const auto keep_faster = [&](const std::string& name, double seconds) {
+        if (layer.other_plan.empty() || seconds < layer.by_other)
+            layer.other_plan = name, layer.by_other = seconds;
+    };
     if constexpr (Step::tiled) {
         tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(C.weights()));
         kernels::pack_frame_weights<C>(weights.data(), weight);
-        layer.other_plan = "taps";
-        layer.by_other =
-            seconds_of([&] { kernels::convolve_frame<C>(in, weights.data(), bias.data(), out); });
-    } else if constexpr (tiles::possible) {
-        tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(tiles::weights)),
-            memory(tiles::scratch);
-        kernels::pack_winograd_weights<C>(weights.data(), weight);
-        layer.other_plan = "tiles 2 × 2";
-        layer.by_other = seconds_of([&] {
-            kernels::convolve_frame_by_tiles<C>(in, weights.data(), bias.data(), out, memory.data());
-        });
+        keep_faster("taps",
+                    seconds_of([&] { kernels::convolve_frame<C>(in, weights.data(), bias.data(), out); }));
     }
+    const auto time_tiles = [&]<std::size_t Rows, std::size_t Columns>(kernels::constant<Rows>,
+                                                                       kernels::constant<Columns>) {
+        constexpr tactnet::extent tile(Rows, Columns);
+        if constexpr (tile != Step::tile_outputs && kernels::tile_possible(C, tile)) {
+            using tiles = kernels::winograd_tiles<C, tile>;
+            tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(tiles::weights)),
+                memory(tiles::scratch);
+            kernels::pack_winograd_weights<C, tile>(weights.data(), weight);
+            keep_faster("tiles " + extent_text(tile), seconds_of([&] {
+                            kernels::convolve_frame_by_tiles<C, tile>(in, weights.data(), bias.data(), out,
+                                                                      memory.data());
+                        }));
+        }
+    };
+    time_tiles(kernels::constant<2>{}, kernels::constant<2>{});
+    time_tiles(kernels::constant<2>{}, kernels::constant<4>{});
+    time_tiles(kernels::constant<3>{}, kernels::constant<3>{});
+    time_tiles(kernels::constant<3>{}, kernels::constant<4>{});
+    time_tiles(kernels::constant<4>{}, kernels::constant<3>{});
+    time_tiles(kernels::constant<4>{}, kernels::constant<4>{});
+    time_tiles(kernels::constant<5>{}, kernels::constant<3>{});
 }
 
 /// A network as after training, measured.
@@ -246,7 +260,7 @@ template <class Network>
         if constexpr (step_description<Step>::convolves) {
             std::vector<float> kept(to, to + Step::output.area() * Step::output_stride);
             layer.alone = seconds_of(run);
-            time_other_plan<Step>(layer, from, to);
+            time_other_plans<Step>(layer, from, to);
             std::copy(kept.begin(), kept.end(), to); // what the next step reads
         }
     });

@@ -33,6 +33,8 @@ public:
 [[nodiscard]] std::unique_ptr<peer> make_opencv_dnn(const described_network& network, std::size_t batch);
 /// PyTorch's C++ functions, on one thread, in its usual layout.
 [[nodiscard]] std::unique_ptr<peer> make_libtorch(const described_network& network, std::size_t batch);
+/// ONNX Runtime's sessions, on one thread.
+[[nodiscard]] std::unique_ptr<peer> make_onnxruntime(const described_network& network, std::size_t batch);
 /// oneDNN in 8 bits on one thread. `frames`, as many as it will run, tell which numbers the maps hold.
 [[nodiscard]] std::unique_ptr<byte_peer> make_onednn_8bit(const described_network& network, std::size_t batch,
                                                           std::span<const std::uint8_t> frames);

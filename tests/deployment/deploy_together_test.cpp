@@ -1,4 +1,5 @@
 #include <tactnet/deployment.hpp>
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
@@ -15,6 +16,7 @@
 #include <stdexcept>
 #include <support/guarded_map.hpp>
 #include <support/same_bits.hpp>
+#include <type_traits>
 #include <vector>
 
 using namespace tactnet;
@@ -37,6 +39,11 @@ using branched_network =
             relu, residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
             conv2d<8, 2, 1, valid>, relu, dense<10>>;
 
+/// Small steps with more weights than the second level of cache holds: a few frames pass together on each
+/// thread, and a dense layer reads its weights once for them.
+using heavy_network = network<shape{10, 18}, conv2d<8, 3>, relu, conv2d<32, 3>, relu, max_pool<2, 1, same>,
+                              residual<sequence<conv2d<32, 3>, batch_norm>>, relu, dense<70>>;
+
 template <class Network>
 std::unique_ptr<Network> random_network() {
     auto net = std::make_unique<Network>();
@@ -55,11 +62,12 @@ std::unique_ptr<Network> random_network() {
 TEST_CASE_TEMPLATE(
     "deployed: frames of a large network together, on any number of threads, leave the bits of each "
     "alone",
-    Network, large_network, branched_network) {
+    Network, large_network, branched_network, heavy_network) {
     const auto net = random_network<Network>();
     const auto recognise = deploy(*net);
     using form = deployed<Network>;
-    static_assert(form::view_type::large);
+    static_assert(form::view_type::large != std::is_same_v<Network, heavy_network>);
+    static_assert(form::weight_bytes > kernels::second_cache);
     constexpr std::size_t frames = 19, size = form::input_shape.size(), outputs = form::outputs;
     std::uint64_t state = 5;
     std::vector<float> counts(frames * size), alone(frames * outputs);

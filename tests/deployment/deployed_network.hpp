@@ -229,33 +229,33 @@ struct description<tactnet::residual<Main, Skip>> {
 
 /// Which convolutions of a plan are computed by tiles, in the order of their parameters.
 template <class Step>
-void append_tiled(std::type_identity<Step>, std::vector<std::size_t>& list) {
+void append_tiled(std::type_identity<Step>, std::vector<tile_size>& list) {
     if constexpr (requires { Step::tiled; })
-        list.push_back(Step::tile_outputs);
+        list.push_back({Step::tile_outputs.rows, Step::tile_outputs.columns});
 }
 template <class... Steps>
-void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<std::size_t>& list);
+void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<tile_size>& list);
 template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
 void append_tiled(
     std::type_identity<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>>,
-    std::vector<std::size_t>& list);
+    std::vector<tile_size>& list);
 template <class Main, class Skip, std::size_t Stride>
 void append_tiled(std::type_identity<tactnet::residual_step<Main, Skip, Stride>>,
-                  std::vector<std::size_t>& list) {
+                  std::vector<tile_size>& list) {
     append_tiled(std::type_identity<Main>{}, list);
     append_tiled(std::type_identity<Skip>{}, list);
 }
 template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
 void append_tiled(
     std::type_identity<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>>,
-    std::vector<std::size_t>& list) {
+    std::vector<tile_size>& list) {
     (append_tiled(std::type_identity<typename Branches::step>{}, list), ...);
 }
 template <class... Steps>
-void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<std::size_t>& list) {
+void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<tile_size>& list) {
     (append_tiled(std::type_identity<Steps>{}, list), ...);
 }
-inline void mark_tiled(std::vector<described_layer>& layers, const std::vector<std::size_t>& tiled,
+inline void mark_tiled(std::vector<described_layer>& layers, const std::vector<tile_size>& tiled,
                        std::size_t& at) {
     for (described_layer& layer : layers) {
         if (layer.what == described_layer::kind::convolution)
@@ -268,7 +268,7 @@ inline void mark_tiled(std::vector<described_layer>& layers, const std::vector<s
 template <class Network>
 std::vector<described_layer> describe() {
     auto layers = description<typename Network::specification>::list(Network::input_shape);
-    std::vector<std::size_t> tiled;
+    std::vector<tile_size> tiled;
     append_tiled(std::type_identity<typename tactnet::deployment_plan<Network>::step>{}, tiled);
     std::size_t at = 0;
     mark_tiled(layers, tiled, at);

@@ -1,20 +1,18 @@
 #pragma once
 
+#include <tactnet/deployment/batch.hpp>
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/forms.hpp>
 #include <tactnet/deployment/plan.hpp>
-#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -46,6 +44,11 @@ class deployed : protected detail::refused_calls<Network::input_shape, Network::
 
 public:
     using view_type = deployed_view<Network::input_shape, typename plan::step>;
+
+private:
+    using batch = detail::frame_batch<view_type>;
+
+public:
     using activation = typename Format::activation;
     using scratch = typename view_type::scratch;
     static constexpr shape input_shape = Network::input_shape;
@@ -117,129 +120,39 @@ public:
         return view()(counts, to);
     }
     /// Frames on all threads of a pool: each bit-exact with itself alone. A small network takes them one
-    /// after the other on each thread; of a large one, some frames pass together, so that weights are read
-    /// once for all of them, and all threads share each layer, for a single frame too. Tells whether all were
-    /// recognised. Throws std::invalid_argument unless there is a row of outputs for each frame, and
-    /// std::bad_alloc: a large network uses the heap here, unless it is given memory that is kept.
+    /// after the other on each thread, or a few together where its weights outgrow the second level of cache;
+    /// of a large one, some frames pass together, so that weights are read once for all of them, and all
+    /// threads share each layer, for a single frame too. Tells whether all were recognised. Throws
+    /// std::invalid_argument unless there is a row of outputs for each frame, and std::bad_alloc: frames that
+    /// pass together use the heap here, unless they are given memory that is kept.
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames,
                             std::span<float> to) const {
-        return recognise_all(threads, frames, to);
+        return batch::recognise(view(), threads, frames, to);
     }
     frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to) const {
-        return recognise_all(threads, frames, to);
+        return batch::recognise(view(), threads, frames, to);
     }
     /// Memory for such calls: it grows to what a call needs, and is kept for the next. It serves one call at
     /// a time.
-    class shared_scratch {
-        friend deployed;
-        /// Not written to: pages that no call touches cost nothing.
-        activation* hold(std::size_t elements) {
-            if (elements > held_.size()) {
-                release();
-                held_ = {aligned_allocator<activation>().allocate(elements), elements};
-            }
-            return held_.data();
-        }
-        void release() noexcept {
-            if (!held_.empty())
-                aligned_allocator<activation>().deallocate(held_.data(), held_.size());
-            held_ = {};
-        }
-        std::span<activation> held_;
-
-    public:
-        shared_scratch() = default;
-        shared_scratch(const shared_scratch&) = delete;
-        shared_scratch& operator=(const shared_scratch&) = delete;
-        ~shared_scratch() { release(); }
-    };
+    using shared_scratch = typename batch::memory_type;
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames, std::span<float> to,
-                            shared_scratch& memory) const requires view_type::large {
-        return recognise_groups(threads, frames, to, memory);
+                            shared_scratch& memory) const requires batch::together {
+        return batch::recognise(view(), threads, frames, to, memory);
     }
     frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to,
-                            shared_scratch& memory) const requires view_type::large {
-        return recognise_groups(threads, frames, to, memory);
+                            shared_scratch& memory) const requires batch::together {
+        return batch::recognise(view(), threads, frames, to, memory);
     }
 
 private:
-    /// Frames that pass together at most, beyond one for each thread. Weights are read once for all of them,
-    /// but their maps drive each other out of the caches: so many that the weights' share of a frame takes no
-    /// more than its maps do, and no more than 16.
-    static constexpr std::size_t most_together =
-        std::clamp<std::size_t>((weight_bytes + scratch_bytes - 1) / scratch_bytes, 1, 16);
-
-    template <class Count>
-    frame_status recognise_groups(thread_pool& threads, std::span<const Count> frames, std::span<float> to,
-                                  shared_scratch& memory) const {
-        const std::size_t count = checked_count(frames.size(), to.size());
-        const std::size_t group = std::max(most_together, threads.threads());
-        frame_status status = frame_status::recognised;
-        for (std::size_t first = 0; first < count; first += group) {
-            const frame_team<thread_pool> team{threads, std::min(group, count - first)};
-            if (view().recognise_together(frames.data() + first * input_shape.size(),
-                                          to.data() + first * outputs,
-                                          memory.hold(team.copies() * view_type::elements_together),
-                                          team) != frame_status::recognised)
-                status = frame_status::not_finite;
-        }
-        return status;
-    }
-    /// Frames, if there is a row of outputs for each.
-    static std::size_t checked_count(std::size_t counts, std::size_t numbers) {
-        const std::size_t count = counts / input_shape.size();
-        if (count * input_shape.size() != counts || count * outputs != numbers)
-            throw std::invalid_argument("deployed: expected frames of " + std::to_string(input_shape.size()) +
-                                        " counts and " + std::to_string(outputs) +
-                                        " outputs for each, found " + std::to_string(counts) +
-                                        " counts and " + std::to_string(numbers) + " outputs");
-        return count;
-    }
-
-    template <class Count>
-    frame_status recognise_all(thread_pool& threads, std::span<const Count> frames,
-                               std::span<float> to) const {
-        if constexpr (view_type::large) {
-            shared_scratch memory;
-            return recognise_groups(threads, frames, to, memory);
-        } else {
-            return recognise_one_by_one(threads, frames, to);
-        }
-    }
-    template <class Count>
-    frame_status recognise_one_by_one(thread_pool& threads, std::span<const Count> frames,
-                                      std::span<float> to) const {
-        const std::size_t count = checked_count(frames.size(), to.size());
-        std::atomic<frame_status> status = frame_status::recognised;
-        const auto one = [&](std::size_t i, auto&... memory) {
-            const tensor_view<const Count, input_shape> frame(frames.data() + i * input_shape.size());
-            if (view()(frame, to.subspan(i * outputs).template first<outputs>(), memory...) !=
-                frame_status::recognised)
-                status.store(frame_status::not_finite);
-        };
-        if constexpr (scratch_bytes <= view_type::most_on_stack) {
-            threads.for_each(count, [&](std::size_t i) { one(i); });
-        } else {
-            std::vector<std::unique_ptr<scratch>> memories(threads.threads());
-            for (std::unique_ptr<scratch>& memory : memories)
-                memory.reset(
-                    new scratch); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
-            threads.on_each_thread([&](thread_pool::share part) {
-                for (std::size_t i = part.begin(count); i < part.end(count); ++i)
-                    one(i, *memories[part.index]);
-            });
-        }
-        return status;
-    }
-
     static constexpr float largest_parameter = 1e30f;
 
     /// The largest magnitude of the input, a power of ten, with which no sum can overflow, whatever the
-    /// signs. Tiles add and subtract up to 81 products of the same size on their way: hence the 128. For a
-    /// network so deep that this bound would refuse counts of 8 bits it says nothing: then only NaN and
-    /// infinity are told.
+    /// signs. Lines of a tile take an input up to 14 times on its way to an output, in two directions: hence
+    /// the 256. For a network so deep that this bound would refuse counts of 8 bits it says nothing: then
+    /// only NaN and infinity are told.
     void set_limit() {
-        constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) / 128;
+        constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) / 256;
         double largest = 1e36, needed = 0;
         for (std::size_t e = 0; e < input_shape.size(); ++e)
             for (const double count : {0.0, 255.0})

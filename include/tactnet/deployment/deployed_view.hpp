@@ -35,7 +35,6 @@ class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
         detail::fills_map<Steps>,
         "deployed_view: the last step writes among the channels of a wider map, which nobody reads");
     using format = typename Steps::format;
-    using activation = typename format::activation;
     using packed_number = typename format::packed;
     using entrance = frame_entrance<format, Input>;
     using exit = frame_exit<format, Steps::output, Steps::output_stride>;
@@ -43,6 +42,7 @@ class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
 
 public:
     using steps = Steps;
+    using activation = typename format::activation; ///< what maps between layers hold
     static constexpr shape input_shape = Input, output_shape = Steps::output;
     static constexpr std::size_t outputs = output_shape.size();
 

@@ -1,5 +1,8 @@
 #include "networks.hpp"
 
+#include <tactnet/kernels/caches.hpp>
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 
 #include <doctest/doctest.h>
@@ -60,6 +63,41 @@ logits of(const std::vector<std::uint8_t>& counts) {
 bool told(const std::vector<float>& frame) {
     logits out;
     return fast()(float_frame(frame.data()), std::span(out)) == frame_status::not_finite;
+}
+
+/// Batches of all sizes, beside each frame alone.
+template <class Deployed>
+void check_batches(const Deployed& recognise) {
+    constexpr std::size_t most = 9, size = Deployed::input_shape.size(), numbers = Deployed::outputs;
+    std::vector<std::uint8_t> frames;
+    std::vector<float> expected(most * numbers, -1);
+    for (std::size_t i = 0; i < most; ++i) {
+        const std::vector<std::uint8_t> counts = support::make_frame(size, i);
+        CHECK(recognise(tensor_view<const std::uint8_t, Deployed::input_shape>(counts.data()),
+                        std::span<float, numbers>(expected.data() + i * numbers, numbers)) ==
+              frame_status::recognised);
+        frames.insert(frames.end(), counts.begin(), counts.end());
+    }
+    const std::vector<float> float_frames = as_floats(frames);
+    for (const std::size_t count : std::array<std::size_t, 3>{1, 2, 3}) {
+        thread_pool threads(count);
+        for (const std::size_t batch : std::array<std::size_t, 4>{0, 1, 4, most}) {
+            CAPTURE(count);
+            CAPTURE(batch);
+            std::vector<float> out(batch * numbers, NAN);
+            const std::span<const float> right(expected.data(), out.size());
+            CHECK(recognise(threads, std::span<const std::uint8_t>(frames).first(batch * size), out) ==
+                  frame_status::recognised);
+            CHECK(same_bits(out, right));
+            std::fill(out.begin(), out.end(), NAN);
+            CHECK(recognise(threads, std::span<const float>(float_frames).first(batch * size), out) ==
+                  frame_status::recognised);
+            CHECK(same_bits(out, right));
+        }
+        std::vector<float> broken = float_frames, out(most * numbers);
+        broken[5 * size + 3] = std::numeric_limits<float>::quiet_NaN();
+        CHECK(recognise(threads, std::span<const float>(broken), out) == frame_status::not_finite);
+    }
 }
 
 } // namespace
@@ -127,35 +165,15 @@ TEST_CASE("eight_bit: counts are told just where words end, and no earlier than 
 }
 
 TEST_CASE("eight_bit: the same bits in batches of any size on any number of threads") {
-    constexpr std::size_t most = 9;
-    std::vector<std::uint8_t> frames;
-    std::vector<float> expected;
-    for (std::size_t i = 0; i < most; ++i) {
-        const std::vector<std::uint8_t> counts = support::make_frame(pixels, i);
-        const logits alone = of(counts);
-        frames.insert(frames.end(), counts.begin(), counts.end());
-        expected.insert(expected.end(), alone.begin(), alone.end());
-    }
-    const std::vector<float> float_frames = as_floats(frames);
-    for (const std::size_t count : std::array<std::size_t, 3>{1, 2, 3}) {
-        thread_pool threads(count);
-        for (const std::size_t batch : std::array<std::size_t, 4>{0, 1, 4, most}) {
-            CAPTURE(count);
-            CAPTURE(batch);
-            std::vector<float> out(batch * outputs, NAN);
-            const std::span<const float> right(expected.data(), out.size());
-            CHECK(fast()(threads, std::span<const std::uint8_t>(frames).first(batch * pixels), out) ==
-                  frame_status::recognised);
-            CHECK(same_bits(out, right));
-            std::fill(out.begin(), out.end(), NAN);
-            CHECK(fast()(threads, std::span<const float>(float_frames).first(batch * pixels), out) ==
-                  frame_status::recognised);
-            CHECK(same_bits(out, right));
-        }
-        std::vector<float> broken = float_frames, out(most * outputs);
-        broken[5 * pixels + 3] = std::numeric_limits<float>::quiet_NaN();
-        CHECK(fast()(threads, std::span<const float>(broken), out) == frame_status::not_finite);
-    }
+    check_batches(fast());
+}
+
+TEST_CASE("eight_bit: the same bits where frames pass together, as weights outgrow the second cache") {
+    using heavy = network<shape{8, 16}, conv2d<8, 3>, relu, conv2d<16, 3>, relu, max_pool<2, 2>, dense<1100>>;
+    static_assert(deployed<heavy, eight_bit>::view_type::weight_bytes > kernels::second_cache);
+    const auto net = std::make_unique<heavy>();
+    support::fill(*net, 41);
+    check_batches(deployed<heavy, eight_bit>(support::calibrated(*net, 41, 4).folded()));
 }
 
 TEST_CASE("eight_bit: the same bits wherever the frame and the outputs lie, with garbage in the memory") {

@@ -55,7 +55,7 @@ struct numbers_of {
 /// A channel of the output by plain sums: group by group.
 template <frame_convolution C>
 support::rounded_map expected_of(const std::vector<double>& in, const std::vector<float>& folded,
-                                 std::size_t tiled) {
+                                 tactnet::extent tiled) {
     constexpr std::size_t channels = C.window.input.channels / C.groups, filters = C.filters / C.groups,
                           area = C.window.input.area();
     support::rounded_map all;
@@ -72,7 +72,7 @@ support::rounded_map expected_of(const std::vector<double>& in, const std::vecto
         for (std::size_t f = 0; f < filters; ++f)
             biases[f].value = static_cast<double>(folded[C.groups * weights + g * filters + f]);
         const auto out = support::bounded_convolution(support::window_of(window), filters, own, biases, part,
-                                                      nullptr, tiled);
+                                                      nullptr, {tiled.rows, tiled.columns});
         all.insert(all.end(), out.begin(), out.end());
     }
     return all;

@@ -109,7 +109,7 @@ std::vector<float> plain_outputs(const std::vector<support::described_layer>& la
 std::vector<support::described_layer> as_trained(std::vector<support::described_layer> layers) {
     for (support::described_layer& layer : layers) {
         layer.alone = true;
-        layer.tiled = 0;
+        layer.tiled = {};
         for (auto* list : {&layer.inner, &layer.skip, &layer.branches})
             *list = as_trained(std::move(*list));
     }

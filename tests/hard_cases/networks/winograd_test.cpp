@@ -49,7 +49,7 @@ double check_tiles(const std::string& name, hardness kind) {
         }
     });
     const auto layers = support::describe<Network>();
-    CHECK(layers[0].tiled > 0);
+    CHECK(layers[0].tiled.rows > 0);
     std::vector<float> frame(Network::input_shape.size()), out(Network::outputs);
     for (float& value : frame)
         value = draw.next(-1, 1) + (kind == hardness::offset || kind == hardness::cancelling ? 1e4f : 0.0f);

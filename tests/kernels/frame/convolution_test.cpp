@@ -18,12 +18,14 @@ using namespace tactnet::kernels;
 namespace {
 
 /// Runs one fused step on random numbers and holds every output to the bound of its error.
-template <frame_convolution C, bool Tiled>
+template <frame_convolution C, extent Tile>
 void compare(std::uint64_t seed) {
     CAPTURE(C.window.input.rows);
     CAPTURE(C.window.input.columns);
     CAPTURE(C.window.input.channels);
     CAPTURE(C.filters);
+    CAPTURE(Tile.rows);
+    CAPTURE(Tile.columns);
     constexpr std::size_t channels = C.window.input.channels, area = C.window.input.area();
     constexpr std::size_t taps = C.window.kernel.area();
     std::uint64_t state = seed;
@@ -59,12 +61,13 @@ void compare(std::uint64_t seed) {
     tactnet::aligned_vector<float> bias(C.output_stride());
     for (std::size_t f = 0; f < C.filters; ++f)
         bias[f] = static_cast<float>(biases[f].value);
-    if constexpr (Tiled) {
-        using tiles = winograd_tiles<C>;
-        static_assert(tiles::possible);
+    if constexpr (Tile != extent(0)) {
+        using tiles = winograd_tiles<C, Tile>;
+        static_assert(tile_possible(C, Tile));
         support::guarded_map packed(tiles::weights, 4321, 0), scratch(tiles::scratch, 54321, NAN);
-        pack_winograd_weights<C>(packed.data(), weight);
-        convolve_frame_by_tiles<C>(input.data(), packed.data(), bias.data(), output.data(), scratch.data());
+        pack_winograd_weights<C, Tile>(packed.data(), weight);
+        convolve_frame_by_tiles<C, Tile>(input.data(), packed.data(), bias.data(), output.data(),
+                                         scratch.data());
         CHECK(packed.untouched());
         CHECK(scratch.untouched());
     } else {
@@ -76,8 +79,9 @@ void compare(std::uint64_t seed) {
     CHECK(output.untouched());
 
     const sliding_window& w = C.window;
-    support::rounded_map expected = support::bounded_convolution(
-        support::window_of(w), C.filters, weights, biases, in, C.adds ? &added : nullptr, Tiled ? 2 : 0);
+    support::rounded_map expected =
+        support::bounded_convolution(support::window_of(w), C.filters, weights, biases, in,
+                                     C.adds ? &added : nullptr, {Tile.rows, Tile.columns});
     if (C.pool != extent(1)) {
         const auto behind = [](std::size_t reach, std::size_t size) {
             return reach > size ? reach - size : 0;
@@ -137,9 +141,9 @@ constexpr frame_convolution adding(frame_convolution c, bool rectified) {
     return c;
 }
 
-template <frame_convolution C, bool Tiled = false>
+template <frame_convolution C, extent Tile = 0>
 struct job {
-    static void run(std::uint64_t seed) { compare<C, Tiled>(seed); }
+    static void run(std::uint64_t seed) { compare<C, Tile>(seed); }
 };
 template <class... Jobs>
 void run_all() {
@@ -172,20 +176,47 @@ TEST_CASE("convolution: by taps: pools, ReLU and sums") {
 }
 
 TEST_CASE("convolution: by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddings") {
-    run_all<job<step({14, 25, 8}, 3, 16, 8), true>,           //
-            job<step({7, 13, 16}, 2, 32, 16), true>,          //
-            job<step({1, 1, 4}, 3, 4, 4), true>,              //
-            job<step({5, 1, 20}, 3, 5, 32), true>,            //
-            job<step({1, 6, 3}, 2, 1, 16), true>,             //
-            job<step({9, 5, 12}, 3, 40, 16, 1, valid), true>, //
-            job<step({6, 7, 5}, 2, 33, 16, 1, pad(1)), true>, //
-            job<step({6, 7, 4}, 3, 12, 4, 1, pad(2, 0, 1, 2)), true>>();
+    run_all<job<step({14, 25, 8}, 3, 16, 8), 2>,           //
+            job<step({7, 13, 16}, 2, 32, 16), 2>,          //
+            job<step({1, 1, 4}, 3, 4, 4), 2>,              //
+            job<step({5, 1, 20}, 3, 5, 32), 2>,            //
+            job<step({1, 6, 3}, 2, 1, 16), 2>,             //
+            job<step({9, 5, 12}, 3, 40, 16, 1, valid), 2>, //
+            job<step({6, 7, 5}, 2, 33, 16, 1, pad(1)), 2>, //
+            job<step({6, 7, 4}, 3, 12, 4, 1, pad(2, 0, 1, 2)), 2>>();
 }
 
 TEST_CASE("convolution: by tiles: pools, ReLU and sums") {
-    run_all<job<pooled(step({7, 13, 16}, 3, 32, 16), 2), true>,    //
-            job<pooled(step({7, 13, 8}, 3, 5, 8), 2, true), true>, //
-            job<pooled(step({5, 9, 12}, 2, 20, 16), 2), true>,     //
-            job<adding(step({7, 9, 20}, 3, 20, 32), true), true>,  //
-            job<adding(step({4, 5, 4}, 2, 12, 4), false), true>>();
+    run_all<job<pooled(step({7, 13, 16}, 3, 32, 16), 2), 2>,    //
+            job<pooled(step({7, 13, 8}, 3, 5, 8), 2, true), 2>, //
+            job<pooled(step({5, 9, 12}, 2, 20, 16), 2), 2>,     //
+            job<adding(step({7, 9, 20}, 3, 20, 32), true), 2>,  //
+            job<adding(step({4, 5, 4}, 2, 12, 4), false), 2>>();
+}
+
+TEST_CASE("convolution: by tiles: larger ones, and those that are no squares") {
+    run_all<job<step({6, 9, 8}, 3, 20, 8), extent(2, 4)>,                   //
+            job<step({6, 9, 8}, 3, 20, 8), extent(3, 4)>,                   //
+            job<step({7, 3, 8}, 3, 8, 8), extent(4, 3)>,                    //
+            job<step({11, 7, 8}, 2, 36, 8), extent(5, 3)>,                  //
+            job<step({4, 9, 8}, 2, 8, 8), extent(4, 5)>,                    //
+            job<step({1, 2, 4}, 3, 4, 4, 1, pad(0, 2, 1, 2)), extent(4)>,   //
+            job<pooled(step({7, 10, 5}, 3, 8, 16), 2), extent(4)>,          //
+            job<pooled(step({7, 13, 5}, 2, 8, 16), 2, true), extent(2, 4)>, //
+            job<adding(step({3, 5, 12}, 3, 64, 16), true), extent(3)>>();
+}
+
+TEST_CASE("convolution: by tiles: chosen where they save, and large ones for wide vectors alone") {
+    constexpr bool wide = lanes<float> >= 8;
+    // A few pixels or channels are taps; a wide map of many channels is tiles.
+    CHECK(best_tile(step({1, 2, 64}, 3, 128, 64)) == extent(0));
+    CHECK(best_tile(step({28, 50}, 5, 8, 1)) == extent(0));
+    CHECK(best_tile(step({28, 50, 8}, 3, 16, 8, 2)) == extent(0));
+    const extent large = best_tile(step({10, 18, 32}, 3, 64, 32));
+    CHECK(large.area() > (wide ? 4u : 0u));
+    CHECK(large.area() <= (wide ? 16u : 4u));
+    // A window of a pool lies in one tile.
+    const extent behind = best_tile(pooled(step({7, 13, 64}, 2, 128, 64), 2));
+    CHECK(behind.rows % 2 == 0);
+    CHECK(behind.columns % 2 == 0);
 }

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <support/guarded_map.hpp>
 #include <support/layers/deployment_bound.hpp>
@@ -28,6 +29,24 @@ support::rounded_map random_map(shape size, std::size_t stride, float rest, floa
     return map;
 }
 
+/// Several frames at once, of which the last is `input`: it has the bits that it has alone.
+template <frame_dense D, std::size_t Frames>
+void check_several(const float* input, const float* packed, const float* bias, const float* alone) {
+    constexpr std::size_t in_distance = D.inputs() + 3, out_distance = D.output_stride() + 16;
+    std::vector<float> inputs(Frames * in_distance, 0.25f);
+    std::copy_n(input, D.inputs(), inputs.data() + (Frames - 1) * in_distance);
+    support::guarded_map outputs((Frames - 1) * out_distance + D.output_stride(), 12345, NAN);
+    multiply_frames<D, Frames>(inputs.data(), in_distance, packed, bias, outputs.data(), out_distance);
+    CHECK(outputs.untouched());
+    std::size_t other = 0;
+    for (std::size_t o = 0; o < D.output_stride(); ++o)
+        other += outputs.data()[(Frames - 1) * out_distance + o] != alone[o];
+    CHECK(other == 0);
+    for (std::size_t o = 0; o < D.output_stride(); ++o) // the frames before it, all alike
+        other += outputs.data()[o] != outputs.data()[(Frames - 2) * out_distance + o];
+    CHECK(other == 0);
+}
+
 template <frame_dense D>
 void compare_dense() {
     CAPTURE(D.outputs);
@@ -44,12 +63,14 @@ void compare_dense() {
     pack_dense_weights<D>(packed.data(), [&](std::size_t o, std::size_t channel, std::size_t pixel) {
         return static_cast<float>(weights[(o * D.input.channels + channel) * D.input.area() + pixel]);
     });
-    multiply_frame<D>(input.data(), packed.data(), bias.data(), output.data());
+    multiply_frames<D>(input.data(), 0, packed.data(), bias.data(), output.data(), 0);
     CHECK(packed.untouched());
     CHECK(output.untouched());
+    check_several<D, 2>(input.data(), packed.data(), bias.data(), output.data());
+    check_several<D, 3>(input.data(), packed.data(), bias.data(), output.data());
     const support::rounded_map expected = support::bounded_convolution(
         {{D.input.channels, D.input.rows, D.input.columns}, D.input.rows, D.input.columns, 1, 1, 0, 0, 0, 0},
-        D.outputs, weights, biases, in, nullptr, 0);
+        D.outputs, weights, biases, in, nullptr, {});
     std::size_t wrong = 0;
     for (std::size_t o = 0; o < D.outputs; ++o) {
         const double error = std::abs(static_cast<double>(output.data()[o]) - expected[o].value);

@@ -104,9 +104,9 @@ struct large_numbers {
     /// filter.
     [[nodiscard]] std::size_t wrong_outputs(std::size_t frame, const float* found) const {
         const tactnet::sliding_window& w = c.window;
+        const std::size_t tiles = tactnet::kernels::large_convolution(c).tiles.outputs;
         rounded_map expected = bounded_convolution(window_of(w), c.filters, weights, biases, inputs[frame],
-                                                   c.adds ? &added[frame] : nullptr,
-                                                   tactnet::kernels::large_convolution(c).tiles.outputs);
+                                                   c.adds ? &added[frame] : nullptr, {tiles, tiles});
         if (c.pool != tactnet::extent(1)) {
             const auto behind = [](std::size_t reach, std::size_t size) {
                 return reach > size ? reach - size : 0;

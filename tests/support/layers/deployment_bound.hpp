@@ -50,6 +50,11 @@ struct rounded {
 /// [channel][row][column]
 using rounded_map = std::vector<rounded>;
 
+/// Outputs of one of Winograd's tiles; none where a convolution is computed by taps.
+struct tile_size {
+    std::size_t rows = 0, columns = 0;
+};
+
 /// A layer of a network, as the bound needs it. Lists keep their nesting: a batch norm is folded into a
 /// convolution of its own list only.
 struct described_layer {
@@ -73,8 +78,8 @@ struct described_layer {
     std::size_t filters = 0;   ///< outputs of dense layers
     std::size_t groups = 1;    ///< of a convolution
     bool bias = true;          ///< of a convolution
-    bool alone = false;    ///< not folded with what stands beside it, as in batches: a convolution, a norm
-    std::size_t tiled = 0; ///< rows of the outputs of Winograd's tiles, 2 or 4; 0 for a convolution by taps
+    bool alone = false; ///< not folded with what stands beside it, as in batches: a convolution, a norm
+    tile_size tiled{};  ///< of a convolution, how it is computed
     std::vector<described_layer> inner{}, skip{};
     /// Of a concatenation: lists.
     std::vector<described_layer> branches{};
@@ -100,7 +105,7 @@ struct described_layer {
 [[nodiscard]] rounded_map bounded_convolution(const reference_window& window, std::size_t filters,
                                               std::span<const double> weights,
                                               std::span<const rounded> biases, const rounded_map& in,
-                                              const rounded_map* added, std::size_t tiled);
+                                              const rounded_map* added, tile_size tiled);
 [[nodiscard]] rounded_map bounded_max_pool(const reference_window& window, const rounded_map& in);
 [[nodiscard]] rounded_map bounded_relu(rounded_map in);
 [[nodiscard]] rounded_map bounded_input(std::span<const float> counts, std::span<const float> mean,

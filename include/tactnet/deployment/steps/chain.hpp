@@ -37,6 +37,8 @@ struct step_chain {
 
     static constexpr shape output = at<size - 1>::output;
     static constexpr std::size_t output_stride = at<size - 1>::output_stride;
+    /// Elements that a number of the last map takes.
+    static constexpr std::size_t number_elements = detail::number_elements<at<size - 1>>;
     static constexpr std::size_t folded = (Steps::folded + ...), packed = (Steps::packed + ...);
     /// The largest map between two steps.
     static constexpr std::size_t buffer = [] {

@@ -45,7 +45,6 @@ private:
     static constexpr kernels::frame_convolution part =
         Kernel.groups_apart() ? Kernel.group() : Kernel.joined();
     static constexpr kernels::large_convolution large_plan{part};
-    using tiles = kernels::winograd_tiles<part>;
     using pixels = kernels::packed_pixels<part>;
 
 public:
@@ -54,20 +53,17 @@ public:
     /// Pixels that share a vector, where taps are added to few filters.
     static constexpr std::size_t pixels_of_vector = !large && pixels::suits ? pixels::pixels : 1;
     /// Rows and columns of outputs that make a tile, where tiles take fewer operations than taps; else 0.
-    static constexpr std::size_t tile_outputs = [] {
-        if constexpr (large)
-            return large_plan.tiles.outputs;
-        else
-            return std::size_t{pixels_of_vector == 1 && tiles::pays ? 2 : 0};
-    }();
-    static constexpr bool tiled = tile_outputs > 0;
+    static constexpr extent tile_outputs = large                  ? extent(large_plan.tiles.outputs)
+                                           : pixels_of_vector > 1 ? extent(0)
+                                                                  : kernels::best_tile(part);
+    static constexpr bool tiled = tile_outputs != extent(0);
     static constexpr std::size_t packed_weights = [] {
         if constexpr (large)
             return whole_lines(large_plan.weights());
+        else if constexpr (tiled)
+            return whole_lines(kernels::winograd_tiles<part>::weights);
         else
-            return whole_lines(tiled                  ? tiles::weights
-                               : pixels_of_vector > 1 ? pixels::weights
-                                                      : part.weights());
+            return whole_lines(pixels_of_vector > 1 ? pixels::weights : part.weights());
     }();
     static constexpr std::size_t packed_part =
         packed_weights + whole_lines(pixels_of_vector * part.padded_filters());
@@ -75,8 +71,10 @@ public:
     static constexpr std::size_t scratch = [] {
         if constexpr (large)
             return large_plan.scratch();
+        else if constexpr (tiled)
+            return kernels::winograd_tiles<part>::scratch;
         else
-            return tiled ? tiles::scratch : pixels_of_vector > 1 ? pixels::scratch : 0;
+            return pixels_of_vector > 1 ? pixels::scratch : 0;
     }();
 
     static constexpr void pack(const float* from, float* to) {

@@ -3,6 +3,7 @@
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
+#include <tactnet/runtime/work_share.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -60,7 +61,25 @@ public:
         if constexpr (large)
             run_share(packed_values, in, out, memory, {});
         else
-            kernels::multiply_frame<Kernel>(in, packed_values, packed_values + packed_weights, out);
+            kernels::multiply_frames<Kernel>(in, 0, packed_values, packed_values + packed_weights, out, 0);
+    }
+    /// Several frames read each weight once.
+    template <class Team>
+    static void run_together(const float* packed_values, const float* in, std::size_t in_distance, float* out,
+                             float*, const Team& team) requires(!large) {
+        constexpr std::size_t out_distance = whole_lines(output_stride), most = kernels::dense_frames<Kernel>;
+        const auto some = [&](auto frames, std::size_t first) {
+            kernels::multiply_frames<Kernel, frames>(in + first * in_distance, in_distance, packed_values,
+                                                     packed_values + packed_weights,
+                                                     out + first * out_distance, out_distance);
+        };
+        team.pool.on_each_thread([&](work_share share) {
+            std::size_t frame = share.begin(team.frames);
+            for (; frame + most <= share.end(team.frames); frame += most)
+                some(kernels::constant<most>{}, frame);
+            for (; frame < share.end(team.frames); ++frame)
+                some(kernels::constant<1>{}, frame);
+        });
     }
     /// The share of one thread in a job.
     static void run_share(const float* packed_values, const float* in, float* out, float* memory,

@@ -44,6 +44,19 @@ struct single_precision {
     static constexpr bool leaves_apart = false; ///< whether that step is written otherwise than others
 };
 
+namespace detail {
+
+/// Elements of a map that one number of a step's output takes: one, unless the step says otherwise.
+template <class Step>
+inline constexpr std::size_t number_elements = 1;
+template <class Step>
+    requires requires {
+        Step::number_elements;
+    }
+inline constexpr std::size_t number_elements<Step> = Step::number_elements;
+
+} // namespace detail
+
 /// What a plan is made of.
 template <class Step>
 concept deployed_step = requires(const float* folded, typename Step::format::packed* to,

@@ -37,7 +37,8 @@ namespace detail {
 /// Elements from the map that a step writes to that of the next frame.
 template <class Step>
 inline constexpr std::size_t
-    map_distance = whole_lines<typename Step::format::activation>(Step::output.area() * Step::output_stride);
+    map_distance = whole_lines<typename Step::format::activation>(Step::output.area() * Step::output_stride *
+                                                                  number_elements<Step>);
 
 /// Whether a step has large ones in it, which frames and threads had better pass together.
 template <class Step>

@@ -5,10 +5,11 @@
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
-// Matrix times vector for one frame, for deployed networks: outputs side by side in vectors, one input at a
-// time spread over all lanes.
+// Matrix times vectors for one frame or a few, for deployed networks: outputs side by side in vectors, one
+// input at a time spread over all lanes.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -50,27 +51,45 @@ constexpr void pack_dense_weights(float* packed, Weight&& weight) {
                                 : 0.0f;
 }
 
-/// output = bias + weights · input. Several partial sums: one chain of additions would wait for each of them.
+/// Partial sums of an output, since one chain of additions would wait for each of them.
+template <frame_dense D, std::size_t Vectors = D.block_vectors()>
+inline constexpr std::size_t dense_parts = std::max<std::size_t>(8 / Vectors, 1);
+
+/// Frames whose sums fit the registers, so that they share each weight that is read.
 template <frame_dense D>
-[[gnu::flatten]] void multiply_frame(const float* input, const float* weights, const float* bias,
-                                     float* output) {
+inline constexpr std::size_t dense_frames = std::max<std::size_t>((vector_registers == 32 ? 24 : 12) /
+                                                                      (dense_parts<D> * D.block_vectors()),
+                                                                  1);
+
+/// output = bias + weights · input, for frames whose inputs and outputs lie so many elements apart; the bits
+/// do not depend on their number.
+template <frame_dense D, std::size_t Frames = 1>
+[[gnu::flatten]] void multiply_frames(const float* input, std::size_t input_distance, const float* weights,
+                                      const float* bias, float* output, std::size_t output_distance) {
     constexpr std::size_t width = D.width();
     using wide = sized_vector<float, width>;
     constexpr std::size_t inputs = D.inputs();
     blocked<D.vectors(), D.block_vectors()>([&](auto block, std::size_t first) {
-        constexpr std::size_t vectors = block, parts = std::max<std::size_t>(8 / vectors, 1);
-        constexpr std::size_t sums_of_block = parts * vectors;
-        register_block<wide, parts, vectors> sums;
+        constexpr std::size_t vectors = block, parts = dense_parts<D, vectors>;
+        constexpr std::size_t lines = Frames * parts, sums_of_block = lines * vectors;
+        register_block<wide, lines, vectors> sums;
 #pragma GCC unroll 64
         for (std::size_t i = 0; i < sums_of_block; ++i)
             sums[i / vectors][i % vectors] = wide(0.0f);
-        const float* w = weights + first * width * inputs;
+        const float* const w = weights + first * width * inputs;
         const auto add = [&](std::size_t part, std::size_t i) __attribute__((always_inline)) {
-            const wide x(input[i]);
+            std::array<wide, vectors> of_input;
 #pragma GCC unroll 64
             for (std::size_t v = 0; v < vectors; ++v)
-                sums[part][v] =
-                    fused_multiply_add(load_as<wide>(w + (i * vectors + v) * width), x, sums[part][v]);
+                of_input[v] = load_as<wide>(w + (i * vectors + v) * width);
+#pragma GCC unroll 64
+            for (std::size_t frame = 0; frame < Frames; ++frame) {
+                const wide x(input[frame * input_distance + i]);
+#pragma GCC unroll 64
+                for (std::size_t v = 0; v < vectors; ++v)
+                    sums[frame * parts + part][v] =
+                        fused_multiply_add(of_input[v], x, sums[frame * parts + part][v]);
+            }
         };
         for (std::size_t i = 0; i + parts <= inputs; i += parts) {
 #pragma GCC unroll 64
@@ -81,13 +100,15 @@ template <frame_dense D>
         for (std::size_t i = inputs / parts * parts; i < inputs; ++i)
             add(i % parts, i);
 #pragma GCC unroll 64
-        for (std::size_t v = 0; v < vectors; ++v) {
-            wide sum = load_as<wide>(bias + (first + v) * width);
+        for (std::size_t frame = 0; frame < Frames; ++frame)
 #pragma GCC unroll 64
-            for (std::size_t p = 0; p < parts; ++p)
-                sum = sum + sums[p][v];
-            store_as(output + (first + v) * width, sum);
-        }
+            for (std::size_t v = 0; v < vectors; ++v) {
+                wide sum = load_as<wide>(bias + (first + v) * width);
+#pragma GCC unroll 64
+                for (std::size_t p = 0; p < parts; ++p)
+                    sum = sum + sums[frame * parts + p][v];
+                store_as(output + frame * output_distance + (first + v) * width, sum);
+            }
     });
 }
 

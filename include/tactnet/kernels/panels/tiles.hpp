@@ -104,19 +104,18 @@ constexpr void pack_tiles_of(const tile_plan& plan, float* packed, Weight&& weig
             for (std::size_t channel = begin; channel < end; ++channel)
                 for (std::size_t f = first; f < std::min(last, c.filters); ++f) {
                     std::array<std::array<double, 3>, side> half{};
-                    for (std::size_t column = 0; column < 3; ++column)
+                    for (std::size_t column = 0; column < 3; ++column) {
+                        const std::array<double, 3> g{static_cast<double>(weight(f, channel, 0, column)),
+                                                      static_cast<double>(weight(f, channel, 1, column)),
+                                                      static_cast<double>(weight(f, channel, 2, column))};
                         for (std::size_t l = 0; l < side; ++l)
-                            half[l][column] = detail::tile_kernel_line<Outputs>(
-                                l, static_cast<double>(weight(f, channel, 0, column)),
-                                static_cast<double>(weight(f, channel, 1, column)),
-                                static_cast<double>(weight(f, channel, 2, column)));
+                            half[l][column] = detail::tile_kernel_line<side>(l, g);
+                    }
                     float* const to = packed + begin * c.padded_filters() + (end - begin) * first +
                                       (channel - begin) * (last - first) + f - first;
-                    for (std::size_t e = 0; e < side * side; ++e) {
-                        const auto& line = half[e / side];
-                        to[e * plan.channels() * c.padded_filters()] = static_cast<float>(
-                            detail::tile_kernel_line<Outputs>(e % side, line[0], line[1], line[2]));
-                    }
+                    for (std::size_t e = 0; e < side * side; ++e)
+                        to[e * plan.channels() * c.padded_filters()] =
+                            static_cast<float>(detail::tile_kernel_line<side>(e % side, half[e / side]));
                 }
         }
     }

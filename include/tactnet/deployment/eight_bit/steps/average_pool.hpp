@@ -21,6 +21,7 @@ struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Chann
     static constexpr shape output{Windows.rows.outputs, Windows.columns.outputs, Channels};
     static constexpr std::size_t output_stride = Stride;
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
+    static constexpr std::size_t number_elements = sizeof(Output); ///< of a number that it writes, in bytes
     static constexpr std::size_t ranges = writes_bytes ? 2 : 1;
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", writes_bytes)};
     static constexpr std::size_t folded = arrays.numbers();

@@ -25,6 +25,7 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel> {
     static constexpr std::size_t output_stride = Kernel.output_stride();
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
+    static constexpr std::size_t number_elements = sizeof(Output); ///< of a number that it writes, in bytes
     static constexpr std::size_t ranges = 1 + (Kernel.adds ? 1 : 0) + (writes_bytes ? 1 : 0);
     static constexpr folded_arrays arrays{{"weight",
                                            folded_kind::weights,

@@ -1,0 +1,167 @@
+#pragma once
+
+#include <tactnet/deployment/frame_status.hpp>
+#include <tactnet/deployment/steps/team.hpp>
+#include <tactnet/kernels/caches.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/runtime/work_share.hpp>
+#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+// Many frames through a deployed network, on all threads of a pool: each with the bits that it has alone.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace detail {
+
+/// Memory that grows to what a call needs, and is kept for the next. It serves one call at a time.
+template <class T>
+class kept_memory {
+public:
+    kept_memory() = default;
+    kept_memory(const kept_memory&) = delete;
+    kept_memory& operator=(const kept_memory&) = delete;
+    ~kept_memory() { release(); }
+
+    /// Not written to: pages that no call touches cost nothing.
+    T* hold(std::size_t elements) {
+        if (elements > held_.size()) {
+            release();
+            held_ = {aligned_allocator<T>().allocate(elements), elements};
+        }
+        return held_.data();
+    }
+
+private:
+    void release() noexcept {
+        if (!held_.empty())
+            aligned_allocator<T>().deallocate(held_.data(), held_.size());
+        held_ = {};
+    }
+    std::span<T> held_;
+};
+
+/// A pool that is the thread which asks.
+struct lone_thread {
+    static constexpr std::size_t threads() { return 1; }
+    template <class Body>
+    void on_each_thread(const Body& body) const {
+        body(work_share{0, 1});
+    }
+    template <class Body>
+    void for_each(std::size_t count, const Body& body) const {
+        for (std::size_t i = 0; i < count; ++i)
+            body(i);
+    }
+};
+
+/// How many frames of such a network go through it. `View` is a deployed_view.
+template <class View>
+struct frame_batch {
+    using memory_type = kept_memory<typename View::activation>;
+    static constexpr std::size_t pixels = View::input_shape.size(), outputs = View::outputs;
+
+    /// Frames of a large network that pass together at most, beyond one for each thread. Weights are read
+    /// once for all of them, but their maps drive each other out of the caches: so many that the weights'
+    /// share of a frame takes no more than its maps do, and no more than 16.
+    static constexpr std::size_t most_on_all_threads =
+        std::clamp<std::size_t>((View::weight_bytes + View::scratch_bytes - 1) / View::scratch_bytes, 1, 16);
+    /// Frames of a smaller one that pass together on one thread: where the second level of cache does not
+    /// hold its weights, each layer's are fetched once for some frames.
+    static constexpr std::size_t on_one_thread = View::weight_bytes > kernels::second_cache ? 4 : 1;
+    /// Whether calls need memory from the heap.
+    static constexpr bool together = View::large || on_one_thread > 1;
+
+    /// Frames, if there is a row of outputs for each; else throws std::invalid_argument.
+    static std::size_t checked_count(std::size_t counts, std::size_t numbers) {
+        const std::size_t count = counts / pixels;
+        if (count * pixels != counts || count * outputs != numbers)
+            throw std::invalid_argument("deployed: expected frames of " + std::to_string(pixels) +
+                                        " counts and " + std::to_string(outputs) +
+                                        " outputs for each, found " + std::to_string(counts) +
+                                        " counts and " + std::to_string(numbers) + " outputs");
+        return count;
+    }
+
+    template <class Count>
+    static frame_status recognise(const View& view, thread_pool& threads, std::span<const Count> frames,
+                                  std::span<float> to) {
+        if constexpr (together) {
+            memory_type memory;
+            return recognise(view, threads, frames, to, memory);
+        } else {
+            return one_by_one(view, threads, frames, to);
+        }
+    }
+    template <class Count>
+    static frame_status recognise(const View& view, thread_pool& threads, std::span<const Count> frames,
+                                  std::span<float> to, memory_type& memory) {
+        const std::size_t count = checked_count(frames.size(), to.size());
+        const auto some = [&](std::size_t first, auto* scratch, const auto& team) {
+            return view.recognise_together(frames.data() + first * pixels, to.data() + first * outputs,
+                                           scratch, team) == frame_status::recognised;
+        };
+        std::atomic<bool> usual = true;
+        if constexpr (View::large) {
+            const std::size_t group = std::max(most_on_all_threads, threads.threads());
+            for (std::size_t first = 0; first < count; first += group) {
+                const frame_team<thread_pool> team{threads, std::min(group, count - first)};
+                if (!some(first, memory.hold(team.copies() * View::elements_together), team))
+                    usual = false;
+            }
+        } else {
+            constexpr std::size_t of_thread = on_one_thread * View::elements_together;
+            auto* const scratch = memory.hold(threads.threads() * of_thread);
+            threads.on_each_thread([&](work_share share) {
+                lone_thread here;
+                const std::size_t end = share.end(count);
+                for (std::size_t first = share.begin(count); first < end; first += on_one_thread)
+                    if (!some(first, scratch + share.index * of_thread,
+                              frame_team<lone_thread>{here, std::min(on_one_thread, end - first)}))
+                        usual = false;
+            });
+        }
+        return usual ? frame_status::recognised : frame_status::not_finite;
+    }
+
+private:
+    template <class Count>
+    static frame_status one_by_one(const View& view, thread_pool& threads, std::span<const Count> frames,
+                                   std::span<float> to) {
+        const std::size_t count = checked_count(frames.size(), to.size());
+        std::atomic<bool> usual = true;
+        const auto one = [&](std::size_t i, auto&... memory) {
+            const tensor_view<const Count, View::input_shape> frame(frames.data() + i * pixels);
+            if (view(frame, to.subspan(i * outputs).template first<outputs>(), memory...) !=
+                frame_status::recognised)
+                usual = false;
+        };
+        if constexpr (View::scratch_bytes <= View::most_on_stack) {
+            threads.for_each(count, [&](std::size_t i) { one(i); });
+        } else {
+            using scratch = typename View::scratch;
+            std::vector<std::unique_ptr<scratch>> memories(threads.threads());
+            for (std::unique_ptr<scratch>& memory : memories)
+                memory.reset(
+                    new scratch); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
+            threads.on_each_thread([&](work_share share) {
+                for (std::size_t i = share.begin(count); i < share.end(count); ++i)
+                    one(i, *memories[share.index]);
+            });
+        }
+        return usual ? frame_status::recognised : frame_status::not_finite;
+    }
+};
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet

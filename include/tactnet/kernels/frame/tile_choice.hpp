@@ -1,0 +1,112 @@
+#pragma once
+
+#include <tactnet/kernels/frame/convolution.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+// Which of Winograd's tiles a convolution is computed by, or none. Decided when compiling, from sizes alone.
+//
+// Costs are counted in products of a vector. Their few constants are rounded from times of layers
+// (benchmark_plan) on processors of several kinds, with 16 and 32 registers.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Rows and columns of an input tile, and of the transformed kernel, for a tile of so many outputs.
+[[nodiscard]] constexpr extent tile_side(const frame_convolution& c, extent outputs) {
+    return {outputs.rows + c.window.kernel.rows - 1, outputs.columns + c.window.kernel.columns - 1};
+}
+/// Tiles that cover the outputs.
+[[nodiscard]] constexpr std::size_t tile_count(const frame_convolution& c, extent outputs) {
+    return (c.rows() + outputs.rows - 1) / outputs.rows *
+           ((c.columns() + outputs.columns - 1) / outputs.columns);
+}
+/// Sums that stay in registers.
+inline constexpr std::size_t most_tile_sums = vector_registers == 32 ? 24 : 12;
+
+/// Vectors of filters in a register block of tiles × vectors: more where there are few tiles to fill it.
+[[nodiscard]] constexpr std::size_t tile_block_vectors(const frame_convolution& c, std::size_t tiles) {
+    return tiles * 4 < most_tile_sums && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
+}
+/// As many tiles as registers allow, evenly spread.
+[[nodiscard]] constexpr std::size_t tiles_of_block(std::size_t tiles, std::size_t vectors) {
+    const std::size_t most = std::max<std::size_t>(most_tile_sums / vectors, 1);
+    const std::size_t blocks = (tiles + most - 1) / most;
+    return (tiles + blocks - 1) / blocks;
+}
+
+/// Whether there are lines for such a tile (tile_lines.hpp), it holds whole windows of the pool, and the
+/// input lies in whole vectors.
+[[nodiscard]] constexpr bool tile_possible(const frame_convolution& c, extent outputs) {
+    const std::size_t channels = c.window.input.channels, width = lanes_for<float>(channels);
+    const extent side = tile_side(c, outputs);
+    return (c.window.kernel == extent(3) || c.window.kernel == extent(2)) && c.window.stride == extent(1) &&
+           (c.pool == extent(1) || c.pool == extent(2)) && outputs.rows % c.pool.rows == 0 &&
+           outputs.columns % c.pool.columns == 0 && std::max(side.rows, side.columns) <= 6 &&
+           c.input_stride % width == 0 && c.input_stride >= (channels + width - 1) / width * width &&
+           c.input_multiple % width == 0;
+}
+
+/// Weights that are taken to lie beyond the second level of cache. Not by its configured size (caches.hpp):
+/// other tiles round otherwise, and the bits of a network are not to depend on that.
+inline constexpr std::size_t far_weight_bytes = 512 * 1024;
+
+/// Operations of a convolution by such tiles.
+[[nodiscard]] constexpr std::size_t tile_operations(const frame_convolution& c, extent outputs) {
+    const std::size_t channels = c.window.input.channels, input_lanes = lanes_for<float>(channels),
+                      input_vectors = (channels + input_lanes - 1) / input_lanes;
+    const extent side = tile_side(c, outputs);
+    const std::size_t elements = side.area(), count = tile_count(c, outputs);
+    // In quarters of a product. Wide vectors hide transforms behind the products, but for one operation an
+    // element, and more with each direction that has points at roots; else each load, addition and store
+    // counts.
+    constexpr bool wide = lanes<float> >= 8;
+    const int with_roots = (side.rows > 4 ? 1 : 0) + (side.columns > 4 ? 1 : 0);
+    const std::size_t hidden = with_roots == 0 ? 4 : with_roots == 1 ? 6 : 10;
+    const std::size_t of_input = wide ? hidden : 16, of_output = wide ? hidden : 12;
+    // A vector of weights is not read more quickly than from the second level of cache, or from further away
+    // where a layer has too many; with few tiles their products wait for it.
+    const bool far = elements * channels * c.padded_filters() * sizeof(float) > far_weight_bytes;
+    const std::size_t of_channel = std::max<std::size_t>(4 * count, far ? 36 : 10);
+    return elements *
+           (channels * c.vectors() * of_channel +
+            count * (of_input * input_vectors + of_output * c.vectors())) /
+           4;
+}
+
+/// Rows and columns of the outputs of a tile; 0 where taps one by one take fewer operations.
+[[nodiscard]] constexpr extent best_tile(const frame_convolution& c) {
+    // Register blocks of few sums wait for the weights.
+    const auto fills_block = [&](extent outputs) {
+        const std::size_t count = tile_count(c, outputs), vectors = tile_block_vectors(c, count);
+        return tiles_of_block(count, vectors) * vectors >= 8;
+    };
+    if (!tile_possible(c, 2) || !fills_block(2))
+        return 0;
+    // With 16 wide registers a block of taps has too few sums to hide how long a multiply-add takes, and
+    // reaches about 60 % of the peak.
+    constexpr bool wide = lanes<float> >= 8;
+    const std::size_t of_tap = wide && vector_registers < 32 ? 26 : 20;
+    const std::size_t by_taps = c.window.taps_on_pixels() * c.window.input.channels * c.vectors();
+    const std::size_t by_2 = tile_operations(c, 2);
+    const extent smallest = by_2 * 21 < by_taps * of_tap ? 2 : 0;
+    // Larger tiles have more weights and larger errors: they must save a twentieth. Narrow vectors spend on
+    // transforms what larger tiles save.
+    std::size_t least = std::min(by_2 * 20, by_taps * of_tap) / 21;
+    extent best = smallest;
+    for (std::size_t rows = 2; wide && rows <= 5; ++rows)
+        for (std::size_t columns = 2; columns <= 5; ++columns) {
+            const extent outputs(rows, columns);
+            if (!tile_possible(c, outputs) || !fills_block(outputs) || tile_operations(c, outputs) >= least)
+                continue;
+            best = outputs;
+            least = tile_operations(c, outputs);
+        }
+    return best;
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

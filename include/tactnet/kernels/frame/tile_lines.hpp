@@ -1,0 +1,140 @@
+#pragma once
+
+#include <tactnet/kernels/simd/sized_vector.hpp>
+
+#include <array>
+#include <cstddef>
+
+// Winograd's convolutions in one dimension (Winograd, 1980; Lavin and Gray, 2016): M outputs of a kernel of K
+// numbers take M + K − 1 products instead of M K. With d the input, g the kernel, y the outputs:
+// y = Aᵀ [(G g) ∘ (Bᵀ d)]. Tiles in two dimensions have one such line for rows and one for columns, which may
+// have other sizes.
+//
+// A line of N products stands for the values of polynomials at N − 1 points and at infinity. B depends on N
+// alone; row j of G holds powers of point j, up to a factor, and column j of A the powers of point j:
+//
+//   N   points                    M, K              factors
+//   3   0, 1                      2, 2              1
+//   4   0, ±1                     2, 3 and 3, 2     1, ½
+//   5   ±√½, ±√2                  3, 3 and 4, 2     up to 2
+//   6   0, ±√½, ±√2               4, 3 and 5, 2     up to 4
+//
+// Points ±√½ and ±√2 instead of whole numbers keep factors small, and errors become a fifth (Barabasz et al.,
+// "Error analysis and improving the accuracy of Winograd convolution", 2020, on the choice of points).
+//
+// clang-format off
+//   N = 3:  Bᵀ = 1 −1  0     N = 4:  Bᵀ = 1  0 −1  0     N = 5:  Bᵀ = −√2  −2   √2/2  1  0
+//                0  1  0                  0  1  1  0                   √2  −2  −√2/2  1  0
+//                0  1 −1                  0 −1  1  0                 −√2/2 −½    √2   1  0
+//                                         0  1  0 −1                  √2/2 −½   −√2   1  0
+//                                                                      1    0  −5/2   0  1
+//   N = 6:  the rows of N = 5 one place to the right, between 1 0 −5/2 0 1 0 and 0 1 0 −5/2 0 1.
+// clang-format on
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels::detail {
+
+inline constexpr double root_of_two = 1.41421356237309504880;
+
+template <class Vector>
+[[gnu::always_inline]] inline Vector times(double factor, const Vector& x) {
+    return Vector(static_cast<float>(factor)) * x;
+}
+/// factor · x + y, rounded once.
+template <class Vector>
+[[gnu::always_inline]] inline Vector times_and(double factor, const Vector& x, const Vector& y) {
+    return fused_multiply_add(Vector(static_cast<float>(factor)), x, y);
+}
+
+/// Bᵀ times a column of d, or a row of d times B.
+template <class Vector, std::size_t N>
+[[gnu::always_inline]] inline std::array<Vector, N> tile_input_line(const std::array<Vector, N>& d) {
+    static_assert(N >= 3 && N <= 6);
+    if constexpr (N == 3) {
+        return {d[0] - d[1], d[1], d[1] - d[2]};
+    } else if constexpr (N == 4) {
+        return {d[0] - d[2], d[1] + d[2], d[2] - d[1], d[1] - d[3]};
+    } else {
+        // No array in between: GCC 12 would copy it through memory by other vectors than those it holds.
+        constexpr std::size_t first = N - 5;
+        const auto half_root = Vector(static_cast<float>(root_of_two / 2));
+        const Vector &d0 = d[first], &d1 = d[first + 1], &d2 = d[first + 2], &d3 = d[first + 3];
+        const Vector odd1 = times_and(-2.0, d1, d3), even1 = times_and(-root_of_two, d0, half_root * d2);
+        const Vector odd2 = times_and(-0.5, d1, d3),
+                     even2 = times_and(root_of_two, d2, half_root * (Vector(0.0f) - d0));
+        const Vector last = times_and(-2.5, d2, d0 + d[N - 1]);
+        if constexpr (N == 5)
+            return {odd1 + even1, odd1 - even1, odd2 + even2, odd2 - even2, last};
+        else
+            return {times_and(-2.5, d[2], d[0] + d[4]),
+                    odd1 + even1,
+                    odd1 - even1,
+                    odd2 + even2,
+                    odd2 - even2,
+                    last};
+    }
+}
+
+/// Aᵀ times a column of products, or a row of them times A.
+template <std::size_t Outputs, class Vector, std::size_t N>
+[[gnu::always_inline]] inline std::array<Vector, Outputs> tile_output_line(const std::array<Vector, N>& m) {
+    std::array<Vector, Outputs> y;
+    if constexpr (N == 3) {
+        static_assert(Outputs == 2);
+        y = {m[0] + m[1], m[1] - m[2]};
+    } else if constexpr (N == 4) {
+        static_assert(Outputs == 2 || Outputs == 3);
+        y[0] = m[0] + m[1] + m[2];
+        if constexpr (Outputs == 2)
+            y[1] = m[1] - m[2] - m[3];
+        else
+            y[1] = m[1] - m[2], y[2] = m[1] + m[2] - m[3];
+    } else {
+        static_assert(Outputs >= 3 && Outputs < N);
+        constexpr std::size_t first = N - 5;
+        const Vector sum1 = m[first] + m[first + 1], less1 = m[first] - m[first + 1],
+                     sum2 = m[first + 2] + m[first + 3], less2 = m[first + 2] - m[first + 3];
+        y[0] = first > 0 ? m[0] + sum1 + sum2 : sum1 + sum2;
+        // Powers of √½ and √2.
+        constexpr std::array<double, 5> small{1, root_of_two / 2, 0.5, root_of_two / 4, 0.25},
+            large{1, root_of_two, 2, 2 * root_of_two, 4};
+#pragma GCC unroll 4
+        for (std::size_t i = 1; i < Outputs; ++i) {
+            const Vector &near = i % 2 == 1 ? less1 : sum1, &far = i % 2 == 1 ? less2 : sum2;
+            const Vector part =
+                i + 1 == Outputs ? times_and(small[i], near, m[N - 1]) : times(small[i], near);
+            y[i] = times_and(large[i], far, part);
+        }
+    }
+    return y;
+}
+
+/// Element `line` of G times the numbers of a kernel.
+template <std::size_t N, std::size_t Kernel>
+[[nodiscard]] constexpr double tile_kernel_line(std::size_t line, const std::array<double, Kernel>& g) {
+    static_assert(Kernel == 2 || Kernel == 3);
+    const double c = Kernel == 3 ? g[Kernel - 1] : 0;
+    if (line == N - 1)
+        return g[Kernel - 1];
+    if (line == 0 && N != 5)
+        return g[0];
+    if constexpr (N == 3)
+        return g[0] + g[1];
+    else if constexpr (N == 4)
+        return 0.5 * (g[0] + (line == 1 ? g[1] : -g[1]) + c);
+    else {
+        const std::size_t point = line - (N - 5);
+        const double sign = point % 2 == 0 ? 1 : -1;
+        const double at =
+            point < 2 ? 2 * g[0] + sign * root_of_two * g[1] + c : g[0] + sign * root_of_two * g[1] + 2 * c;
+        if constexpr (N == 6)
+            return point < 2 ? -at / 3 : at / 6;
+        else // the products of differences of points: ∓3 √½ and ±3 √2
+            return (point < 2 ? -sign : sign) * at / (3 * root_of_two);
+    }
+}
+
+} // namespace kernels::detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet
