@@ -119,13 +119,15 @@ struct frame_batch {
                     usual = false;
             }
         } else {
-            constexpr std::size_t of_thread = on_one_thread * View::elements_together;
-            auto* const scratch = memory.hold(threads.threads() * of_thread);
-            threads.on_each_thread([&](work_share share) {
+            constexpr std::size_t of_share = on_one_thread * View::elements_together;
+            const std::size_t shares = std::min(threads.threads(), count); // one wakes no other thread
+            auto* const scratch = memory.hold(shares * of_share);
+            threads.for_each(shares, [&](std::size_t index) {
+                const work_share share{index, shares};
                 lone_thread here;
                 const std::size_t end = share.end(count);
                 for (std::size_t first = share.begin(count); first < end; first += on_one_thread)
-                    if (!some(first, scratch + share.index * of_thread,
+                    if (!some(first, scratch + index * of_share,
                               frame_team<lone_thread>{here, std::min(on_one_thread, end - first)}))
                         usual = false;
             });

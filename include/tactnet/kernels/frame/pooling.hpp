@@ -18,14 +18,28 @@ template <sliding_window W, std::size_t Stride>
 [[gnu::flatten]] void pool_frame(const float* input, float* output) {
     const auto pool = [&](auto width, auto load_pixel, auto store_pixel, auto largest_of) {
         for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
+            const auto at = [&](std::size_t y, std::size_t x, std::size_t channel) {
+                return load_pixel(input + (y * W.input.columns + x) * Stride + channel);
+            };
+            constexpr std::size_t kernel_rows = W.kernel.rows, kernel_columns = W.kernel.columns;
+            if (rows.end - rows.begin == kernel_rows && columns.end - columns.begin == kernel_columns) {
+                // Nearly all windows: of known size, written out.
+                for (std::size_t channel = 0; channel < Stride; channel += width) {
+                    auto largest = at(rows.begin, columns.begin, channel);
+#pragma GCC unroll 8
+                    for (std::size_t y = 0; y < kernel_rows; ++y)
+#pragma GCC unroll 8
+                        for (std::size_t x = 0; x < kernel_columns; ++x)
+                            largest = largest_of(at(rows.begin + y, columns.begin + x, channel), largest);
+                    store_pixel(output + o * Stride + channel, largest);
+                }
+                return;
+            }
             for (std::size_t channel = 0; channel < Stride; channel += width) {
-                const auto at = [&](std::size_t y, std::size_t x) {
-                    return load_pixel(input + (y * W.input.columns + x) * Stride + channel);
-                };
-                auto largest = at(rows.begin, columns.begin);
+                auto largest = at(rows.begin, columns.begin, channel);
                 for (std::size_t y = rows.begin; y < rows.end; ++y)
                     for (std::size_t x = columns.begin; x < columns.end; ++x)
-                        largest = largest_of(at(y, x), largest);
+                        largest = largest_of(at(y, x, channel), largest);
                 store_pixel(output + o * Stride + channel, largest);
             }
         });

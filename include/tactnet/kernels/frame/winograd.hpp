@@ -22,7 +22,7 @@ template <frame_convolution C, extent Outputs>
                                                               std::size_t first, std::size_t last) {
     using tiles = winograd_tiles<C, Outputs>;
     using wide = sized_vector<float, tiles::input_width>;
-    constexpr std::size_t rows = tiles::side.rows, columns = tiles::side.columns;
+    constexpr std::size_t rows = tiles::side.rows, columns = tiles::side.columns, elements = rows * columns;
     constexpr auto image_rows = static_cast<std::ptrdiff_t>(C.window.input.rows),
                    image_columns = static_cast<std::ptrdiff_t>(C.window.input.columns);
     alignas(alignment) static constexpr std::array<float, tiles::input_stride> outside{};
@@ -31,31 +31,36 @@ template <frame_convolution C, extent Outputs>
                          static_cast<std::ptrdiff_t>(C.window.top);
         const auto left = static_cast<std::ptrdiff_t>(tile % tiles::columns * Outputs.columns) -
                           static_cast<std::ptrdiff_t>(C.window.left);
-        std::array<const float*, rows * columns> pixels;
-        unroll<rows * columns>([&](auto e) __attribute__((always_inline)) {
+        std::array<const float*, tiles::elements> pixels;
+#pragma GCC unroll 64
+        for (std::size_t e = 0; e < elements; ++e) {
             const std::ptrdiff_t y = top + static_cast<std::ptrdiff_t>(e / columns),
                                  x = left + static_cast<std::ptrdiff_t>(e % columns);
             const bool inside = y >= 0 && y < image_rows && x >= 0 && x < image_columns;
             pixels[e] = inside ? input + (y * image_columns + x) * static_cast<std::ptrdiff_t>(C.input_stride)
                                : outside.data();
-        });
+        }
         float* const to = transformed + (tile - first) * tiles::input_stride;
         for (std::size_t channel = 0; channel < tiles::input_stride; channel += tiles::input_width) {
             std::array<std::array<wide, columns>, rows> d;
-            unroll<columns>([&](auto x) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+            for (std::size_t x = 0; x < columns; ++x) {
                 std::array<wide, rows> column;
-                unroll<rows>([&](auto y) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < rows; ++y)
                     column[y] = load_as<wide>(pixels[y * columns + x] + channel);
-                });
                 const std::array<wide, rows> line = detail::tile_input_line(column);
-                unroll<rows>([&](auto y) __attribute__((always_inline)) { d[y][x] = line[y]; });
-            });
-            unroll<rows>([&](auto y) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < rows; ++y)
+                    d[y][x] = line[y];
+            }
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < rows; ++y) {
                 const std::array<wide, columns> line = detail::tile_input_line(d[y]);
-                unroll<columns>([&](auto x) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+                for (std::size_t x = 0; x < columns; ++x)
                     store_as(to + (y * columns + x) * tiles::band * tiles::input_stride + channel, line[x]);
-                });
-            });
+            }
         }
     }
 }
@@ -96,7 +101,6 @@ template <frame_convolution C, extent Outputs, std::size_t Vectors>
     using tiles = winograd_tiles<C, Outputs>;
     using wide = sized_vector<float, C.width()>;
     constexpr std::size_t width = C.width(), rows = tiles::side.rows, columns = tiles::side.columns;
-    constexpr extent pool = C.pool;
     for (std::size_t tile = first; tile < last; ++tile) {
         const std::size_t top = tile / tiles::columns * Outputs.rows,
                           left = tile % tiles::columns * Outputs.columns;
@@ -116,28 +120,28 @@ template <frame_convolution C, extent Outputs, std::size_t Vectors>
                 return C.rectified ? maximum_or_second(wide(0.0f), value) : value;
             };
             // A window of the pool at a time; its first output decides whether there is one.
-            unroll<Outputs.rows / pool.rows>([&](auto row) __attribute__((always_inline)) {
-                std::array<std::array<wide, Outputs.columns>, pool.rows> y;
-                unroll<pool.rows>([&](auto r) __attribute__((always_inline)) {
-                    y[r] = detail::tile_output_line<Outputs.columns>(half[row * pool.rows + r]);
+            unroll<Outputs.rows / C.pool.rows>([&](auto row) __attribute__((always_inline)) {
+                std::array<std::array<wide, Outputs.columns>, C.pool.rows> y;
+                unroll<C.pool.rows>([&](auto r) __attribute__((always_inline)) {
+                    y[r] = detail::tile_output_line<Outputs.columns>(half[row * C.pool.rows + r]);
                 });
-                const std::size_t y_of_window = top + row * pool.rows;
+                const std::size_t y_of_window = top + row * C.pool.rows;
                 if (row > 0 && y_of_window >= C.rows())
                     return;
-                unroll<Outputs.columns / pool.columns>([&](auto column) __attribute__((always_inline)) {
-                    const std::size_t x_of_window = left + column * pool.columns;
+                unroll<Outputs.columns / C.pool.columns>([&](auto column) __attribute__((always_inline)) {
+                    const std::size_t x_of_window = left + column * C.pool.columns;
                     if (column > 0 && x_of_window >= C.columns())
                         return;
                     float* const to =
                         output +
-                        (y_of_window / pool.rows * C.output_columns() + x_of_window / pool.columns) *
+                        (y_of_window / C.pool.rows * C.output_columns() + x_of_window / C.pool.columns) *
                             C.output_stride() +
                         v * width;
-                    wide value = y[0][column * pool.columns];
-                    unroll<pool.area()>([&](auto i) __attribute__((always_inline)) {
-                        constexpr std::size_t down = i / pool.columns, right = i % pool.columns;
+                    wide value = y[0][column * C.pool.columns];
+                    unroll<C.pool.area()>([&](auto i) __attribute__((always_inline)) {
+                        constexpr std::size_t down = i / C.pool.columns, right = i % C.pool.columns;
                         if (i > 0 && y_of_window + down < C.rows() && x_of_window + right < C.columns())
-                            value = maximum_or_second(y[down][column * pool.columns + right], value);
+                            value = maximum_or_second(y[down][column * C.pool.columns + right], value);
                     });
                     value = value + start;
                     if constexpr (C.adds)
