@@ -73,8 +73,9 @@ int main(int count, char** arguments) {
                 processor_name().c_str(), all.threads(), batch);
     std::atomic<float> kept = 0;
     const double ceiling = gain(one, all, [&](tactnet::thread_pool& pool) {
-        pool.for_each(
-            64, [&](std::size_t i) { kept = benchmark::run_chains(1 + 1e-6f * static_cast<float>(i)); });
+        pool.for_each(64 * all.threads(), [&](std::size_t i) {
+            kept = benchmark::run_chains(1 + 1e-6f * static_cast<float>(i));
+        });
     });
     std::printf("%-20s %8.2f\n", "loop in registers", ceiling);
     using tactnet::shape;

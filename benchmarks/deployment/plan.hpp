@@ -181,9 +181,11 @@ void time_other_plans(layer_report& layer, const float* in, float* out) {
         }
     };
     time_tiles(kernels::constant<2>{}, kernels::constant<2>{});
+    time_tiles(kernels::constant<2>{}, kernels::constant<3>{});
     time_tiles(kernels::constant<2>{}, kernels::constant<4>{});
     time_tiles(kernels::constant<3>{}, kernels::constant<3>{});
     time_tiles(kernels::constant<3>{}, kernels::constant<4>{});
+    time_tiles(kernels::constant<4>{}, kernels::constant<2>{});
     time_tiles(kernels::constant<4>{}, kernels::constant<3>{});
     time_tiles(kernels::constant<4>{}, kernels::constant<4>{});
     time_tiles(kernels::constant<5>{}, kernels::constant<3>{});

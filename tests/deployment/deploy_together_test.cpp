@@ -78,7 +78,7 @@ TEST_CASE_TEMPLATE(
         CHECK(recognise(tensor_view<const float, form::input_shape>(counts.data() + f * size),
                         std::span<float, outputs>(alone.data() + f * outputs, outputs),
                         *memory) == frame_status::recognised);
-    typename form::shared_scratch kept;
+    [[maybe_unused]] typename form::shared_scratch kept;
     for (const std::size_t threads : {1U, 2U, 3U}) {
         thread_pool pool(threads);
         for (const std::size_t some : {std::size_t{1}, std::size_t{2}, frames}) {
@@ -90,10 +90,12 @@ TEST_CASE_TEMPLATE(
             const std::vector<float> first(alone.begin(),
                                            alone.begin() + static_cast<std::ptrdiff_t>(some * outputs));
             CHECK(support::numbers_that_differ(together, first) == 0);
-            std::fill(together.begin(), together.end(), NAN);
-            CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
-                            std::span<float>(together), kept) == frame_status::recognised);
-            CHECK(support::numbers_that_differ(together, first) == 0);
+            if constexpr (form::view_type::large) {
+                std::fill(together.begin(), together.end(), NAN);
+                CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
+                                std::span<float>(together), kept) == frame_status::recognised);
+                CHECK(support::numbers_that_differ(together, first) == 0);
+            }
         }
         // A broken frame among others is told.
         std::vector<float> broken = counts;

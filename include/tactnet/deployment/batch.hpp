@@ -6,9 +6,11 @@
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/runtime/work_share.hpp>
 #include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <memory>
@@ -76,10 +78,13 @@ struct frame_batch {
     static constexpr std::size_t most_on_all_threads =
         std::clamp<std::size_t>((View::weight_bytes + View::scratch_bytes - 1) / View::scratch_bytes, 1, 16);
     /// Frames of a smaller one that pass together on one thread: where the second level of cache does not
-    /// hold its weights, each layer's are fetched once for some frames.
-    static constexpr std::size_t on_one_thread = View::weight_bytes > kernels::second_cache ? 4 : 1;
-    /// Whether calls need memory from the heap.
-    static constexpr bool together = View::large || on_one_thread > 1;
+    /// hold its weights, each layer's are fetched once for up to four frames, whose memory fits the stack.
+    static constexpr std::size_t on_one_thread =
+        View::weight_bytes > kernels::second_cache
+            ? std::clamp<std::size_t>(View::most_on_stack /
+                                          (View::elements_together * sizeof(typename View::activation)),
+                                      1, 4)
+            : 1;
 
     /// Frames, if there is a row of outputs for each; else throws std::invalid_argument.
     static std::size_t checked_count(std::size_t counts, std::size_t numbers) {
@@ -95,47 +100,53 @@ struct frame_batch {
     template <class Count>
     static frame_status recognise(const View& view, thread_pool& threads, std::span<const Count> frames,
                                   std::span<float> to) {
-        if constexpr (together) {
+        if constexpr (View::large) {
             memory_type memory;
             return recognise(view, threads, frames, to, memory);
+        } else if constexpr (on_one_thread > 1) {
+            return a_few_together(view, threads, frames, to);
         } else {
             return one_by_one(view, threads, frames, to);
         }
     }
     template <class Count>
     static frame_status recognise(const View& view, thread_pool& threads, std::span<const Count> frames,
-                                  std::span<float> to, memory_type& memory) {
+                                  std::span<float> to, memory_type& memory) requires View::large {
         const std::size_t count = checked_count(frames.size(), to.size());
-        const auto some = [&](std::size_t first, auto* scratch, const auto& team) {
-            return view.recognise_together(frames.data() + first * pixels, to.data() + first * outputs,
-                                           scratch, team) == frame_status::recognised;
-        };
-        std::atomic<bool> usual = true;
-        if constexpr (View::large) {
-            const std::size_t group = std::max(most_on_all_threads, threads.threads());
-            for (std::size_t first = 0; first < count; first += group) {
-                const frame_team<thread_pool> team{threads, std::min(group, count - first)};
-                if (!some(first, memory.hold(team.copies() * View::elements_together), team))
-                    usual = false;
-            }
-        } else {
-            constexpr std::size_t of_share = on_one_thread * View::elements_together;
-            const std::size_t shares = std::min(threads.threads(), count); // one wakes no other thread
-            auto* const scratch = memory.hold(shares * of_share);
-            threads.for_each(shares, [&](std::size_t index) {
-                const work_share share{index, shares};
-                lone_thread here;
-                const std::size_t end = share.end(count);
-                for (std::size_t first = share.begin(count); first < end; first += on_one_thread)
-                    if (!some(first, scratch + index * of_share,
-                              frame_team<lone_thread>{here, std::min(on_one_thread, end - first)}))
-                        usual = false;
-            });
+        const std::size_t group = std::max(most_on_all_threads, threads.threads());
+        frame_status status = frame_status::recognised;
+        for (std::size_t first = 0; first < count; first += group) {
+            const frame_team<thread_pool> team{threads, std::min(group, count - first)};
+            if (view.recognise_together(frames.data() + first * pixels, to.data() + first * outputs,
+                                        memory.hold(team.copies() * View::elements_together),
+                                        team) != frame_status::recognised)
+                status = frame_status::not_finite;
         }
-        return usual ? frame_status::recognised : frame_status::not_finite;
+        return status;
     }
 
 private:
+    template <class Count>
+    static frame_status a_few_together(const View& view, thread_pool& threads, std::span<const Count> frames,
+                                       std::span<float> to) {
+        const std::size_t count = checked_count(frames.size(), to.size());
+        const std::size_t shares = std::min(threads.threads(), count); // one frame wakes no other thread
+        std::atomic<bool> usual = true;
+        threads.for_each(shares, [&](std::size_t index) {
+            const work_share share{index, shares};
+            alignas(alignment) std::array<typename View::activation, on_one_thread * View::elements_together>
+                memory; // not zeroed
+            lone_thread here;
+            const std::size_t end = share.end(count);
+            for (std::size_t first = share.begin(count); first < end; first += on_one_thread) {
+                const frame_team<lone_thread> team{here, std::min(on_one_thread, end - first)};
+                if (view.recognise_together(frames.data() + first * pixels, to.data() + first * outputs,
+                                            memory.data(), team) != frame_status::recognised)
+                    usual = false;
+            }
+        });
+        return usual ? frame_status::recognised : frame_status::not_finite;
+    }
     template <class Count>
     static frame_status one_by_one(const View& view, thread_pool& threads, std::span<const Count> frames,
                                    std::span<float> to) {

@@ -123,8 +123,8 @@ public:
     /// after the other on each thread, or a few together where its weights outgrow the second level of cache;
     /// of a large one, some frames pass together, so that weights are read once for all of them, and all
     /// threads share each layer, for a single frame too. Tells whether all were recognised. Throws
-    /// std::invalid_argument unless there is a row of outputs for each frame, and std::bad_alloc: frames that
-    /// pass together use the heap here, unless they are given memory that is kept.
+    /// std::invalid_argument unless there is a row of outputs for each frame, and std::bad_alloc: a large
+    /// network uses the heap here, unless it is given memory that is kept.
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames,
                             std::span<float> to) const {
         return batch::recognise(view(), threads, frames, to);
@@ -134,13 +134,13 @@ public:
     }
     /// Memory for such calls: it grows to what a call needs, and is kept for the next. It serves one call at
     /// a time.
-    using shared_scratch = typename batch::memory_type;
+    using shared_scratch = detail::kept_memory<activation>;
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames, std::span<float> to,
-                            shared_scratch& memory) const requires batch::together {
+                            shared_scratch& memory) const requires view_type::large {
         return batch::recognise(view(), threads, frames, to, memory);
     }
     frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to,
-                            shared_scratch& memory) const requires batch::together {
+                            shared_scratch& memory) const requires view_type::large {
         return batch::recognise(view(), threads, frames, to, memory);
     }
 
@@ -148,8 +148,8 @@ private:
     static constexpr float largest_parameter = 1e30f;
 
     /// The largest magnitude of the input, a power of ten, with which no sum can overflow, whatever the
-    /// signs. Lines of a tile take an input up to 14 times on its way to an output, in two directions: hence
-    /// the 256. For a network so deep that this bound would refuse counts of 8 bits it says nothing: then
+    /// signs. The factors of a tile's lines add up to 13.8 for one weight, 189 in two directions: hence the
+    /// 256. For a network so deep that this bound would refuse counts of 8 bits it says nothing: then
     /// only NaN and infinity are told.
     void set_limit() {
         constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) / 256;

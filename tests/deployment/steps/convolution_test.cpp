@@ -123,6 +123,17 @@ TEST_CASE("convolution_step: groups whose filters fill vectors, and groups whose
     CHECK(errors_of_step<frame_convolution{
               .window = over({5, 4, 24}, 3), .filters = 24, .input_stride = 32, .groups = 3}>(5)
               .good());
+    // By large tiles: groups among the channels of a wider map, and more weights than a near cache holds.
+    CHECK(errors_of_step<frame_convolution{.window = over({9, 7, 64}, 3),
+                                           .filters = 64,
+                                           .input_stride = 64,
+                                           .groups = 2,
+                                           .map_stride = 192,
+                                           .map_offset = 32}>(6)
+              .good());
+    CHECK(errors_of_step<frame_convolution{
+              .window = over({6, 12, 128}, 3), .filters = 128, .input_stride = 128}>(7)
+              .good());
     // Among the channels of a wider map.
     CHECK(errors_of_step<frame_convolution{.window = over({5, 4, 32}, 3),
                                            .filters = 32,

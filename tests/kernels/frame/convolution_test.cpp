@@ -213,8 +213,11 @@ TEST_CASE("convolution: by tiles: chosen where they save, and large ones for wid
     CHECK(best_tile(step({28, 50}, 5, 8, 1)) == extent(0));
     CHECK(best_tile(step({28, 50, 8}, 3, 16, 8, 2)) == extent(0));
     const extent large = best_tile(step({10, 18, 32}, 3, 64, 32));
-    CHECK(large.area() > (wide ? 4u : 0u));
-    CHECK(large.area() <= (wide ? 16u : 4u));
+    CHECK(large == (wide ? extent(4, 3) : extent(2)));
+    CHECK(best_tile(step({10, 18, 64}, 2, 128, 64)) == (wide ? extent(5, 3) : extent(2)));
+    // Weights beyond the second level: fewer of them, though more tiles.
+    CHECK(best_tile(step({6, 12, 128}, 3, 128, 128)) == (wide ? extent(2, 4) : extent(2)));
+    CHECK_FALSE(tile_possible(step({6, 12, 128}, 3, 128, 128), {1, 3}));
     // A window of a pool lies in one tile.
     const extent behind = best_tile(pooled(step({7, 13, 64}, 2, 128, 64), 2));
     CHECK(behind.rows % 2 == 0);

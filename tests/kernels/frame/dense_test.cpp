@@ -3,8 +3,9 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <support/guarded_map.hpp>
 #include <support/layers/deployment_bound.hpp>
 #include <vector>
@@ -29,21 +30,27 @@ support::rounded_map random_map(shape size, std::size_t stride, float rest, floa
     return map;
 }
 
-/// Several frames at once, of which the last is `input`: it has the bits that it has alone.
+/// Several frames at once, each beside itself alone: the same bits. NaN lies between their inputs.
 template <frame_dense D, std::size_t Frames>
-void check_several(const float* input, const float* packed, const float* bias, const float* alone) {
+void check_several(const float* packed, const float* bias, std::uint64_t& state) {
     constexpr std::size_t in_distance = D.inputs() + 3, out_distance = D.output_stride() + 16;
-    std::vector<float> inputs(Frames * in_distance, 0.25f);
-    std::copy_n(input, D.inputs(), inputs.data() + (Frames - 1) * in_distance);
-    support::guarded_map outputs((Frames - 1) * out_distance + D.output_stride(), 12345, NAN);
+    std::vector<float> inputs(Frames * in_distance, NAN), expected;
+    support::guarded_map outputs((Frames - 1) * out_distance + D.output_stride(), 12345, NAN),
+        alone(D.output_stride(), 1234, NAN);
+    for (std::size_t frame = 0; frame < Frames; ++frame) {
+        float* const input = inputs.data() + frame * in_distance;
+        for (std::size_t i = 0; i < D.inputs(); ++i)
+            input[i] = support::draw(state);
+        multiply_frames<D>(input, 0, packed, bias, alone.data(), 0);
+        expected.insert(expected.end(), alone.data(), alone.data() + D.output_stride());
+    }
     multiply_frames<D, Frames>(inputs.data(), in_distance, packed, bias, outputs.data(), out_distance);
     CHECK(outputs.untouched());
     std::size_t other = 0;
-    for (std::size_t o = 0; o < D.output_stride(); ++o)
-        other += outputs.data()[(Frames - 1) * out_distance + o] != alone[o];
-    CHECK(other == 0);
-    for (std::size_t o = 0; o < D.output_stride(); ++o) // the frames before it, all alike
-        other += outputs.data()[o] != outputs.data()[(Frames - 2) * out_distance + o];
+    for (std::size_t frame = 0; frame < Frames; ++frame)
+        for (std::size_t o = 0; o < D.output_stride(); ++o)
+            other += std::bit_cast<std::uint32_t>(outputs.data()[frame * out_distance + o]) !=
+                     std::bit_cast<std::uint32_t>(expected[frame * D.output_stride() + o]);
     CHECK(other == 0);
 }
 
@@ -66,8 +73,8 @@ void compare_dense() {
     multiply_frames<D>(input.data(), 0, packed.data(), bias.data(), output.data(), 0);
     CHECK(packed.untouched());
     CHECK(output.untouched());
-    check_several<D, 2>(input.data(), packed.data(), bias.data(), output.data());
-    check_several<D, 3>(input.data(), packed.data(), bias.data(), output.data());
+    check_several<D, 2>(packed.data(), bias.data(), state);
+    check_several<D, 3>(packed.data(), bias.data(), state);
     const support::rounded_map expected = support::bounded_convolution(
         {{D.input.channels, D.input.rows, D.input.columns}, D.input.rows, D.input.columns, 1, 1, 0, 0, 0, 0},
         D.outputs, weights, biases, in, nullptr, {});

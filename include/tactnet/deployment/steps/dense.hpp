@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
-#include <tactnet/runtime/work_share.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -63,22 +63,20 @@ public:
         else
             kernels::multiply_frames<Kernel>(in, 0, packed_values, packed_values + packed_weights, out, 0);
     }
-    /// Several frames read each weight once.
+    /// As many frames as registers allow read each weight once.
     template <class Team>
     static void run_together(const float* packed_values, const float* in, std::size_t in_distance, float* out,
                              float*, const Team& team) requires(!large) {
-        constexpr std::size_t out_distance = whole_lines(output_stride), most = kernels::dense_frames<Kernel>;
-        const auto some = [&](auto frames, std::size_t first) {
-            kernels::multiply_frames<Kernel, frames>(in + first * in_distance, in_distance, packed_values,
-                                                     packed_values + packed_weights,
-                                                     out + first * out_distance, out_distance);
-        };
-        team.pool.on_each_thread([&](work_share share) {
-            std::size_t frame = share.begin(team.frames);
-            for (; frame + most <= share.end(team.frames); frame += most)
-                some(kernels::constant<most>{}, frame);
-            for (; frame < share.end(team.frames); ++frame)
-                some(kernels::constant<1>{}, frame);
+        constexpr std::size_t out_distance = detail::map_distance<dense_step>,
+                              most = kernels::dense_frames<Kernel>;
+        team.pool.for_each((team.frames + most - 1) / most, [&](std::size_t group) {
+            const std::size_t first = group * most, count = std::min(most, team.frames - first);
+            kernels::unroll<most>([&](auto i) {
+                if (count == i + 1)
+                    kernels::multiply_frames<Kernel, i + 1>(in + first * in_distance, in_distance,
+                                                            packed_values, packed_values + packed_weights,
+                                                            out + first * out_distance, out_distance);
+            });
         });
     }
     /// The share of one thread in a job.

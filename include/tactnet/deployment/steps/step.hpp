@@ -23,8 +23,9 @@
 //   large                   whether frames had better pass it together, and one frame occupy all threads
 //   fills_map               false if it writes only some channels of a map that others write to as well
 //   run_share               the share of one thread in frames that pass together
-//   run_together            how frames pass the steps inside it together, each on the threads of a team
-// A step that says neither of the last two takes such frames one by one (team.hpp).
+//   run_together            how frames pass it together, or the steps inside it, on the threads of a team
+//   number_elements         elements of the map that a number of its output takes, if not one
+// A step that says neither run_share nor run_together takes such frames one by one (team.hpp).
 // Lanes behind the last channel of a pixel hold zeros in every map.
 //
 // The headers in this folder need neither exceptions nor run-time type information nor files.

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 
-// Which of Winograd's tiles a convolution is computed by, or none. Decided when compiling, from sizes alone.
+// Which of Winograd's tiles a convolution is computed by, or none. Decided when compiling, from sizes and the
+// instruction set.
 //
 // Costs are counted in products of a vector. Their few constants are rounded from times of layers
 // (benchmark_plan) on processors of several kinds, with 16 and 32 registers.
@@ -44,9 +45,9 @@ inline constexpr std::size_t most_tile_sums = vector_registers == 32 ? 24 : 12;
     const extent side = tile_side(c, outputs);
     return (c.window.kernel == extent(3) || c.window.kernel == extent(2)) && c.window.stride == extent(1) &&
            (c.pool == extent(1) || c.pool == extent(2)) && outputs.rows % c.pool.rows == 0 &&
-           outputs.columns % c.pool.columns == 0 && std::max(side.rows, side.columns) <= 6 &&
-           c.input_stride % width == 0 && c.input_stride >= (channels + width - 1) / width * width &&
-           c.input_multiple % width == 0;
+           outputs.columns % c.pool.columns == 0 && std::min(outputs.rows, outputs.columns) >= 2 &&
+           std::max(side.rows, side.columns) <= 6 && c.input_stride % width == 0 &&
+           c.input_stride >= (channels + width - 1) / width * width && c.input_multiple % width == 0;
 }
 
 /// Weights that are taken to lie beyond the second level of cache. Not by its configured size (caches.hpp):

@@ -11,13 +11,15 @@
 // have other sizes.
 //
 // A line of N products stands for the values of polynomials at N − 1 points and at infinity. B depends on N
-// alone; row j of G holds powers of point j, up to a factor, and column j of A the powers of point j:
+// alone; row j of G holds the powers of point j times a factor, column j of A the powers of point j. The last
+// row of G and the last column of A, of infinity, are 0 but for their last number: 1 in G, and in A −1 for N
+// = 3 and 4, 1 for 5 and 6.
 //
-//   N   points                    M, K              factors
-//   3   0, 1                      2, 2              1
-//   4   0, ±1                     2, 3 and 3, 2     1, ½
-//   5   ±√½, ±√2                  3, 3 and 4, 2     up to 2
-//   6   0, ±√½, ±√2               4, 3 and 5, 2     up to 4
+//   N   points                    M, K              factors of G
+//   3   0, 1                      2, 2              1, 1
+//   4   0, ±1                     2, 3 and 3, 2     1, ½, ½
+//   5   ±√½, ±√2                  3, 3 and 4, 2     ∓√2/3, ±√2/6
+//   6   0, ±√½, ±√2               4, 3 and 5, 2     1, −2/3, −2/3, 1/6, 1/6
 //
 // Points ±√½ and ±√2 instead of whole numbers keep factors small, and errors become a fifth (Barabasz et al.,
 // "Error analysis and improving the accuracy of Winograd convolution", 2020, on the choice of points).
@@ -28,7 +30,7 @@
 //                0  1 −1                  0 −1  1  0                 −√2/2 −½    √2   1  0
 //                                         0  1  0 −1                  √2/2 −½   −√2   1  0
 //                                                                      1    0  −5/2   0  1
-//   N = 6:  the rows of N = 5 one place to the right, between 1 0 −5/2 0 1 0 and 0 1 0 −5/2 0 1.
+//   N = 6:  the first four rows of N = 5 one place to the right, between 1 0 −5/2 0 1 0 and 0 1 0 −5/2 0 1.
 // clang-format on
 
 namespace tactnet {
@@ -89,7 +91,7 @@ template <std::size_t Outputs, class Vector, std::size_t N>
         if constexpr (Outputs == 2)
             y[1] = m[1] - m[2] - m[3];
         else
-            y[1] = m[1] - m[2], y[2] = m[1] + m[2] - m[3];
+            y = {y[0], m[1] - m[2], m[1] + m[2] - m[3]};
     } else {
         static_assert(Outputs >= 3 && Outputs < N);
         constexpr std::size_t first = N - 5;

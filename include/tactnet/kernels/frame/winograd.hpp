@@ -25,7 +25,7 @@ template <frame_convolution C, extent Outputs>
     constexpr std::size_t rows = tiles::side.rows, columns = tiles::side.columns, elements = rows * columns;
     constexpr auto image_rows = static_cast<std::ptrdiff_t>(C.window.input.rows),
                    image_columns = static_cast<std::ptrdiff_t>(C.window.input.columns);
-    alignas(alignment) static constexpr std::array<float, tiles::input_stride> outside{};
+    alignas(alignment) const std::array<float, tiles::input_stride> outside{};
     for (std::size_t tile = first; tile < last; ++tile) {
         const auto top = static_cast<std::ptrdiff_t>(tile / tiles::columns * Outputs.rows) -
                          static_cast<std::ptrdiff_t>(C.window.top);
