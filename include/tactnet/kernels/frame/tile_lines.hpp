@@ -112,28 +112,24 @@ template <std::size_t Outputs, class Vector, std::size_t N>
     return y;
 }
 
-/// Element `line` of G times the numbers of a kernel.
+/// G times the numbers of a kernel. All at once: compilers count the steps of what they compute.
 template <std::size_t N, std::size_t Kernel>
-[[nodiscard]] constexpr double tile_kernel_line(std::size_t line, const std::array<double, Kernel>& g) {
+[[nodiscard]] constexpr std::array<double, N> tile_kernel_line(const std::array<double, Kernel>& g) {
     static_assert(Kernel == 2 || Kernel == 3);
-    const double c = Kernel == 3 ? g[Kernel - 1] : 0;
-    if (line == N - 1)
-        return g[Kernel - 1];
-    if (line == 0 && N != 5)
-        return g[0];
-    if constexpr (N == 3)
-        return g[0] + g[1];
-    else if constexpr (N == 4)
-        return 0.5 * (g[0] + (line == 1 ? g[1] : -g[1]) + c);
-    else {
-        const std::size_t point = line - (N - 5);
-        const double sign = point % 2 == 0 ? 1 : -1;
-        const double at =
-            point < 2 ? 2 * g[0] + sign * root_of_two * g[1] + c : g[0] + sign * root_of_two * g[1] + 2 * c;
+    const double c = Kernel == 3 ? g[Kernel - 1] : 0, last = g[Kernel - 1];
+    if constexpr (N == 3) {
+        return {g[0], g[0] + g[1], last};
+    } else if constexpr (N == 4) {
+        return {g[0], 0.5 * (g[0] + g[1] + c), 0.5 * (g[0] - g[1] + c), last};
+    } else {
+        const double odd = root_of_two * g[1];
+        const double near1 = 2 * g[0] + odd + c, near2 = 2 * g[0] - odd + c, far1 = g[0] + odd + 2 * c,
+                     far2 = g[0] - odd + 2 * c;
         if constexpr (N == 6)
-            return point < 2 ? -at / 3 : at / 6;
+            return {g[0], -near1 / 3, -near2 / 3, far1 / 6, far2 / 6, last};
         else // the products of differences of points: ∓3 √½ and ±3 √2
-            return (point < 2 ? -sign : sign) * at / (3 * root_of_two);
+            return {-near1 / (3 * root_of_two), near2 / (3 * root_of_two), far1 / (3 * root_of_two),
+                    -far2 / (3 * root_of_two), last};
     }
 }
 

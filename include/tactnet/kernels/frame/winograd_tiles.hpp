@@ -60,8 +60,8 @@ struct winograd_tiles {
     static constexpr std::size_t weights = elements * channels * C.padded_filters();
 };
 
-/// Kernels as G g Gᵀ in the order of use: blocks of vectors of filters, then [element][channel][filter of the
-/// block]. `weight(filter, channel, row, column)`.
+/// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then [element][channel]
+/// [filter of the block]. `weight(filter, channel, row, column)`.
 template <frame_convolution C, extent Outputs = best_tile(C), class Weight>
 constexpr void pack_winograd_weights(float* packed, Weight&& weight) {
     using tiles = winograd_tiles<C, Outputs>;
@@ -70,18 +70,22 @@ constexpr void pack_winograd_weights(float* packed, Weight&& weight) {
     for (std::size_t first = 0; first < C.padded_filters(); first += tiles::block_stride) {
         const std::size_t count = std::min(tiles::block_stride, C.padded_filters() - first);
         for (std::size_t channel = 0; channel < channels; ++channel)
-            for (std::size_t f = 0; f < count; ++f) {
+            for (std::size_t f = 0; f < count && first + f < C.filters; ++f) {
                 std::array<std::array<double, kernel>, side.rows> half{};
-                for (std::size_t column = 0; column < kernel && first + f < C.filters; ++column) {
+                for (std::size_t column = 0; column < kernel; ++column) {
                     std::array<double, kernel> g{};
                     for (std::size_t row = 0; row < kernel; ++row)
                         g[row] = static_cast<double>(weight(first + f, channel, row, column));
-                    for (std::size_t line = 0; line < side.rows; ++line)
-                        half[line][column] = detail::tile_kernel_line<side.rows>(line, g);
+                    const std::array<double, side.rows> line = detail::tile_kernel_line<side.rows>(g);
+                    for (std::size_t row = 0; row < side.rows; ++row)
+                        half[row][column] = line[row];
                 }
-                for (std::size_t e = 0; e < tiles::elements; ++e)
-                    packed[(e * channels + channel) * count + f] = static_cast<float>(
-                        detail::tile_kernel_line<side.columns>(e % side.columns, half[e / side.columns]));
+                std::size_t place = channel * count + f;
+                for (const std::array<double, kernel>& row : half)
+                    for (const double element : detail::tile_kernel_line<side.columns>(row)) {
+                        packed[place] = static_cast<float>(element);
+                        place += channels * count;
+                    }
             }
         packed += tiles::elements * channels * count;
     }

@@ -108,14 +108,18 @@ constexpr void pack_tiles_of(const tile_plan& plan, float* packed, Weight&& weig
                         const std::array<double, 3> g{static_cast<double>(weight(f, channel, 0, column)),
                                                       static_cast<double>(weight(f, channel, 1, column)),
                                                       static_cast<double>(weight(f, channel, 2, column))};
+                        const std::array<double, side> line = detail::tile_kernel_line<side>(g);
                         for (std::size_t l = 0; l < side; ++l)
-                            half[l][column] = detail::tile_kernel_line<side>(l, g);
+                            half[l][column] = line[l];
                     }
                     float* const to = packed + begin * c.padded_filters() + (end - begin) * first +
                                       (channel - begin) * (last - first) + f - first;
-                    for (std::size_t e = 0; e < side * side; ++e)
-                        to[e * plan.channels() * c.padded_filters()] =
-                            static_cast<float>(detail::tile_kernel_line<side>(e % side, half[e / side]));
+                    for (std::size_t row = 0; row < side; ++row) {
+                        const std::array<double, side> line = detail::tile_kernel_line<side>(half[row]);
+                        for (std::size_t column = 0; column < side; ++column)
+                            to[(row * side + column) * plan.channels() * c.padded_filters()] =
+                                static_cast<float>(line[column]);
+                    }
                 }
         }
     }
