@@ -24,16 +24,13 @@ namespace kernels {
     return (c.rows() + outputs.rows - 1) / outputs.rows *
            ((c.columns() + outputs.columns - 1) / outputs.columns);
 }
-/// Sums that stay in registers.
-inline constexpr std::size_t most_tile_sums = vector_registers == 32 ? 24 : 12;
-
 /// Vectors of filters in a register block of tiles × vectors: more where there are few tiles to fill it.
 [[nodiscard]] constexpr std::size_t tile_block_vectors(const frame_convolution& c, std::size_t tiles) {
-    return tiles * 4 < most_tile_sums && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
+    return tiles * 4 < frame_convolution::most_accumulators && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
 }
 /// As many tiles as registers allow, evenly spread.
 [[nodiscard]] constexpr std::size_t tiles_of_block(std::size_t tiles, std::size_t vectors) {
-    const std::size_t most = std::max<std::size_t>(most_tile_sums / vectors, 1);
+    const std::size_t most = std::max<std::size_t>(frame_convolution::most_accumulators / vectors, 1);
     const std::size_t blocks = (tiles + most - 1) / most;
     return (tiles + blocks - 1) / blocks;
 }

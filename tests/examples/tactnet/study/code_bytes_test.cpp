@@ -1,46 +1,28 @@
 // What networks take of a program: the table that the build writes, read and told.
 
 #include "rows.hpp"
-
-#include <tactnet/io/file.hpp>
-#include <tactnet/io/file_error.hpp>
+#include "table_file.hpp"
 
 #include <doctest/doctest.h>
 
 #include <string>
-#include <string_view>
 #include <study/page/markdown.hpp>
 #include <study/times/code_bytes.hpp>
-#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace support;
 
 namespace {
 
-std::vector<code_size> read(std::string_view text) {
-    const temporary_folder folder;
-    const auto path = folder / "code_bytes.csv";
-    tactnet::write_file(path, text);
-    return read_code_bytes(path);
-}
-
-/// What the error says behind the name of the file.
-std::string refused(std::string_view text) {
-    try {
-        (void)read(text);
-    } catch (const tactnet::file_error& error) {
-        return error.place() + ": expected " + error.expected() + ", found " + error.found();
-    }
-    return "nothing";
-}
+constexpr auto& parsed = read_table<read_code_bytes>;
+constexpr auto& refused = refused_table<read_code_bytes>;
 
 } // namespace
 
 TEST_SUITE("the program tactnet") {
     TEST_CASE("read_code_bytes: networks, sizes, bits and bytes") {
         const auto sizes =
-            read("network,bits,bytes\ntactnet6/28x50,32,30303\r\ntactnet6-economical/7x13,8,9000\n");
+            parsed("network,bits,bytes\ntactnet6/28x50,32,30303\r\ntactnet6-economical/7x13,8,9000\n");
         REQUIRE(sizes.size() == 2);
         CHECK(sizes[0].method == "tactnet6");
         CHECK(sizes[0].rows == 28);

@@ -1,48 +1,31 @@
 // Other libraries' times beside a study's: the table of benchmark_inference, read and drawn.
 
 #include "rows.hpp"
-
-#include <tactnet/io/file.hpp>
-#include <tactnet/io/file_error.hpp>
+#include "table_file.hpp"
 
 #include <doctest/doctest.h>
 
 #include <string>
-#include <string_view>
 #include <study/page/pictures.hpp>
 #include <study/times/peers.hpp>
-#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace support;
 
 namespace {
 
-std::vector<peer_time> read(std::string_view text) {
-    const temporary_folder folder;
-    const auto path = folder / "inference.csv";
-    tactnet::write_file(path, text);
-    return read_peer_times(path);
-}
-
-/// What the error says behind the name of the file.
-std::string refused(std::string_view text) {
-    try {
-        (void)read(text);
-    } catch (const tactnet::file_error& error) {
-        return error.place() + ": expected " + error.expected() + ", found " + error.found();
-    }
-    return "nothing";
-}
+constexpr auto& parsed = read_table<read_peer_times>;
+constexpr auto& refused = refused_table<read_peer_times>;
 
 } // namespace
 
 TEST_SUITE("the program tactnet") {
     TEST_CASE("read_peer_times: single frames of all columns that are another library's microseconds") {
-        const auto times = read("network,batch,tactnet_us,onednn_us,onednn_spread,tactnet_8bit_us,torch_us\n"
-                                "tactnet6/28x50,1,13,37.5,0.01,7,410\n"
-                                "tactnet6/28x50,64,12,30,0.01,6,90\r\n"
-                                "tactnet4/7x13,1,1.3,5.25,0.02,1,120");
+        const auto times =
+            parsed("network,batch,tactnet_us,onednn_us,onednn_spread,tactnet_8bit_us,torch_us\n"
+                   "tactnet6/28x50,1,13,37.5,0.01,7,410\n"
+                   "tactnet6/28x50,64,12,30,0.01,6,90\r\n"
+                   "tactnet4/7x13,1,1.3,5.25,0.02,1,120");
         CHECK(times[0].bits == 32);
         REQUIRE(times.size() == 4);
         CHECK(times[0].peer == "onednn");
@@ -56,8 +39,8 @@ TEST_SUITE("the program tactnet") {
     }
 
     TEST_CASE("read_peer_times: peers in 8 bits are told apart, and those that did not run left out") {
-        const auto times = read("network,batch,tactnet_8bit_us,onednn_8bit_us,onednn_8bit_spread,torch_us\n"
-                                "tactnet6/28x50,1,11.5,38.5,0.01,nan\n");
+        const auto times = parsed("network,batch,tactnet_8bit_us,onednn_8bit_us,onednn_8bit_spread,torch_us\n"
+                                  "tactnet6/28x50,1,11.5,38.5,0.01,nan\n");
         REQUIRE(times.size() == 1);
         CHECK(times[0].peer == "onednn");
         CHECK(times[0].bits == 8);
@@ -65,10 +48,10 @@ TEST_SUITE("the program tactnet") {
     }
 
     TEST_CASE("read_peer_times: the processor that a table was made on, where it says so") {
-        const auto times = read("network,batch,onednn_us,ratio,processor\ntactnet6/28x50,1,38.5,2,A 1\n");
+        const auto times = parsed("network,batch,onednn_us,ratio,processor\ntactnet6/28x50,1,38.5,2,A 1\n");
         REQUIRE(times.size() == 1);
         CHECK(times[0].processor == "A 1");
-        CHECK(read("network,batch,onednn_us\ntactnet6/28x50,1,38.5\n").at(0).processor.empty());
+        CHECK(parsed("network,batch,onednn_us\ntactnet6/28x50,1,38.5\n").at(0).processor.empty());
     }
 
     TEST_CASE("read_peer_times: refuses what is no such table, with its place") {
