@@ -112,6 +112,30 @@ template <std::size_t Outputs, class Vector, std::size_t N>
     return y;
 }
 
+/// store(row, column, element) of Bᵀ d B, with d of so many rows and columns by load(row, column).
+template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class Store>
+[[gnu::always_inline]] inline void transform_tile_input(Load&& load, Store&& store) {
+    std::array<std::array<Vector, Columns>, Rows> d;
+#pragma GCC unroll 64
+    for (std::size_t x = 0; x < Columns; ++x) {
+        std::array<Vector, Rows> column;
+#pragma GCC unroll 64
+        for (std::size_t y = 0; y < Rows; ++y)
+            column[y] = load(y, x);
+        const std::array<Vector, Rows> line = tile_input_line(column);
+#pragma GCC unroll 64
+        for (std::size_t y = 0; y < Rows; ++y)
+            d[y][x] = line[y];
+    }
+#pragma GCC unroll 64
+    for (std::size_t y = 0; y < Rows; ++y) {
+        const std::array<Vector, Columns> line = tile_input_line(d[y]);
+#pragma GCC unroll 64
+        for (std::size_t x = 0; x < Columns; ++x)
+            store(y, x, line[x]);
+    }
+}
+
 /// G times the numbers of a kernel. All at once: compilers count the steps of what they compute.
 template <std::size_t N, std::size_t Kernel>
 [[nodiscard]] constexpr std::array<double, N> tile_kernel_line(const std::array<double, Kernel>& g) {

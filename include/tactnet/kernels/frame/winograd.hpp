@@ -42,25 +42,13 @@ template <frame_convolution C, extent Outputs>
         }
         float* const to = transformed + (tile - first) * tiles::input_stride;
         for (std::size_t channel = 0; channel < tiles::input_stride; channel += tiles::input_width) {
-            std::array<std::array<wide, columns>, rows> d;
-#pragma GCC unroll 64
-            for (std::size_t x = 0; x < columns; ++x) {
-                std::array<wide, rows> column;
-#pragma GCC unroll 64
-                for (std::size_t y = 0; y < rows; ++y)
-                    column[y] = load_as<wide>(pixels[y * columns + x] + channel);
-                const std::array<wide, rows> line = detail::tile_input_line(column);
-#pragma GCC unroll 64
-                for (std::size_t y = 0; y < rows; ++y)
-                    d[y][x] = line[y];
-            }
-#pragma GCC unroll 64
-            for (std::size_t y = 0; y < rows; ++y) {
-                const std::array<wide, columns> line = detail::tile_input_line(d[y]);
-#pragma GCC unroll 64
-                for (std::size_t x = 0; x < columns; ++x)
-                    store_as(to + (y * columns + x) * tiles::band * tiles::input_stride + channel, line[x]);
-            }
+            detail::transform_tile_input<wide, rows, columns>(
+                [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                    return load_as<wide>(pixels[y * columns + x] + channel);
+                },
+                [&](std::size_t y, std::size_t x, const wide& element) __attribute__((always_inline)) {
+                    store_as(to + (y * columns + x) * tiles::band * tiles::input_stride + channel, element);
+                });
         }
     }
 }

@@ -23,25 +23,13 @@ template <std::size_t Outputs>
     constexpr std::size_t side = Outputs + 2;
     using wide = vector<float>;
     for (std::size_t channel = 0; channel < channels; channel += lanes<float>) {
-        std::array<std::array<wide, side>, side> d;
-#pragma GCC unroll 64
-        for (std::size_t x = 0; x < side; ++x) {
-            std::array<wide, side> column;
-#pragma GCC unroll 64
-            for (std::size_t y = 0; y < side; ++y)
-                column[y] = load_as<wide>(from + y * row_distance + x * pixel_distance + channel);
-            const std::array<wide, side> line = detail::tile_input_line(column);
-#pragma GCC unroll 64
-            for (std::size_t y = 0; y < side; ++y)
-                d[y][x] = line[y];
-        }
-#pragma GCC unroll 64
-        for (std::size_t y = 0; y < side; ++y) {
-            const std::array<wide, side> line = detail::tile_input_line(d[y]);
-#pragma GCC unroll 64
-            for (std::size_t x = 0; x < side; ++x)
-                store_as(to + (y * side + x) * element_distance + channel, line[x]);
-        }
+        detail::transform_tile_input<wide, side, side>(
+            [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                return load_as<wide>(from + y * row_distance + x * pixel_distance + channel);
+            },
+            [&](std::size_t y, std::size_t x, const wide& element) __attribute__((always_inline)) {
+                store_as(to + (y * side + x) * element_distance + channel, element);
+            });
     }
 }
 
