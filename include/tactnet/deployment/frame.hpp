@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/frame/counts.hpp>
 #include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -38,18 +39,22 @@ struct frame_entrance<single_precision, Input> {
     static bool read(const float* packed_values, const Count* counts, float* in) noexcept {
         const float* const mean = packed_values;
         const float scale = packed_values[map], limit = packed_values[map + 1];
-        for (std::size_t channel = 0; channel < Input.channels; ++channel)
-            for (std::size_t pixel = 0; pixel < Input.area(); ++pixel) {
-                const std::size_t at = channel * Input.area() + pixel;
-                in[pixel * Input.channels + channel] = (static_cast<float>(counts[at]) - mean[at]) * scale;
-            }
-        // Pools and ReLUs would let a NaN or an infinity vanish: it must be seen here. The limit is one
-        // that counts of 8 bits keep.
-        std::uint32_t beyond = 0;
-        if constexpr (std::is_floating_point_v<Count>)
-            for (std::size_t e = 0; e < Input.size(); ++e)
-                beyond += !(in[e] <= limit && in[e] >= -limit);
-        return beyond == 0;
+        // Pools and ReLUs would let a NaN or an infinity vanish: it must be seen here. The limit is one that
+        // counts of 8 bits keep.
+        if constexpr (Input.channels == 1) {
+            return kernels::counts_to_numbers<Input.size()>(counts, mean, scale, limit, in);
+        } else {
+            std::uint32_t beyond = 0;
+            for (std::size_t channel = 0; channel < Input.channels; ++channel)
+                for (std::size_t pixel = 0; pixel < Input.area(); ++pixel) {
+                    const std::size_t at = channel * Input.area() + pixel;
+                    const float number = (static_cast<float>(counts[at]) - mean[at]) * scale;
+                    in[pixel * Input.channels + channel] = number;
+                    if constexpr (std::is_floating_point_v<Count>)
+                        beyond += !(number <= limit && number >= -limit);
+                }
+            return beyond == 0;
+        }
     }
 };
 

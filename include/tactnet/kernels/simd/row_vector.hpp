@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 
 // Vectors along the rows of images, which are neither aligned nor of whole vectors.
@@ -23,6 +24,26 @@ template <class Vector, class T>
 template <class Vector, class T>
 [[gnu::always_inline]] inline void store_anywhere(T* to, const Vector& values) {
     values.store_unaligned(to);
+}
+namespace detail {
+/// As the compiler has them: conversions differ between xsimd's versions.
+template <std::size_t Lanes>
+struct from_bytes {
+    using bytes [[gnu::vector_size(Lanes)]] = std::uint8_t;
+    using words [[gnu::vector_size(Lanes * sizeof(std::int16_t))]] = std::int16_t;
+    using whole [[gnu::vector_size(Lanes * sizeof(std::int32_t))]] = std::int32_t;
+    using numbers [[gnu::vector_size(Lanes * sizeof(float))]] = float;
+};
+} // namespace detail
+/// Bytes as floats. Step by step, for GCC 12 takes bytes one by one where sizes more than double.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_anywhere(const std::uint8_t* from) {
+    using lanes_of = detail::from_bytes<Vector::size>;
+    typename lanes_of::bytes values;
+    std::memcpy(&values, from, sizeof(values));
+    const auto words = __builtin_convertvector(values, typename lanes_of::words);
+    const auto whole = __builtin_convertvector(words, typename lanes_of::whole);
+    return Vector(__builtin_convertvector(whole, typename lanes_of::numbers));
 }
 /// Kept within low … high; NaN is `low`. In the compilers' own terms, which become two instructions.
 template <class Vector>
@@ -93,6 +114,10 @@ template <class Vector, class T>
 template <class Vector, class T>
 inline void store_anywhere(T* to, const Vector& values) {
     *to = values.value;
+}
+template <class Vector>
+[[nodiscard]] inline Vector load_anywhere(const std::uint8_t* from) {
+    return static_cast<float>(*from);
 }
 template <class Vector>
 [[nodiscard]] inline Vector kept_within(const Vector& a, const Vector& low, const Vector& high) {
