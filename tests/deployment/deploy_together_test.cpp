@@ -44,6 +44,10 @@ using branched_network =
 using heavy_network = network<shape{10, 18}, conv2d<8, 3>, relu, conv2d<32, 3>, relu, max_pool<2, 1, same>,
                               residual<sequence<conv2d<32, 3>, batch_norm>>, relu, dense<70>>;
 
+/// The same where all is near: the tiles of four frames make one list, those left over pass alone.
+using light_network = network<shape{9, 11}, conv2d<vector, 3>, relu, max_pool<2>, conv2d<wide, 3>, batch_norm,
+                              relu, max_pool<2>, dense<22>>;
+
 template <class Network>
 std::unique_ptr<Network> random_network() {
     auto net = std::make_unique<Network>();
@@ -59,15 +63,14 @@ std::unique_ptr<Network> random_network() {
 
 } // namespace
 
-TEST_CASE_TEMPLATE(
-    "deployed: frames of a large network together, on any number of threads, leave the bits of each "
-    "alone",
-    Network, large_network, branched_network, heavy_network) {
+TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave the bits of each alone",
+                   Network, large_network, branched_network, heavy_network, light_network) {
     const auto net = random_network<Network>();
     const auto recognise = deploy(*net);
     using form = deployed<Network>;
-    static_assert(form::view_type::large != std::is_same_v<Network, heavy_network>);
-    static_assert(form::weight_bytes > kernels::second_cache);
+    constexpr bool light = std::is_same_v<Network, light_network>;
+    static_assert(form::view_type::large == !(light || std::is_same_v<Network, heavy_network>));
+    static_assert((form::weight_bytes > kernels::second_cache) == !light);
     constexpr std::size_t frames = 19, size = form::input_shape.size(), outputs = form::outputs;
     std::uint64_t state = 5;
     std::vector<float> counts(frames * size), alone(frames * outputs);
@@ -81,7 +84,7 @@ TEST_CASE_TEMPLATE(
     [[maybe_unused]] typename form::shared_scratch kept;
     for (const std::size_t threads : {1U, 2U, 3U}) {
         thread_pool pool(threads);
-        for (const std::size_t some : {std::size_t{1}, std::size_t{2}, frames}) {
+        for (const std::size_t some : {std::size_t{1}, std::size_t{2}, std::size_t{8}, frames}) {
             CAPTURE(threads);
             CAPTURE(some);
             std::vector<float> together(some * outputs, NAN);

@@ -7,6 +7,7 @@
 
 #include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <array>
 #include <bit>
@@ -17,6 +18,30 @@
 using namespace tactnet;
 
 namespace {
+
+/// Whether frames that pass together, on one thread or two, have the bits of each alone.
+template <class Network, class Deployed>
+bool same_together(const Deployed& fast, std::uint64_t seed) {
+    constexpr std::size_t many = 9, size = Network::input_shape.size(), outputs = Network::outputs;
+    std::vector<std::uint8_t> frames;
+    std::vector<float> alone(many * outputs);
+    bool same = true;
+    for (std::size_t frame = 0; frame < many; ++frame) {
+        const std::vector<std::uint8_t> counts = support::make_frame(size, seed + frame);
+        frames.insert(frames.end(), counts.begin(), counts.end());
+        same &= fast(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                     std::span<float, outputs>(alone.data() + frame * outputs, outputs)) ==
+                frame_status::recognised;
+    }
+    for (const std::size_t threads : {1U, 2U}) {
+        thread_pool pool(threads);
+        std::vector<float> together(many * outputs, NAN);
+        same &= fast(pool, std::span<const std::uint8_t>(frames), std::span<float>(together)) ==
+                    frame_status::recognised &&
+                together == alone;
+    }
+    return same;
+}
 
 template <class Network>
 void append(reduced_result& result, std::uint64_t seed) {
@@ -37,6 +62,8 @@ void append(reduced_result& result, std::uint64_t seed) {
         support::shares_of(out, support::bounded_outputs(layers, support::parameters_of(net),
                                                          support::bounded_input(exact, mean, scale)));
     if (status != frame_status::recognised)
+        errors.of_bound = INFINITY;
+    if (!same_together<Network>(fast, seed))
         errors.of_bound = INFINITY;
     for (const float o : out)
         result.bits.push_back(std::bit_cast<std::uint32_t>(o));

@@ -77,14 +77,14 @@ struct frame_batch {
     /// share of a frame takes no more than its maps do, and no more than 16.
     static constexpr std::size_t most_on_all_threads =
         std::clamp<std::size_t>((View::weight_bytes + View::scratch_bytes - 1) / View::scratch_bytes, 1, 16);
-    /// Frames of a smaller one that pass together on one thread: where the second level of cache does not
-    /// hold its weights, each layer's are fetched once for up to four frames, whose memory fits the stack.
-    static constexpr std::size_t on_one_thread =
-        View::weight_bytes > kernels::second_cache
-            ? std::clamp<std::size_t>(View::most_on_stack /
-                                          (View::elements_together * sizeof(typename View::activation)),
-                                      1, 4)
-            : 1;
+    /// Frames of a smaller one that pass together on one thread, layer by layer, so that weights which are
+    /// read for each frame by itself are read once for them: up to four, whose maps stay in the second level
+    /// of cache, or on the stack where the weights leave that level anyway.
+    static constexpr std::size_t on_one_thread = std::clamp<std::size_t>(
+        (View::weight_bytes > kernels::second_cache ? View::most_on_stack
+                                                    : std::min(View::most_on_stack, kernels::second_cache)) /
+            (View::elements_together * sizeof(typename View::activation)),
+        1, 4);
 
     /// Frames, if there is a row of outputs for each; else throws std::invalid_argument.
     static std::size_t checked_count(std::size_t counts, std::size_t numbers) {

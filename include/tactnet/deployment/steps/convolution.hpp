@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/frame/packed_pixels.hpp>
 #include <tactnet/kernels/frame/winograd.hpp>
@@ -77,6 +78,14 @@ public:
             return pixels_of_vector > 1 ? pixels::scratch : 0;
     }();
 
+    /// Frames whose tiles are computed together where there are so many.
+    static constexpr std::size_t frames_together = [] {
+        if constexpr (tiled && !large && parts == 1)
+            return kernels::frames_by_tiles<part>;
+        else
+            return std::size_t{1};
+    }();
+
     static constexpr void pack(const float* from, float* to) {
         for (std::size_t p = 0; p < parts; ++p, to += packed_part) {
             const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
@@ -126,6 +135,25 @@ public:
             kernels::convolve_large(large_plan, job, in + p * part.window.input.channels, values,
                                     values + packed_weights, out + p * part.filters, memory);
         }
+    }
+
+    /// The tiles of several frames as one list.
+    template <class Team>
+    static void run_together(const float* packed_values, const float* in, std::size_t in_distance, float* out,
+                             float* memory, const Team& team) requires(frames_together > 1) {
+        constexpr std::size_t some = frames_together, out_distance = detail::map_distance<convolution_step>;
+        static_assert(kernels::winograd_tiles<part, tile_outputs, some>::scratch <= some * scratch);
+        team.pool.for_each((team.frames + some - 1) / some, [&](std::size_t group) {
+            const std::size_t first = group * some, end = std::min(first + some, team.frames);
+            float* const own = memory + first * scratch;
+            if (end == first + some)
+                kernels::convolve_frames_by_tiles<part, tile_outputs, some>(
+                    in + first * in_distance, in_distance, packed_values, packed_values + packed_weights,
+                    out + first * out_distance + Kernel.map_offset, out_distance, own);
+            else
+                for (std::size_t frame = first; frame < end; ++frame)
+                    run(packed_values, in + frame * in_distance, out + frame * out_distance, own);
+        });
     }
 
 private:

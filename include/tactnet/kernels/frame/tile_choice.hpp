@@ -76,10 +76,11 @@ inline constexpr std::size_t far_weight_bytes = 512 * 1024;
 
 /// Rows and columns of the outputs of a tile; 0 where taps one by one take fewer operations.
 [[nodiscard]] constexpr extent best_tile(const frame_convolution& c) {
-    // Register blocks of few sums wait for the weights.
+    // Register blocks of few sums wait for the weights, unless four tiles share each of these.
     const auto fills_block = [&](extent outputs) {
-        const std::size_t count = tile_count(c, outputs), vectors = tile_block_vectors(c, count);
-        return tiles_of_block(count, vectors) * vectors >= 8;
+        const std::size_t count = tile_count(c, outputs), vectors = tile_block_vectors(c, count),
+                          tiles = tiles_of_block(count, vectors);
+        return tiles >= 4 || tiles * vectors >= 8;
     };
     if (!tile_possible(c, 2) || !fills_block(2))
         return 0;

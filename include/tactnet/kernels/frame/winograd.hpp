@@ -8,28 +8,32 @@
 #include <array>
 #include <cstddef>
 
-// One frame through a convolution by tiles. winograd_tiles.hpp says what is computed, how it is cut, and
-// packs the kernels.
+// One frame or some through a convolution by tiles. winograd_tiles.hpp says what is computed, how it is cut,
+// and packs the kernels.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); what lies outside the image
-/// is zero.
-template <frame_convolution C, extent Outputs>
-[[gnu::flatten, gnu::noinline]] void transform_winograd_input(const float* input, float* transformed,
-                                                              std::size_t first, std::size_t last) {
-    using tiles = winograd_tiles<C, Outputs>;
+/// is zero. Frames lie `distance` elements apart.
+template <frame_convolution C, extent Outputs, std::size_t Frames>
+[[gnu::flatten, gnu::noinline]] void transform_winograd_input(const float* input, std::size_t distance,
+                                                              float* transformed, std::size_t first,
+                                                              std::size_t last) {
+    using tiles = winograd_tiles<C, Outputs, Frames>;
     using wide = sized_vector<float, tiles::input_width>;
     constexpr std::size_t rows = tiles::side.rows, columns = tiles::side.columns, elements = rows * columns;
     constexpr auto image_rows = static_cast<std::ptrdiff_t>(C.window.input.rows),
                    image_columns = static_cast<std::ptrdiff_t>(C.window.input.columns);
     alignas(alignment) const std::array<float, tiles::input_stride> outside{};
     for (std::size_t tile = first; tile < last; ++tile) {
-        const auto top = static_cast<std::ptrdiff_t>(tile / tiles::columns * Outputs.rows) -
+        const std::size_t frame = Frames > 1 ? tile / tiles::of_frame : 0;
+        const std::size_t place = tile - frame * tiles::of_frame;
+        const float* const image = input + frame * distance;
+        const auto top = static_cast<std::ptrdiff_t>(place / tiles::columns * Outputs.rows) -
                          static_cast<std::ptrdiff_t>(C.window.top);
-        const auto left = static_cast<std::ptrdiff_t>(tile % tiles::columns * Outputs.columns) -
+        const auto left = static_cast<std::ptrdiff_t>(place % tiles::columns * Outputs.columns) -
                           static_cast<std::ptrdiff_t>(C.window.left);
         std::array<const float*, tiles::elements> pixels;
 #pragma GCC unroll 64
@@ -37,7 +41,7 @@ template <frame_convolution C, extent Outputs>
             const std::ptrdiff_t y = top + static_cast<std::ptrdiff_t>(e / columns),
                                  x = left + static_cast<std::ptrdiff_t>(e % columns);
             const bool inside = y >= 0 && y < image_rows && x >= 0 && x < image_columns;
-            pixels[e] = inside ? input + (y * image_columns + x) * static_cast<std::ptrdiff_t>(C.input_stride)
+            pixels[e] = inside ? image + (y * image_columns + x) * static_cast<std::ptrdiff_t>(C.input_stride)
                                : outside.data();
         }
         float* const to = transformed + (tile - first) * tiles::input_stride;
@@ -81,17 +85,20 @@ template <frame_convolution C, extent Outputs, std::size_t Vectors, std::size_t 
         store_as(products + i * C.width(), sums[i / Vectors][i % Vectors]);
 }
 
-/// Outputs of the tiles [first, last): Aᵀ m A, bias, the other term of a sum, max pool, ReLU.
-template <frame_convolution C, extent Outputs, std::size_t Vectors>
+/// Outputs of the tiles [first, last): Aᵀ m A, bias, the other term of a sum, max pool, ReLU. Frames lie
+/// `distance` elements apart.
+template <frame_convolution C, extent Outputs, std::size_t Frames, std::size_t Vectors>
 [[gnu::flatten, gnu::noinline]] void transform_winograd_output(const float* products, const float* bias,
-                                                               float* output, std::size_t first,
-                                                               std::size_t last) {
-    using tiles = winograd_tiles<C, Outputs>;
+                                                               float* output, std::size_t distance,
+                                                               std::size_t first, std::size_t last) {
+    using tiles = winograd_tiles<C, Outputs, Frames>;
     using wide = sized_vector<float, C.width()>;
     constexpr std::size_t width = C.width(), rows = tiles::side.rows, columns = tiles::side.columns;
     for (std::size_t tile = first; tile < last; ++tile) {
-        const std::size_t top = tile / tiles::columns * Outputs.rows,
-                          left = tile % tiles::columns * Outputs.columns;
+        const std::size_t frame = Frames > 1 ? tile / tiles::of_frame : 0;
+        const std::size_t place = tile - frame * tiles::of_frame;
+        const std::size_t top = place / tiles::columns * Outputs.rows,
+                          left = place % tiles::columns * Outputs.columns;
         unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
             std::array<std::array<wide, columns>, Outputs.rows> half;
             unroll<columns>([&](auto x) __attribute__((always_inline)) {
@@ -121,7 +128,7 @@ template <frame_convolution C, extent Outputs, std::size_t Vectors>
                     if (column > 0 && x_of_window >= C.columns())
                         return;
                     float* const to =
-                        output +
+                        output + frame * distance +
                         (y_of_window / C.pool.rows * C.output_columns() + x_of_window / C.pool.columns) *
                             C.output_stride() +
                         v * width;
@@ -141,16 +148,19 @@ template <frame_convolution C, extent Outputs, std::size_t Vectors>
     }
 }
 
-/// output = the fused step, as convolve_frame. `scratch` holds winograd_tiles<C, Outputs>::scratch elements.
-template <frame_convolution C, extent Outputs = best_tile(C)>
-void convolve_frame_by_tiles(const float* input, const float* weights, const float* bias, float* output,
-                             float* scratch) {
-    static_assert(!C.adds || C.pool == extent(1), "convolve_frame_by_tiles: a sum is not pooled");
-    static_assert(C.groups == 1 && C.fits_map(), "convolve_frame_by_tiles: the output does not fit its map");
-    using tiles = winograd_tiles<C, Outputs>;
+/// output = the fused step for so many frames, as convolve_frame for each; inputs and outputs of frames lie
+/// so many elements apart. `scratch` holds winograd_tiles<C, Outputs, Frames>::scratch elements. The bits of
+/// a frame do not depend on those beside it.
+template <frame_convolution C, extent Outputs = best_tile(C), std::size_t Frames = 1>
+void convolve_frames_by_tiles(const float* input, std::size_t input_distance, const float* weights,
+                              const float* bias, float* output, std::size_t output_distance, float* scratch) {
+    static_assert(!C.adds || C.pool == extent(1), "convolve_frames_by_tiles: a sum is not pooled");
+    static_assert(C.groups == 1 && C.fits_map(), "convolve_frames_by_tiles: the output does not fit its map");
+    using tiles = winograd_tiles<C, Outputs, Frames>;
     float* const products = scratch + tiles::transformed_input;
     blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
-        transform_winograd_input<C, Outputs>(input, scratch, first_tile, first_tile + band);
+        transform_winograd_input<C, Outputs, Frames>(input, input_distance, scratch, first_tile,
+                                                     first_tile + band);
         blocked<C.vectors(), tiles::block_vectors>([&](auto vectors, std::size_t first_vector) {
             const std::size_t first = first_vector * C.width();
             const float* w = weights + first * tiles::elements * tiles::channels;
@@ -161,10 +171,16 @@ void convolve_frame_by_tiles(const float* input, const float* weights, const flo
                         w + e * tiles::channels * vectors * C.width(),
                         products + (e * tiles::band + tile) * vectors * C.width());
                 });
-            transform_winograd_output<C, Outputs, vectors>(products, bias + first, output + first, first_tile,
-                                                           first_tile + band);
+            transform_winograd_output<C, Outputs, Frames, vectors>(
+                products, bias + first, output + first, output_distance, first_tile, first_tile + band);
         });
     });
+}
+/// The same for one frame.
+template <frame_convolution C, extent Outputs = best_tile(C)>
+void convolve_frame_by_tiles(const float* input, const float* weights, const float* bias, float* output,
+                             float* scratch) {
+    convolve_frames_by_tiles<C, Outputs>(input, 0, weights, bias, output, 0, scratch);
 }
 
 } // namespace kernels

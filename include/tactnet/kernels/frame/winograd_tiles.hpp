@@ -20,21 +20,22 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// How a convolution is cut into tiles of so many rows and columns of outputs.
-template <frame_convolution C, extent Outputs = best_tile(C)>
+/// How a convolution is cut into tiles of so many rows and columns of outputs, those of several frames in one
+/// list. Nothing of the packed kernels depends on the number of frames.
+template <frame_convolution C, extent Outputs = best_tile(C), std::size_t Frames = 1>
 struct winograd_tiles {
     /// Rows and columns of an input tile, and of the transformed kernel.
     static constexpr extent side = tile_side(C, Outputs);
     static constexpr std::size_t elements = side.area(); ///< of an input tile
     static constexpr std::size_t columns = (C.columns() + Outputs.columns - 1) / Outputs.columns;
-    static constexpr std::size_t count = tile_count(C, Outputs);
+    static constexpr std::size_t of_frame = tile_count(C, Outputs), count = Frames * of_frame;
 
     static constexpr std::size_t channels = C.window.input.channels;
     static constexpr std::size_t input_width = lanes_for<float>(channels);
     static constexpr std::size_t input_vectors = (channels + input_width - 1) / input_width;
     static constexpr std::size_t input_stride = input_vectors * input_width;
     /// Vectors of filters in a register block: more where there are few tiles to fill it.
-    static constexpr std::size_t block_vectors = tile_block_vectors(C, count);
+    static constexpr std::size_t block_vectors = tile_block_vectors(C, of_frame);
     static constexpr std::size_t block_stride = block_vectors * C.width();
 
     /// Tiles from the first transform to the last: as many as the first level of cache holds, where the
@@ -59,6 +60,12 @@ struct winograd_tiles {
     /// Elements of the transformed, packed kernels.
     static constexpr std::size_t weights = elements * channels * C.padded_filters();
 };
+
+/// Frames whose tiles make one list, where there are so many frames: few tiles are done before their kernels
+/// have come, which more of them share. Not where all that is transformed would leave the nearest levels.
+template <frame_convolution C, extent Outputs = best_tile(C)>
+inline constexpr std::size_t
+    frames_by_tiles = winograd_tiles<C, Outputs, 4>::scratch * sizeof(float) <= near_weight_bytes ? 4 : 1;
 
 /// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then [element][channel]
 /// [filter of the block]. `weight(filter, channel, row, column)`.
