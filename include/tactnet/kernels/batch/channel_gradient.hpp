@@ -35,7 +35,7 @@ struct channel_gradient_plan {
     /// Registers of a block: vectors of channels × filters.
     static constexpr std::size_t block_vectors = vectors > 1 && row_bytes(2) <= cache_bytes ? 2 : 1;
     static constexpr std::size_t block_filters =
-        std::min<std::size_t>((vector_registers == 32 ? 24 : 12) / block_vectors, Filters);
+        std::min<std::size_t>(most_block_sums / block_vectors, Filters);
     /// Rows of the turned input that stay in half of the cache, but at least one.
     static constexpr std::size_t tile_rows =
         std::clamp<std::size_t>(cache_bytes / 2 / row_bytes(block_vectors), 1, W.input.rows);

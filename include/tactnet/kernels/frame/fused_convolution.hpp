@@ -29,10 +29,6 @@ struct frame_convolution {
                                     ///< are multiples of
     std::size_t input_multiple = 0; ///< the same for the first channels of their inputs
 
-    /// Of a register block: as many sums as leave room for inputs and weights, since each block also costs
-    /// what does not depend on its size.
-    static constexpr std::size_t most_accumulators = vector_registers == 32 ? 24 : 12;
-
     /// In a wider map vectors must begin where vectors of that width may lie, and hold no lane but the
     /// filters'.
     [[nodiscard]] constexpr std::size_t width() const {
@@ -103,7 +99,7 @@ struct frame_convolution {
     [[nodiscard]] constexpr std::size_t block_columns() const {
         const std::size_t step = pool.columns;
         const std::size_t most =
-            std::max(most_accumulators / (block_rows() * block_vectors()) / step * step, step);
+            std::max(most_block_sums / (block_rows() * block_vectors()) / step * step, step);
         const std::size_t blocks = (columns() + most - 1) / most;
         const std::size_t even = (columns() + blocks - 1) / blocks;
         return (even + step - 1) / step * step;

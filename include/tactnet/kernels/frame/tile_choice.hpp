@@ -8,8 +8,8 @@
 // Which of Winograd's tiles a convolution is computed by, or none. Decided when compiling, from sizes and the
 // instruction set.
 //
-// Costs are counted in products of a vector. Their few constants are rounded from times of layers
-// (benchmark_plan) on processors of several kinds, with 16 and 32 registers.
+// Costs are counted in products of a vector. Their few constants, in one place below, are rounded from times
+// of layers (benchmark_plan) on processors of several kinds, with 16 and 32 registers.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -26,11 +26,11 @@ namespace kernels {
 }
 /// Vectors of filters in a register block of tiles × vectors: more where there are few tiles to fill it.
 [[nodiscard]] constexpr std::size_t tile_block_vectors(const frame_convolution& c, std::size_t tiles) {
-    return tiles * 4 < frame_convolution::most_accumulators && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
+    return tiles * 4 < most_block_sums && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
 }
 /// As many tiles as registers allow, evenly spread.
 [[nodiscard]] constexpr std::size_t tiles_of_block(std::size_t tiles, std::size_t vectors) {
-    const std::size_t most = std::max<std::size_t>(frame_convolution::most_accumulators / vectors, 1);
+    const std::size_t most = std::max<std::size_t>(most_block_sums / vectors, 1);
     const std::size_t blocks = (tiles + most - 1) / most;
     return (tiles + blocks - 1) / blocks;
 }
@@ -47,31 +47,47 @@ namespace kernels {
            c.input_stride >= (channels + width - 1) / width * width && c.input_multiple % width == 0;
 }
 
-/// Weights that are taken to lie beyond the second level of cache. Not by its configured size (caches.hpp):
-/// other tiles round otherwise, and the bits of a network are not to depend on that.
-inline constexpr std::size_t far_weight_bytes = 512 * 1024;
+/// What tiles are counted at, in twentieths of a product of a vector.
+struct tile_costs {
+    static constexpr std::size_t product = 20;
+    static constexpr bool wide = lanes<float> >= 8;
+    /// A product of taps. With 16 wide registers a block of taps has too few sums to hide how long a
+    /// multiply-add takes, and reaches about 60 % of the peak.
+    static constexpr std::size_t tap = wide && vector_registers < 32 ? 26 : 20;
+    /// A vector of weights, which is not read more quickly than from the second level of cache, or from
+    /// further away where a layer has too many: with few tiles their products wait for it.
+    static constexpr std::size_t near_weight = 50, far_weight = 180;
+    /// Weights that are taken to lie beyond the second level. Not by its configured size (caches.hpp): other
+    /// tiles round otherwise, and the bits of a network are not to depend on that.
+    static constexpr std::size_t most_near_bytes = 512 * 1024;
+    /// Transforms, for each vector of an input tile and of one of products. Wide vectors hide them behind the
+    /// products, but for one operation, and more with each direction that has points at roots; else each
+    /// load, addition and store counts.
+    static constexpr std::size_t input(extent side) { return wide ? hidden(side) : 80; }
+    static constexpr std::size_t output(extent side) { return wide ? hidden(side) : 60; }
+    /// What a tile must be cheaper than to take the place of a smaller one or of taps, since it has more
+    /// weights and larger errors: by a twentieth.
+    static constexpr std::size_t to_replace(std::size_t cost) { return cost * 20 / 21; }
 
-/// Operations of a convolution by such tiles.
-[[nodiscard]] constexpr std::size_t tile_operations(const frame_convolution& c, extent outputs) {
+private:
+    static constexpr std::size_t hidden(extent side) {
+        const int with_roots = (side.rows > 4 ? 1 : 0) + (side.columns > 4 ? 1 : 0);
+        return with_roots == 0 ? 20 : with_roots == 1 ? 30 : 50;
+    }
+};
+
+/// What a convolution costs by such tiles.
+[[nodiscard]] constexpr std::size_t cost_by_tiles(const frame_convolution& c, extent outputs) {
     const std::size_t channels = c.window.input.channels, input_lanes = lanes_for<float>(channels),
                       input_vectors = (channels + input_lanes - 1) / input_lanes;
     const extent side = tile_side(c, outputs);
     const std::size_t elements = side.area(), count = tile_count(c, outputs);
-    // In quarters of a product. Wide vectors hide transforms behind the products, but for one operation an
-    // element, and more with each direction that has points at roots; else each load, addition and store
-    // counts.
-    constexpr bool wide = lanes<float> >= 8;
-    const int with_roots = (side.rows > 4 ? 1 : 0) + (side.columns > 4 ? 1 : 0);
-    const std::size_t hidden = with_roots == 0 ? 4 : with_roots == 1 ? 6 : 10;
-    const std::size_t of_input = wide ? hidden : 16, of_output = wide ? hidden : 12;
-    // A vector of weights is not read more quickly than from the second level of cache, or from further away
-    // where a layer has too many; with few tiles their products wait for it.
-    const bool far = elements * channels * c.padded_filters() * sizeof(float) > far_weight_bytes;
-    const std::size_t of_channel = std::max<std::size_t>(4 * count, far ? 36 : 10);
+    const bool far = elements * channels * c.padded_filters() * sizeof(float) > tile_costs::most_near_bytes;
+    const std::size_t of_channel =
+        std::max(tile_costs::product * count, far ? tile_costs::far_weight : tile_costs::near_weight);
     return elements *
            (channels * c.vectors() * of_channel +
-            count * (of_input * input_vectors + of_output * c.vectors())) /
-           4;
+            count * (tile_costs::input(side) * input_vectors + tile_costs::output(side) * c.vectors()));
 }
 
 /// Rows and columns of the outputs of a tile; 0 where taps one by one take fewer operations.
@@ -84,24 +100,19 @@ inline constexpr std::size_t far_weight_bytes = 512 * 1024;
     };
     if (!tile_possible(c, 2) || !fills_block(2))
         return 0;
-    // With 16 wide registers a block of taps has too few sums to hide how long a multiply-add takes, and
-    // reaches about 60 % of the peak.
-    constexpr bool wide = lanes<float> >= 8;
-    const std::size_t of_tap = wide && vector_registers < 32 ? 26 : 20;
-    const std::size_t by_taps = c.window.taps_on_pixels() * c.window.input.channels * c.vectors();
-    const std::size_t by_2 = tile_operations(c, 2);
-    const extent smallest = by_2 * 21 < by_taps * of_tap ? 2 : 0;
-    // Larger tiles have more weights and larger errors: they must save a twentieth. Narrow vectors spend on
-    // transforms what larger tiles save.
-    std::size_t least = std::min(by_2 * 20, by_taps * of_tap) / 21;
-    extent best = smallest;
-    for (std::size_t rows = 2; wide && rows <= 5; ++rows)
+    const std::size_t by_taps =
+        c.window.taps_on_pixels() * c.window.input.channels * c.vectors() * tile_costs::tap;
+    const std::size_t by_2 = cost_by_tiles(c, 2);
+    extent best = by_2 < tile_costs::to_replace(by_taps) ? 2 : 0;
+    // Narrow vectors spend on transforms what larger tiles save.
+    std::size_t least = tile_costs::to_replace(std::min(by_2, by_taps));
+    for (std::size_t rows = 2; tile_costs::wide && rows <= 5; ++rows)
         for (std::size_t columns = 2; columns <= 5; ++columns) {
             const extent outputs(rows, columns);
-            if (!tile_possible(c, outputs) || !fills_block(outputs) || tile_operations(c, outputs) >= least)
+            if (!tile_possible(c, outputs) || !fills_block(outputs) || cost_by_tiles(c, outputs) >= least)
                 continue;
             best = outputs;
-            least = tile_operations(c, outputs);
+            least = cost_by_tiles(c, outputs);
         }
     return best;
 }

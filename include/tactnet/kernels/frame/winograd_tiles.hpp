@@ -24,6 +24,10 @@ namespace kernels {
 /// list. Nothing of the packed kernels depends on the number of frames.
 template <frame_convolution C, extent Outputs = best_tile(C), std::size_t Frames = 1>
 struct winograd_tiles {
+    static_assert(
+        tile_possible(C, Outputs),
+        "winograd_tiles: this convolution has no such tile; best_tile gives 0 where taps take fewer "
+        "operations");
     /// Rows and columns of an input tile, and of the transformed kernel.
     static constexpr extent side = tile_side(C, Outputs);
     static constexpr std::size_t elements = side.area(); ///< of an input tile

@@ -60,8 +60,7 @@ struct integer_tiles {
     }();
     /// Tiles in a register block, of so many in all: as many as registers allow, evenly spread.
     static constexpr std::size_t block_of(std::size_t tiles) {
-        constexpr std::size_t most =
-            std::max<std::size_t>((vector_registers == 32 ? 24 : 12) / block_vectors, 1);
+        constexpr std::size_t most = std::max<std::size_t>(most_block_sums / block_vectors, 1);
         return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
     }
     /// The same in a band.
