@@ -94,57 +94,66 @@ template <frame_convolution C, extent Outputs, std::size_t Frames, std::size_t V
     using tiles = winograd_tiles<C, Outputs, Frames>;
     using wide = sized_vector<float, C.width()>;
     constexpr std::size_t width = C.width(), rows = tiles::side.rows, columns = tiles::side.columns;
-    for (std::size_t tile = first; tile < last; ++tile) {
+    constexpr std::size_t window = C.pool.area();
+    for (std::size_t tile = first; tile < last; ++tile, products += Vectors * width) {
         const std::size_t frame = Frames > 1 ? tile / tiles::of_frame : 0;
         const std::size_t place = tile - frame * tiles::of_frame;
         const std::size_t top = place / tiles::columns * Outputs.rows,
                           left = place % tiles::columns * Outputs.columns;
-        unroll<Vectors>([&](auto v) __attribute__((always_inline)) {
+        // Of the image; the tile may reach beyond its end.
+        const std::size_t rows_left = C.rows() - top, columns_left = C.columns() - left;
+        float* const to_tile =
+            output + frame * distance +
+            (top / C.pool.rows * C.output_columns() + left / C.pool.columns) * C.output_stride();
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < Vectors; ++v) {
             std::array<std::array<wide, columns>, Outputs.rows> half;
-            unroll<columns>([&](auto x) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+            for (std::size_t x = 0; x < columns; ++x) {
                 std::array<wide, rows> column;
-                unroll<rows>([&](auto y) __attribute__((always_inline)) {
-                    column[y] = load_as<wide>(
-                        products + (((y * columns + x) * tiles::band + tile - first) * Vectors + v) * width);
-                });
-                const auto sums = detail::tile_output_line<Outputs.rows>(column);
-                unroll<Outputs.rows>([&](auto y) __attribute__((always_inline)) { half[y][x] = sums[y]; });
-            });
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < rows; ++y)
+                    column[y] =
+                        load_as<wide>(products + ((y * columns + x) * tiles::band * Vectors + v) * width);
+                const std::array<wide, Outputs.rows> line = detail::tile_output_line<Outputs.rows>(column);
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < Outputs.rows; ++y)
+                    half[y][x] = line[y];
+            }
             const wide start = load_as<wide>(bias + v * width);
-            const auto finished = [&](wide value) __attribute__((always_inline)) {
-                return C.rectified ? maximum_or_second(wide(0.0f), value) : value;
-            };
             // A window of the pool at a time; its first output decides whether there is one.
-            unroll<Outputs.rows / C.pool.rows>([&](auto row) __attribute__((always_inline)) {
+#pragma GCC unroll 64
+            for (std::size_t row = 0; row < Outputs.rows; row += C.pool.rows) {
                 std::array<std::array<wide, Outputs.columns>, C.pool.rows> y;
-                unroll<C.pool.rows>([&](auto r) __attribute__((always_inline)) {
-                    y[r] = detail::tile_output_line<Outputs.columns>(half[row * C.pool.rows + r]);
-                });
-                const std::size_t y_of_window = top + row * C.pool.rows;
-                if (row > 0 && y_of_window >= C.rows())
-                    return;
-                unroll<Outputs.columns / C.pool.columns>([&](auto column) __attribute__((always_inline)) {
-                    const std::size_t x_of_window = left + column * C.pool.columns;
-                    if (column > 0 && x_of_window >= C.columns())
-                        return;
-                    float* const to =
-                        output + frame * distance +
-                        (y_of_window / C.pool.rows * C.output_columns() + x_of_window / C.pool.columns) *
-                            C.output_stride() +
-                        v * width;
-                    wide value = y[0][column * C.pool.columns];
-                    unroll<C.pool.area()>([&](auto i) __attribute__((always_inline)) {
-                        constexpr std::size_t down = i / C.pool.columns, right = i % C.pool.columns;
-                        if (i > 0 && y_of_window + down < C.rows() && x_of_window + right < C.columns())
-                            value = maximum_or_second(y[down][column * C.pool.columns + right], value);
-                    });
+#pragma GCC unroll 64
+                for (std::size_t r = 0; r < C.pool.rows; ++r)
+                    y[r] = detail::tile_output_line<Outputs.columns>(half[row + r]);
+                if (row > 0 && row >= rows_left)
+                    continue;
+#pragma GCC unroll 64
+                for (std::size_t column = 0; column < Outputs.columns; column += C.pool.columns) {
+                    if (column > 0 && column >= columns_left)
+                        continue;
+                    wide value = y[0][column];
+#pragma GCC unroll 64
+                    for (std::size_t i = 1; i < window; ++i) {
+                        const std::size_t down = i / C.pool.columns, right = i % C.pool.columns;
+                        if (row + down < rows_left && column + right < columns_left)
+                            value = maximum_or_second(y[down][column + right], value);
+                    }
                     value = value + start;
+                    float* const to = to_tile +
+                                      (row / C.pool.rows * C.output_columns() + column / C.pool.columns) *
+                                          C.output_stride() +
+                                      v * width;
                     if constexpr (C.adds)
                         value = value + load_as<wide>(to);
-                    store_as(to, finished(value));
-                });
-            });
-        });
+                    if constexpr (C.rectified)
+                        value = maximum_or_second(wide(0.0f), value);
+                    store_as(to, value);
+                }
+            }
+        }
     }
 }
 
