@@ -1,6 +1,6 @@
 // Frames a second of batches on all cores ÷ on one. Beside it a loop in registers on all cores ÷ on one,
-// which is what the machine gives at most. Batches follow each other, as from a recording, for some
-// milliseconds a turn, so that what a core takes to wake up is no part of it; turns of all cases are
+// which is what the machine gives at most. Batches follow each other, as from a recording, for 20
+// milliseconds and more a turn, so that what a core takes to wake up is no part of it; turns of all cases are
 // interleaved, so that what else the machine does meets them alike. Run it on an idle machine, not pinned:
 //   benchmark_all_cores [THREADS]
 

@@ -45,8 +45,22 @@ using heavy_network = network<shape{10, 18}, conv2d<8, 3>, relu, conv2d<32, 3>, 
                               residual<sequence<conv2d<32, 3>, batch_norm>>, relu, dense<70>>;
 
 /// The same where all is near: the tiles of four frames make one list, those left over pass alone.
-using light_network = network<shape{9, 11}, conv2d<vector, 3>, relu, max_pool<2>, conv2d<wide, 3>, batch_norm,
-                              relu, max_pool<2>, dense<22>>;
+using light_network = network<shape{9, 11}, conv2d<16, 3>, relu, max_pool<2>, conv2d<32, 3>, batch_norm, relu,
+                              max_pool<2>, dense<22>>;
+
+/// Whether four frames on one thread make one list of tiles in some step.
+template <class Step>
+inline constexpr bool joins_tiles = false;
+template <class... Steps>
+inline constexpr bool joins_tiles<step_chain<Steps...>> = (joins_tiles<Steps> || ...);
+template <kernels::frame_convolution C>
+inline constexpr bool joins_tiles<convolution_step<single_precision, C>> = [] {
+    using step = convolution_step<single_precision, C>;
+    using team = frame_team<detail::lone_thread<4>>;
+    return step::frames_together == 4 && requires(float* numbers, const team& four) {
+        step::run_together(numbers, numbers, std::size_t{}, numbers, numbers, four);
+    };
+}();
 
 template <class Network>
 std::unique_ptr<Network> random_network() {
@@ -71,6 +85,10 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
     constexpr bool light = std::is_same_v<Network, light_network>;
     static_assert(form::view_type::large == !(light || std::is_same_v<Network, heavy_network>));
     static_assert((form::weight_bytes > kernels::second_cache) == !light);
+    if constexpr (light) {
+        static_assert(detail::frame_batch<typename form::view_type>::on_one_thread == 4);
+        static_assert(joins_tiles<typename form::view_type::steps>);
+    }
     constexpr std::size_t frames = 19, size = form::input_shape.size(), outputs = form::outputs;
     std::uint64_t state = 5;
     std::vector<float> counts(frames * size), alone(frames * outputs);

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <bit>
+#include <support/same_bits.hpp>
 
 #define TACTNET_TEST_TEXT_OF(name) #name
 #define TACTNET_TEST_TEXT(name) TACTNET_TEST_TEXT_OF(name)
@@ -38,7 +39,7 @@ bool same_together(const Deployed& fast, std::uint64_t seed) {
         std::vector<float> together(many * outputs, NAN);
         same &= fast(pool, std::span<const std::uint8_t>(frames), std::span<float>(together)) ==
                     frame_status::recognised &&
-                together == alone;
+                support::same_bits(together, alone);
     }
     return same;
 }
@@ -63,8 +64,7 @@ void append(reduced_result& result, std::uint64_t seed) {
                                                          support::bounded_input(exact, mean, scale)));
     if (status != frame_status::recognised)
         errors.of_bound = INFINITY;
-    if (!same_together<Network>(fast, seed))
-        errors.of_bound = INFINITY;
+    result.same_together = result.same_together && same_together<Network>(fast, seed);
     for (const float o : out)
         result.bits.push_back(std::bit_cast<std::uint32_t>(o));
     result.of_bound = std::max(result.of_bound, errors.of_bound);
@@ -96,6 +96,7 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
     steps.set_ranges(folded.data(), ranges);
 
     const in_bytes network{std::span<const float, view::folded_elements>(folded)};
+    result.same_together = result.same_together && same_together<Network>(network, seed);
     for (std::uint64_t frame = 0; frame < 4; ++frame) {
         const std::vector<std::uint8_t> counts = support::make_frame(size, seed + frame);
         std::vector<float> out(Network::outputs, NAN);

@@ -11,6 +11,7 @@ struct reduced_result {
     double of_bound = 0, of_deviation = 0; ///< largest errors
     std::vector<std::uint32_t> whole;      ///< bits of all outputs of networks in 8 bits
     bool as_reference = true;              ///< whether those are what plain loops give
+    bool same_together = true;             ///< whether frames that pass together have the bits of each alone
     const char* instruction_set = "";
 };
 

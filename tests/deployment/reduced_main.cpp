@@ -37,6 +37,9 @@ int main() {
         std::fprintf(stderr, "%s: in 8 bits %s, hash %016llx\n", result.instruction_set,
                      result.as_reference ? "as the plain reference" : "not as the plain reference",
                      static_cast<unsigned long long>(hash_of(result.whole)));
+        if (!result.same_together)
+            std::fprintf(stderr, "%s: frames together have other bits than alone\n", result.instruction_set);
+        good = good && result.same_together;
         good = good && result.bits.size() == 31 && result.of_bound <= 1 && result.of_deviation <= 1;
         good = good && result.whole.size() == 60 && result.as_reference &&
                hash_of(result.whole) == expected_whole;

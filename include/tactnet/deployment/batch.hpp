@@ -52,8 +52,10 @@ private:
     std::span<T> held_;
 };
 
-/// A pool that is the thread which asks.
+/// A pool that is the thread which asks, for at most so many frames.
+template <std::size_t MostFrames>
 struct lone_thread {
+    static constexpr std::size_t most_frames = MostFrames;
     static constexpr std::size_t threads() { return 1; }
     template <class Body>
     void on_each_thread(const Body& body) const {
@@ -78,13 +80,13 @@ struct frame_batch {
     static constexpr std::size_t most_on_all_threads =
         std::clamp<std::size_t>((View::weight_bytes + View::scratch_bytes - 1) / View::scratch_bytes, 1, 16);
     /// Frames of a smaller one that pass together on one thread, layer by layer, so that weights which are
-    /// read for each frame by itself are read once for them: up to four, whose maps stay in the second level
-    /// of cache, or on the stack where the weights leave that level anyway.
+    /// read for each frame by itself come from nearer, or once for all of them: up to four, whose memory fits
+    /// the stack. A quarter of a megabyte of it, which threads have on most systems and which stays in a
+    /// second level of cache; more only where the weights outgrow that level.
+    static constexpr std::size_t most_memory =
+        View::weight_bytes > kernels::second_cache ? View::most_on_stack : std::size_t{256} * 1024;
     static constexpr std::size_t on_one_thread = std::clamp<std::size_t>(
-        (View::weight_bytes > kernels::second_cache ? View::most_on_stack
-                                                    : std::min(View::most_on_stack, kernels::second_cache)) /
-            (View::elements_together * sizeof(typename View::activation)),
-        1, 4);
+        most_memory / (View::elements_together * sizeof(typename View::activation)), 1, 4);
 
     /// Frames, if there is a row of outputs for each; else throws std::invalid_argument.
     static std::size_t checked_count(std::size_t counts, std::size_t numbers) {
@@ -103,10 +105,10 @@ struct frame_batch {
         if constexpr (View::large) {
             memory_type memory;
             return recognise(view, threads, frames, to, memory);
-        } else if constexpr (on_one_thread > 1) {
+        } else if constexpr (View::scratch_bytes <= View::most_on_stack) {
             return a_few_together(view, threads, frames, to);
         } else {
-            return one_by_one(view, threads, frames, to);
+            return from_the_heap(view, threads, frames, to);
         }
     }
     template <class Count>
@@ -136,10 +138,10 @@ private:
             const work_share share{index, shares};
             alignas(alignment) std::array<typename View::activation, on_one_thread * View::elements_together>
                 memory; // not zeroed
-            lone_thread here;
+            lone_thread<on_one_thread> here;
             const std::size_t end = share.end(count);
             for (std::size_t first = share.begin(count); first < end; first += on_one_thread) {
-                const frame_team<lone_thread> team{here, std::min(on_one_thread, end - first)};
+                const frame_team<lone_thread<on_one_thread>> team{here, std::min(on_one_thread, end - first)};
                 if (view.recognise_together(frames.data() + first * pixels, to.data() + first * outputs,
                                             memory.data(), team) != frame_status::recognised)
                     usual = false;
@@ -148,29 +150,22 @@ private:
         return usual ? frame_status::recognised : frame_status::not_finite;
     }
     template <class Count>
-    static frame_status one_by_one(const View& view, thread_pool& threads, std::span<const Count> frames,
-                                   std::span<float> to) {
+    static frame_status from_the_heap(const View& view, thread_pool& threads, std::span<const Count> frames,
+                                      std::span<float> to) {
         const std::size_t count = checked_count(frames.size(), to.size());
         std::atomic<bool> usual = true;
-        const auto one = [&](std::size_t i, auto&... memory) {
-            const tensor_view<const Count, View::input_shape> frame(frames.data() + i * pixels);
-            if (view(frame, to.subspan(i * outputs).template first<outputs>(), memory...) !=
-                frame_status::recognised)
-                usual = false;
-        };
-        if constexpr (View::scratch_bytes <= View::most_on_stack) {
-            threads.for_each(count, [&](std::size_t i) { one(i); });
-        } else {
-            using scratch = typename View::scratch;
-            std::vector<std::unique_ptr<scratch>> memories(threads.threads());
-            for (std::unique_ptr<scratch>& memory : memories)
-                memory.reset(
-                    new scratch); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
-            threads.on_each_thread([&](work_share share) {
-                for (std::size_t i = share.begin(count); i < share.end(count); ++i)
-                    one(i, *memories[share.index]);
-            });
-        }
+        using scratch = typename View::scratch;
+        std::vector<std::unique_ptr<scratch>> memories(threads.threads());
+        for (std::unique_ptr<scratch>& memory : memories)
+            memory.reset(new scratch); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
+        threads.on_each_thread([&](work_share share) {
+            for (std::size_t i = share.begin(count); i < share.end(count); ++i) {
+                const tensor_view<const Count, View::input_shape> frame(frames.data() + i * pixels);
+                if (view(frame, to.subspan(i * outputs).template first<outputs>(), *memories[share.index]) !=
+                    frame_status::recognised)
+                    usual = false;
+            }
+        });
         return usual ? frame_status::recognised : frame_status::not_finite;
     }
 };

@@ -168,7 +168,7 @@ TEST_CASE("eight_bit: the same bits in batches of any size on any number of thre
     check_batches(fast());
 }
 
-TEST_CASE("eight_bit: the same bits where frames pass together, as weights outgrow the second cache") {
+TEST_CASE("eight_bit: the same bits where frames pass together") {
     using heavy = network<shape{8, 16}, conv2d<8, 3>, relu, conv2d<16, 3>, relu, max_pool<2, 2>, dense<1100>>;
     static_assert(deployed<heavy, eight_bit>::view_type::weight_bytes > kernels::second_cache);
     const auto net = std::make_unique<heavy>();

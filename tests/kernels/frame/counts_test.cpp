@@ -89,7 +89,7 @@ TEST_CASE("counts_to_numbers: one that is no number or beyond the limit is told,
                 return frame.usual();
             };
             for (const float count : {std::nanf(""), infinity, -infinity, largest, -largest,
-                                      std::nextafter(limit, infinity) / scale + 1, -limit / scale - 1})
+                                      limit / scale + 1, -limit / scale - 1})
                 CHECK_FALSE(usual_with(count));
             for (const float count : {0.0f, limit / scale - 1, 1 - limit / scale})
                 CHECK(usual_with(count));
@@ -97,13 +97,20 @@ TEST_CASE("counts_to_numbers: one that is no number or beyond the limit is told,
     });
 }
 
-TEST_CASE("counts_to_numbers: the limit itself is within") {
-    drawn_frame<float, 40> frame;
-    frame.mean.fill(0);
-    for (const float count : {3.0f, -3.0f}) {
-        frame.counts.fill(count);
-        CHECK(counts_to_numbers<40>(frame.counts.data(), frame.mean.data(), 1, 3, frame.numbers.data()));
-        CHECK_FALSE(counts_to_numbers<40>(frame.counts.data(), frame.mean.data(), 1,
-                                          std::nextafter(3.0f, 0.0f), frame.numbers.data()));
-    }
+TEST_CASE("counts_to_numbers: the limit itself is within, wherever it is") {
+    for_each_size(some_sizes{}, [](auto size) {
+        CAPTURE(size());
+        for (std::size_t place = 1; place <= size(); ++place)
+            for (const float count : {3.0f, -3.0f}) {
+                drawn_frame<float, size()> frame;
+                frame.counts.fill(1), frame.mean.fill(0);
+                frame.counts[place] = count;
+                const auto usual_within = [&](float most) {
+                    return counts_to_numbers<size()>(frame.counts.data() + 1, frame.mean.data() + 1, 1, most,
+                                                     frame.numbers.data() + 1);
+                };
+                CHECK(usual_within(3));
+                CHECK_FALSE(usual_within(std::nextafter(3.0f, 0.0f)));
+            }
+    });
 }

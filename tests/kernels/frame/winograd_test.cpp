@@ -32,13 +32,15 @@ constexpr frame_convolution adding(frame_convolution c) {
     return c;
 }
 
-/// How many outputs of some frames together have other bits than alone. NaN lies around all that they may
-/// read or write, between the frames too.
-template <frame_convolution C, extent Tile, std::size_t Frames>
+/// How many outputs of some frames together have other bits than alone; `EndsWithinFrame` is whether a band
+/// of tiles is to do so. NaN lies around all that they may read or write, between the frames too.
+template <frame_convolution C, extent Tile, std::size_t Frames, bool EndsWithinFrame = false>
 std::size_t other_bits(std::uint64_t seed) {
     using together = winograd_tiles<C, Tile, Frames>;
     using alone = winograd_tiles<C, Tile>;
     static_assert(together::weights == alone::weights && together::block_vectors == alone::block_vectors);
+    static_assert(!EndsWithinFrame ||
+                  (together::band < together::count && together::of_frame % together::band != 0));
     constexpr std::size_t inputs = C.window.input.area() * C.input_stride, gap = 16 * lanes<float>,
                           outputs = C.output_rows() * C.output_columns() * C.output_stride(),
                           input_distance = inputs + gap, output_distance = outputs + 2 * gap;
@@ -93,6 +95,6 @@ TEST_SUITE("kernels") {
                                     many = step({10, 18, 64}, 3, 64, 64);
         CHECK(frames_by_tiles<few, extent(2)> == 4);
         CHECK(frames_by_tiles<many, extent(2)> == 1);
-        static_assert(winograd_tiles<few, extent(2), 4>::scratch * sizeof(float) <= near_weight_bytes);
+        static_assert(winograd_tiles<few, extent(2), 4>::scratch * sizeof(float) <= second_cache / 8);
     }
 }

@@ -52,7 +52,7 @@ TEST_CASE_TEMPLATE("row_vector: every operation, lane by lane", Width, width<lan
     std::array<std::uint8_t, n + 1> bytes;
     for (std::size_t i = 0; i <= n; ++i)
         bytes[i] = static_cast<std::uint8_t>(256 - i);
-    const auto of_bytes = elements(load_anywhere<wide>(bytes.data() + 1));
+    const auto of_bytes = elements(load_numbers<wide>(bytes.data() + 1));
     for (std::size_t i = 0; i < n; ++i) {
         CHECK(of_bytes[i] == 255 - static_cast<float>(i));
         const float value = -2.25f + static_cast<float>(i);

@@ -78,7 +78,8 @@ public:
             return pixels_of_vector > 1 ? pixels::scratch : 0;
     }();
 
-    /// Frames whose tiles are computed together where there are so many.
+    /// Frames whose tiles are computed together where there are so many; those left over pass alone. Not
+    /// where groups are convolutions of their own, which nobody has asked for.
     static constexpr std::size_t frames_together = [] {
         if constexpr (tiled && !large && parts == 1)
             return kernels::frames_by_tiles<part>;
@@ -137,23 +138,32 @@ public:
         }
     }
 
-    /// The tiles of several frames as one list.
+    /// The tiles of several frames as one list, while each thread has so many.
     template <class Team>
     static void run_together(const float* packed_values, const float* in, std::size_t in_distance, float* out,
                              float* memory, const Team& team) requires(frames_together > 1) {
         constexpr std::size_t some = frames_together, out_distance = detail::map_distance<convolution_step>;
         static_assert(kernels::winograd_tiles<part, tile_outputs, some>::scratch <= some * scratch);
-        team.pool.for_each((team.frames + some - 1) / some, [&](std::size_t group) {
-            const std::size_t first = group * some, end = std::min(first + some, team.frames);
-            float* const own = memory + first * scratch;
-            if (end == first + some)
-                kernels::convolve_frames_by_tiles<part, tile_outputs, some>(
-                    in + first * in_distance, in_distance, packed_values, packed_values + packed_weights,
-                    out + first * out_distance + Kernel.map_offset, out_distance, own);
-            else
-                for (std::size_t frame = first; frame < end; ++frame)
-                    run(packed_values, in + frame * in_distance, out + frame * out_distance, own);
-        });
+        const auto alone = [&](std::size_t frame) {
+            run(packed_values, in + frame * in_distance, out + frame * out_distance,
+                memory + frame * scratch);
+        };
+        if constexpr (Team::most_frames >= some) {
+            const std::size_t groups = team.frames >= some * team.threads() ? team.frames / some : 0;
+            const std::size_t left = team.frames - groups * some;
+            if (groups > 0)
+                team.pool.for_each(groups, [&](std::size_t group) {
+                    const std::size_t first = group * some;
+                    kernels::convolve_frames_by_tiles<part, tile_outputs, some>(
+                        in + first * in_distance, in_distance, packed_values, packed_values + packed_weights,
+                        out + first * out_distance + Kernel.map_offset, out_distance,
+                        memory + first * scratch);
+                });
+            if (left > 0)
+                team.pool.for_each(left, [&](std::size_t frame) { alone(groups * some + frame); });
+        } else {
+            team.for_each_frame(alone);
+        }
     }
 
 private:

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -16,11 +17,19 @@ inline namespace TACTNET_ARCH {
 /// bit depends on either number.
 ///
 /// A step may say how it is shared: `run_share`, what one thread does of it, or `run_together`, of steps
-/// inside it. Others are run frame by frame.
+/// inside it, or of several frames that it takes at once. Others are run frame by frame.
 template <class Pool>
 struct frame_team {
     Pool& pool;
     std::size_t frames;
+
+    /// Frames that there are at most.
+    static constexpr std::size_t most_frames = [] {
+        if constexpr (requires { Pool::most_frames; })
+            return Pool::most_frames;
+        else
+            return std::numeric_limits<std::size_t>::max();
+    }();
 
     [[nodiscard]] std::size_t threads() const { return pool.threads(); }
     /// How many times the memory holds what one call needs.

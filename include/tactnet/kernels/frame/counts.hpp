@@ -33,7 +33,7 @@ template <std::size_t Size, class Count>
         for (std::size_t v = 0; v < row_vectors(Size, width); ++v) {
             const std::size_t at = row_vector_begin(v, Size, width);
             const wide number =
-                (load_anywhere<wide>(counts + at) - load_anywhere<wide>(mean + at)) * wide(scale);
+                (load_numbers<wide>(counts + at) - load_anywhere<wide>(mean + at)) * wide(scale);
             store_anywhere(to + at, number);
             // Only what is within is as far from it as 0: an infinity is infinitely far, NaN is NaN.
             if constexpr (!always_usual)

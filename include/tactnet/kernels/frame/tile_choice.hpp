@@ -53,10 +53,10 @@ struct tile_costs {
     static constexpr bool wide = lanes<float> >= 8;
     /// A product of taps. With 16 wide registers a block of taps has too few sums to hide how long a
     /// multiply-add takes, and reaches about 60 % of the peak.
-    static constexpr std::size_t tap = wide && vector_registers < 32 ? 26 : 20;
+    static constexpr std::size_t tap = wide && vector_registers < 32 ? 26 : product;
     /// A vector of weights, which is not read more quickly than from the second level of cache, or from
     /// further away where a layer has too many: with few tiles their products wait for it.
-    static constexpr std::size_t near_weight = 50, far_weight = 180;
+    static constexpr std::size_t of_near_weight = 50, of_far_weight = 180;
     /// Weights that are taken to lie beyond the second level. Not by its configured size (caches.hpp): other
     /// tiles round otherwise, and the bits of a network are not to depend on that.
     static constexpr std::size_t most_near_bytes = 512 * 1024;
@@ -66,7 +66,7 @@ struct tile_costs {
     static constexpr std::size_t input(extent side) { return wide ? hidden(side) : 80; }
     static constexpr std::size_t output(extent side) { return wide ? hidden(side) : 60; }
     /// What a tile must be cheaper than to take the place of a smaller one or of taps, since it has more
-    /// weights and larger errors: by a twentieth.
+    /// weights and larger errors: by a twentieth of its own cost.
     static constexpr std::size_t to_replace(std::size_t cost) { return cost * 20 / 21; }
 
 private:
@@ -84,7 +84,7 @@ private:
     const std::size_t elements = side.area(), count = tile_count(c, outputs);
     const bool far = elements * channels * c.padded_filters() * sizeof(float) > tile_costs::most_near_bytes;
     const std::size_t of_channel =
-        std::max(tile_costs::product * count, far ? tile_costs::far_weight : tile_costs::near_weight);
+        std::max(tile_costs::product * count, far ? tile_costs::of_far_weight : tile_costs::of_near_weight);
     return elements *
            (channels * c.vectors() * of_channel +
             count * (tile_costs::input(side) * input_vectors + tile_costs::output(side) * c.vectors()));

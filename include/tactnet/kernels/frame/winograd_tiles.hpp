@@ -66,10 +66,11 @@ struct winograd_tiles {
 };
 
 /// Frames whose tiles make one list, where there are so many frames: few tiles are done before their kernels
-/// have come, which more of them share. Not where all that is transformed would leave the nearest levels.
+/// have come, which more of them share. Not where all that is transformed would leave the nearest levels:
+/// with an eighth of the second one list was faster, with more it was slower (Zen 4).
 template <frame_convolution C, extent Outputs = best_tile(C)>
 inline constexpr std::size_t
-    frames_by_tiles = winograd_tiles<C, Outputs, 4>::scratch * sizeof(float) <= near_weight_bytes ? 4 : 1;
+    frames_by_tiles = winograd_tiles<C, Outputs, 4>::scratch * sizeof(float) <= second_cache / 8 ? 4 : 1;
 
 /// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then [element][channel]
 /// [filter of the block]. `weight(filter, channel, row, column)`.

@@ -33,10 +33,7 @@ template <std::size_t Lanes, class Count>
         beyond = ~fits;
         scaled = fits ? scaled : numbers<Lanes>{};
     } else {
-        // Step by step, for GCC 12 takes bytes one by one where sizes more than double.
-        const auto in_words =
-            __builtin_convertvector(load_any<typename lanes::bytes>(counts), typename lanes::words);
-        const auto whole = __builtin_convertvector(in_words, integers<Lanes>);
+        const integers<Lanes> whole = whole_of_bytes<Lanes>(load_any<typename lanes::bytes>(counts));
         scaled = __builtin_convertvector(whole, numbers<Lanes>) * steps;
     }
     store_any(words, __builtin_convertvector(nearest<Lanes>(scaled) - middle, typename lanes::words));

@@ -1,30 +1,17 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/kernels/simd/lane_types.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
-// Vectors of whole numbers and of single precision beside them, as the compiler has them: xsimd has neither
-// the products of bytes that networks of 8 bits live on nor conversions that are the same in all its
-// versions.
+// How wide vectors of whole numbers are, and their memory. Their types: simd/lane_types.hpp.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
-
-template <std::size_t Lanes>
-struct integer_lanes {
-    using integers [[gnu::vector_size(4 * Lanes)]] = std::int32_t;
-    using numbers [[gnu::vector_size(4 * Lanes)]] = float;
-    using words [[gnu::vector_size(2 * Lanes)]] = std::int16_t;
-    using bytes [[gnu::vector_size(Lanes)]] = std::uint8_t;
-};
-template <std::size_t Lanes>
-using integers = typename integer_lanes<Lanes>::integers;
-template <std::size_t Lanes>
-using numbers = typename integer_lanes<Lanes>::numbers;
 
 /// Lanes of the widest vector of whole numbers that the instruction set multiplies.
 #if defined(TACTNET_NO_SIMD)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/simd/lane_types.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -25,32 +26,23 @@ template <class Vector, class T>
 [[gnu::always_inline]] inline void store_anywhere(T* to, const Vector& values) {
     values.store_unaligned(to);
 }
-namespace detail {
-/// As the compiler has them: conversions differ between xsimd's versions.
-template <std::size_t Lanes>
-struct from_bytes {
-    using bytes [[gnu::vector_size(Lanes)]] = std::uint8_t;
-    using words [[gnu::vector_size(Lanes * sizeof(std::int16_t))]] = std::int16_t;
-    using whole [[gnu::vector_size(Lanes * sizeof(std::int32_t))]] = std::int32_t;
-    using numbers [[gnu::vector_size(Lanes * sizeof(float))]] = float;
-};
-} // namespace detail
-/// Bytes as floats. Step by step, for GCC 12 takes bytes one by one where sizes more than double.
+/// Bytes as floats.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector load_anywhere(const std::uint8_t* from) {
-    using lanes_of = detail::from_bytes<Vector::size>;
-    typename lanes_of::bytes values;
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_numbers(const std::uint8_t* from) {
+    constexpr std::size_t size = Vector::size;
+    typename integer_lanes<size>::bytes values;
     std::memcpy(&values, from, sizeof(values));
-    const auto words = __builtin_convertvector(values, typename lanes_of::words);
-    const auto whole = __builtin_convertvector(words, typename lanes_of::whole);
-    return Vector(__builtin_convertvector(whole, typename lanes_of::numbers));
+    return Vector(__builtin_convertvector(whole_of_bytes<size>(values), numbers<size>));
 }
-/// Kept within low … high; NaN is `low`. In the compilers' own terms, which become two instructions.
+/// Kept within low … high; NaN is `low`. In the compilers' own terms, which become two instructions; as
+/// floats, since a register may say that it holds whole numbers (WebAssembly's does).
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector kept_within(const Vector& a, const Vector& low,
                                                                const Vector& high) {
-    const auto above = a.data > low.data ? a.data : low.data;
-    return Vector(above < high.data ? above : high.data);
+    using floats = numbers<Vector::size>;
+    const auto least = (floats)low.data, most = (floats)high.data, value = (floats)a.data;
+    const floats above = value > least ? value : least;
+    return Vector(above < most ? above : most);
 }
 /// `yes` where a is zero, else `no`.
 template <class Vector>
@@ -116,7 +108,7 @@ inline void store_anywhere(T* to, const Vector& values) {
     *to = values.value;
 }
 template <class Vector>
-[[nodiscard]] inline Vector load_anywhere(const std::uint8_t* from) {
+[[nodiscard]] inline Vector load_numbers(const std::uint8_t* from) {
     return static_cast<float>(*from);
 }
 template <class Vector>
@@ -172,6 +164,11 @@ unzipped(const std::array<Vector, Ways>& sequence) {
         unroll<Ways / 2>([&](auto i) { result[2 * i] = even[i], result[2 * i + 1] = odd[i]; });
         return result;
     }
+}
+
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_numbers(const float* from) {
+    return load_anywhere<Vector>(from);
 }
 
 /// How many vectors cover `count` elements, and where each begins. The last one reaches back over its
