@@ -49,8 +49,8 @@ namespace kernels {
 
 /// What tiles are counted at, in twentieths of a product of a vector.
 struct tile_costs {
-    static constexpr std::size_t product = 20;
-    static constexpr bool wide = lanes<float> >= 8;
+    static constexpr std::size_t product = 20;      ///< of a vector, the unit of all costs
+    static constexpr bool wide = lanes<float> >= 8; ///< whether vectors are wide enough for large tiles
     /// A product of taps. With 16 wide registers a block of taps has too few sums to hide how long a
     /// multiply-add takes, and reaches about 60 % of the peak.
     static constexpr std::size_t tap = wide && vector_registers < 32 ? 26 : product;
@@ -60,10 +60,11 @@ struct tile_costs {
     /// Weights that are taken to lie beyond the second level. Not by its configured size (caches.hpp): other
     /// tiles round otherwise, and the bits of a network are not to depend on that.
     static constexpr std::size_t most_near_bytes = 512 * 1024;
-    /// Transforms, for each vector of an input tile and of one of products. Wide vectors hide them behind the
-    /// products, but for one operation, and more with each direction that has points at roots; else each
-    /// load, addition and store counts.
+    /// Transforms, for each vector of an input tile. Wide vectors hide them behind the products, but for one
+    /// operation, and more with each direction that has points at roots; else each load, addition and store
+    /// counts.
     static constexpr std::size_t input(extent side) { return wide ? hidden(side) : 80; }
+    /// The same for products.
     static constexpr std::size_t output(extent side) { return wide ? hidden(side) : 60; }
     /// What a tile must be cheaper than to take the place of a smaller one or of taps, since it has more
     /// weights and larger errors: by a twentieth of its own cost.

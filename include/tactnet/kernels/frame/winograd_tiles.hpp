@@ -32,7 +32,8 @@ struct winograd_tiles {
     static constexpr extent side = tile_side(C, Outputs);
     static constexpr std::size_t elements = side.area(); ///< of an input tile
     static constexpr std::size_t columns = (C.columns() + Outputs.columns - 1) / Outputs.columns;
-    static constexpr std::size_t of_frame = tile_count(C, Outputs), count = Frames * of_frame;
+    static constexpr std::size_t of_frame = tile_count(C, Outputs); ///< tiles of one
+    static constexpr std::size_t count = Frames * of_frame;
 
     static constexpr std::size_t channels = C.window.input.channels;
     static constexpr std::size_t input_width = lanes_for<float>(channels);

@@ -107,6 +107,7 @@ template <class Vector, class T>
 inline void store_anywhere(T* to, const Vector& values) {
     *to = values.value;
 }
+/// A byte as a float.
 template <class Vector>
 [[nodiscard]] inline Vector load_numbers(const std::uint8_t* from) {
     return static_cast<float>(*from);
@@ -166,6 +167,7 @@ unzipped(const std::array<Vector, Ways>& sequence) {
     }
 }
 
+/// Floats, of any alignment.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_numbers(const float* from) {
     return load_anywhere<Vector>(from);
