@@ -1,9 +1,8 @@
 #pragma once
 
-#include <tactnet/kernels/batch/channel_gradient.hpp>
-#include <tactnet/kernels/batch/convolution.hpp>
-#include <tactnet/kernels/batch/convolution_gradient.hpp>
+#include <tactnet/kernels/batch/group_convolution.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
+#include <tactnet/kernels/batch/weight_gradient.hpp>
 #include <tactnet/layers/layer.hpp>
 
 namespace tactnet {
@@ -94,7 +93,7 @@ struct conv2d {
         struct memory {
             aligned_vector<T> forward_weights, backward_weights;
             aligned_vector<double> totals;
-            aligned_vector<T> turned; // of every thread
+            aligned_vector<T> scratch; // of every thread
             void resize(std::size_t) {}
         };
 
@@ -106,25 +105,25 @@ struct conv2d {
         }
 
         static void prepare(const pass&, const T* values, const T*, memory& m) {
-            m.forward_weights.resize(weights);
+            m.forward_weights.resize(groups * ahead::weights);
             for (std::size_t group = 0; group < groups; ++group)
-                kernels::pack_weights<ahead>(
-                    m.forward_weights.data() + group * group_weights,
-                    [&](auto filter, auto channel, auto row, auto column) {
-                        return values[group * group_weights +
-                                      ((filter * channels + channel) * Kernel.rows + row) * Kernel.columns +
-                                      column];
-                    });
+                ahead::pack(m.forward_weights.data() + group * ahead::weights, [&](auto filter, auto channel,
+                                                                                   auto row, auto column) {
+                    return values[group * group_weights +
+                                  ((filter * channels + channel) * Kernel.rows + row) * Kernel.columns +
+                                  column];
+                });
         }
 
         static void infer(const pass& p, const T* values, const T*, memory& m, input_view<T, Input> in,
                           output_view<T, output> out) {
+            reserve(m.scratch, in.groups() * ahead::scratch);
             p.threads.for_each(in.groups(), [&](std::size_t g) {
                 for (std::size_t group = 0; group < groups; ++group)
-                    kernels::correlate<ahead>(in.group(g) + group * group_input,
-                                              m.forward_weights.data() + group * group_weights,
-                                              has_bias ? values + weights + group * filters : nullptr,
-                                              out.group(g) + group * group_output);
+                    ahead::run(in.group(g) + group * group_input,
+                               m.forward_weights.data() + group * ahead::weights,
+                               has_bias ? values + weights + group * filters : nullptr,
+                               out.group(g) + group * group_output, m.scratch.data() + g * ahead::scratch);
             });
         }
         static void forward(const pass& p, const T* values, T* none, memory& m, input_view<T, Input> in,
@@ -133,66 +132,55 @@ struct conv2d {
         }
 
         static void begin_backward(const pass&, const T* values, memory& m, std::size_t) {
-            m.totals.assign(weights + Filters, 0.0);
-            m.backward_weights.resize(weights);
+            m.totals.assign(groups * of_weights::totals + biases, 0.0);
+            m.backward_weights.resize(groups * back::weights);
             for (std::size_t group = 0; group < groups; ++group)
-                kernels::pack_weights<back>(m.backward_weights.data() + group * group_weights,
-                                            [&](auto channel, auto filter, auto row, auto column) {
-                                                return values[group * group_weights +
-                                                              ((filter * channels + channel) * Kernel.rows +
-                                                               (Kernel.rows - 1 - row)) *
-                                                                  Kernel.columns +
-                                                              (Kernel.columns - 1 - column)];
-                                            });
+                back::pack(m.backward_weights.data() + group * back::weights, [&](auto channel, auto filter,
+                                                                                  auto row, auto column) {
+                    return values[group * group_weights +
+                                  ((filter * channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
+                                      Kernel.columns +
+                                  (Kernel.columns - 1 - column)];
+                });
         }
         static void backward(const pass& p, const T*, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
-            m.turned.resize(p.threads.threads() * (across_channels::fits ? across_channels::scratch : 0));
+            constexpr std::size_t needed = std::max(of_weights::scratch, back::scratch);
+            reserve(m.scratch, p.threads.threads() * needed);
             // Threads share the weights and the biases, each adding all groups in order, and the groups of
             // the input's gradient; group by group, so that a group is fetched from memory once.
             p.threads.on_each_thread([&](thread_pool::share part) {
+                T* const scratch = m.scratch.data() + part.index * needed;
                 for (std::size_t g = 0; g < in.groups(); ++g) {
-                    for (std::size_t group = 0; group < groups; ++group) {
-                        const T *const x = in.group(g) + group * group_input, *const dy =
-                                                                                  out_gradient.group(g) +
-                                                                                  group * group_output;
-                        double* const totals = m.totals.data() + group * group_weights;
-                        if constexpr (across_channels::fits)
-                            kernels::add_channel_gradient<group_window, filters>(
-                                x, dy, totals, m.turned.data() + part.index * across_channels::scratch,
-                                part.begin(pieces), part.end(pieces));
-                        else
-                            kernels::add_weight_gradient<group_window, filters>(
-                                x, dy, totals, part.begin(pieces), part.end(pieces));
-                    }
+                    for (std::size_t group = 0; group < groups; ++group)
+                        of_weights::add(in.group(g) + group * group_input,
+                                        out_gradient.group(g) + group * group_output,
+                                        m.totals.data() + group * of_weights::totals, scratch,
+                                        part.begin(of_weights::pieces), part.end(of_weights::pieces));
                     for (std::size_t f = part.begin(biases); f < part.end(biases); ++f) {
                         const T* from = out_gradient.group(g) + f * output.area() * kernels::lanes<T>;
-                        m.totals[weights + f] += kernels::sum_terms<1, T>(output.area(), [&](std::size_t i) {
-                            return std::array<kernels::vector<T>, 1>{
-                                kernels::load(from + i * kernels::lanes<T>)};
-                        })[0];
+                        m.totals[groups * of_weights::totals + f] +=
+                            kernels::sum_terms<1, T>(output.area(), [&](std::size_t i) {
+                                return std::array<kernels::vector<T>, 1>{
+                                    kernels::load(from + i * kernels::lanes<T>)};
+                            })[0];
                     }
                     const bool mine = g >= part.begin(in.groups()) && g < part.end(in.groups());
                     for (std::size_t group = 0; in_gradient.data() != nullptr && mine && group < groups;
                          ++group)
-                        kernels::correlate<back>(out_gradient.group(g) + group * group_output,
-                                                 m.backward_weights.data() + group * group_weights,
-                                                 static_cast<const T*>(nullptr),
-                                                 in_gradient.group(g) + group * group_input);
+                        back::run(out_gradient.group(g) + group * group_output,
+                                  m.backward_weights.data() + group * back::weights, nullptr,
+                                  in_gradient.group(g) + group * group_input, scratch);
                 }
             });
         }
         static void end_backward(memory& m, T* gradients) {
-            T* to = gradients;
-            for (std::size_t filter = 0; filter < Filters; ++filter)
-                for (std::size_t channel = 0; channel < channels; ++channel)
-                    for (std::size_t row = 0; row < Kernel.rows; ++row)
-                        for (std::size_t column = 0; column < Kernel.columns; ++column)
-                            *to++ = static_cast<T>(m.totals[filter / filters * group_weights +
-                                                            place(filter % filters, channel, row, column)]);
+            for (std::size_t group = 0; group < groups; ++group)
+                of_weights::finish(m.totals.data() + group * of_weights::totals,
+                                   gradients + group * group_weights);
             for (std::size_t filter = 0; filter < biases; ++filter)
-                *to++ = static_cast<T>(m.totals[weights + filter]);
+                gradients[weights + filter] = static_cast<T>(m.totals[groups * of_weights::totals + filter]);
         }
 
     private:
@@ -207,21 +195,14 @@ struct conv2d {
                                      group_input = Input.size() / groups * kernels::lanes<T>,
                                      group_output = output.size() / groups * kernels::lanes<T>;
 
-        using across_channels = kernels::channel_gradient_plan<group_window, filters, T>;
-        using across_samples = kernels::weight_gradient_plan<group_window, filters, T>;
-        static constexpr std::size_t pieces =
-            across_channels::fits ? across_channels::pieces : across_samples::pieces;
+        using ahead = kernels::group_convolution<kernels::correlation::forward(group_window, filters), T>;
+        using back = kernels::group_convolution<kernels::correlation::backward(group_window, filters), T>;
+        using of_weights = kernels::weight_gradient<group_window, filters, T>;
 
-        /// Where the total of a weight lies in those of its group.
-        static constexpr std::size_t place(std::size_t filter, std::size_t channel, std::size_t row,
-                                           std::size_t column) {
-            if constexpr (across_channels::fits)
-                return across_channels::place(filter, channel, row, column);
-            else
-                return ((filter * channels + channel) * Kernel.rows + row) * Kernel.columns + column;
+        static void reserve(aligned_vector<T>& scratch, std::size_t elements) {
+            if (scratch.size() < elements)
+                scratch.resize(elements);
         }
-        static constexpr kernels::correlation ahead = kernels::correlation::forward(group_window, filters);
-        static constexpr kernels::correlation back = kernels::correlation::backward(group_window, filters);
     };
 };
 

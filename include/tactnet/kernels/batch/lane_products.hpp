@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/simd/transpose.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
@@ -55,6 +56,8 @@ template <class T>
 void turn_lanes(const T* from, std::size_t features, T* to, std::size_t from_stride = lanes<T>,
                 std::size_t to_stride = lanes<T>) {
     constexpr std::size_t width = lanes<T>;
+    if (features == width)
+        return transpose(from, from_stride, to, to_stride);
     for (std::size_t f = 0; f < features; ++f)
         for (std::size_t sample = 0; sample < width; ++sample)
             to[sample * to_stride + f] = from[f * from_stride + sample];

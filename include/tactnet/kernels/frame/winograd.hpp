@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/tile_lines.hpp>
+#include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/frame/winograd_tiles.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>

@@ -2,7 +2,7 @@
 
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/tile_choice.hpp>
-#include <tactnet/kernels/frame/tile_lines.hpp>
+#include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>

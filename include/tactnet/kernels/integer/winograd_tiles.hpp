@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// Winograd's convolutions by tiles of 2 × 2 outputs (kernels/frame/tile_lines.hpp, N = 3 and 4) in whole
+// Winograd's convolutions by tiles of 2 × 2 outputs (kernels/simd/tile_lines.hpp, N = 3 and 4) in whole
 // numbers, for instruction sets that multiply words of 16 bits and not bytes. The transforms of an input have
 // sums of four bytes; those of a 3 × 3 kernel are taken twice in each direction, so that ½ becomes 1, and the
 // outputs, four times too large, are divided by 4 without a rest. The sums are the very ones of taps.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/tile_lines.hpp>
+#include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -9,7 +9,7 @@
 #include <cstddef>
 
 // Transforms of Winograd's convolutions by square tiles, for maps that no near cache holds: y = Aᵀ [(G g Gᵀ)
-// ∘ (Bᵀ d B)] A, with d the input tile, g the kernel, y the outputs (frame/tile_lines.hpp).
+// ∘ (Bᵀ d B)] A, with d the input tile, g the kernel, y the outputs (simd/tile_lines.hpp).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

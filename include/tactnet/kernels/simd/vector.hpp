@@ -126,6 +126,15 @@ template <class T>
     std::memcpy(&narrow, from, sizeof(narrow));
     return vector<double>(__builtin_convertvector(narrow, doubles));
 }
+/// The same the other way, rounded. Of any alignment.
+inline void narrow(float* to, const vector<double>& values) {
+    using floats [[gnu::vector_size(sizeof(float) * lanes<double>)]] = float;
+    using doubles [[gnu::vector_size(sizeof(double) * lanes<double>)]] = double;
+    doubles wide;
+    std::memcpy(&wide, &values.data, sizeof(wide));
+    const floats rounded = __builtin_convertvector(wide, floats);
+    std::memcpy(to, &rounded, sizeof(rounded));
+}
 /// Element i of the result is the sum over the lanes of rows[i]. Registers of 64 bytes are folded to halves
 /// first: xsimd 8's own sums of those come out in another order in single precision.
 template <class T>
@@ -204,6 +213,9 @@ template <class T>
 }
 [[nodiscard]] inline vector<double> widen(const float* from) {
     return static_cast<double>(*from);
+}
+inline void narrow(float* to, const vector<double>& values) {
+    *to = static_cast<float>(values.value);
 }
 template <class T>
 [[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, 1>& rows) {

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 // Winograd's convolutions in one dimension (Winograd, 1980; Lavin and Gray, 2016): M outputs of a kernel of K
 // numbers take M + K − 1 products instead of M K. With d the input, g the kernel, y the outputs:
@@ -39,14 +40,22 @@ namespace kernels::detail {
 
 inline constexpr double root_of_two = 1.41421356237309504880;
 
+/// A number in all lanes.
+template <class Vector>
+[[gnu::always_inline]] inline Vector in_all_lanes(double number) {
+    if constexpr (std::is_same_v<Vector, vector<double>>)
+        return Vector(number);
+    else
+        return Vector(static_cast<float>(number));
+}
 template <class Vector>
 [[gnu::always_inline]] inline Vector times(double factor, const Vector& x) {
-    return Vector(static_cast<float>(factor)) * x;
+    return in_all_lanes<Vector>(factor) * x;
 }
 /// factor · x + y, rounded once.
 template <class Vector>
 [[gnu::always_inline]] inline Vector times_and(double factor, const Vector& x, const Vector& y) {
-    return fused_multiply_add(Vector(static_cast<float>(factor)), x, y);
+    return fused_multiply_add(in_all_lanes<Vector>(factor), x, y);
 }
 
 /// Bᵀ times a column of d, or a row of d times B.
@@ -60,11 +69,11 @@ template <class Vector, std::size_t N>
     } else {
         // No array in between: GCC 12 would copy it through memory by other vectors than those it holds.
         constexpr std::size_t first = N - 5;
-        const auto half_root = Vector(static_cast<float>(root_of_two / 2));
+        const auto half_root = in_all_lanes<Vector>(root_of_two / 2);
         const Vector &d0 = d[first], &d1 = d[first + 1], &d2 = d[first + 2], &d3 = d[first + 3];
         const Vector odd1 = times_and(-2.0, d1, d3), even1 = times_and(-root_of_two, d0, half_root * d2);
         const Vector odd2 = times_and(-0.5, d1, d3),
-                     even2 = times_and(root_of_two, d2, half_root * (Vector(0.0f) - d0));
+                     even2 = times_and(root_of_two, d2, half_root * (in_all_lanes<Vector>(0) - d0));
         const Vector last = times_and(-2.5, d2, d0 + d[N - 1]);
         if constexpr (N == 5)
             return {odd1 + even1, odd1 - even1, odd2 + even2, odd2 - even2, last};
@@ -112,6 +121,37 @@ template <std::size_t Outputs, class Vector, std::size_t N>
     return y;
 }
 
+/// A times a column of the outputs' gradient, or a row of it times Aᵀ: what tile_output_line does, the other
+/// way.
+template <std::size_t N, class Vector, std::size_t Outputs>
+[[gnu::always_inline]] inline std::array<Vector, N> tile_gradient_line(const std::array<Vector, Outputs>& y) {
+    const auto none = in_all_lanes<Vector>(0);
+    if constexpr (N == 3) {
+        static_assert(Outputs == 2);
+        return {y[0], y[0] + y[1], none - y[1]};
+    } else if constexpr (N == 4) {
+        static_assert(Outputs == 2 || Outputs == 3);
+        const Vector even = Outputs == 2 ? y[0] : y[0] + y[2 % Outputs];
+        return {y[0], even + y[1], even - y[1], none - y[Outputs - 1]};
+    } else {
+        static_assert(Outputs >= 3 && Outputs < N);
+        Vector even1 = times_and(0.5, y[2], y[0]), even2 = times_and(2, y[2], y[0]);
+        Vector odd1 = times(root_of_two / 2, y[1]), odd2 = times(root_of_two, y[1]);
+        if constexpr (Outputs > 3) {
+            odd1 = times_and(root_of_two / 4, y[3], odd1);
+            odd2 = times_and(2 * root_of_two, y[3], odd2);
+        }
+        if constexpr (Outputs > 4) {
+            even1 = times_and(0.25, y[4], even1);
+            even2 = times_and(4, y[4], even2);
+        }
+        if constexpr (N == 5)
+            return {even1 + odd1, even1 - odd1, even2 + odd2, even2 - odd2, y[Outputs - 1]};
+        else
+            return {y[0], even1 + odd1, even1 - odd1, even2 + odd2, even2 - odd2, y[Outputs - 1]};
+    }
+}
+
 /// store(row, column, element) of Bᵀ d B, with d of so many rows and columns by load(row, column).
 template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class Store>
 [[gnu::always_inline]] inline void transform_tile_input(Load&& load, Store&& store) {
@@ -136,25 +176,58 @@ template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class
     }
 }
 
-/// G times the numbers of a kernel. All at once: compilers count the steps of what they compute.
-template <std::size_t N, std::size_t Kernel>
-[[nodiscard]] constexpr std::array<double, N> tile_kernel_line(const std::array<double, Kernel>& g) {
+/// G times the numbers of a kernel, in double: plain numbers, or one kernel in each lane. All at once:
+/// compilers count the steps of what they compute.
+template <std::size_t N, class Number, std::size_t Kernel>
+[[nodiscard]] constexpr std::array<Number, N> tile_kernel_line(const std::array<Number, Kernel>& g) {
     static_assert(Kernel == 2 || Kernel == 3);
-    const double c = Kernel == 3 ? g[Kernel - 1] : 0, last = g[Kernel - 1];
+    const Number c = Kernel == 3 ? g[Kernel - 1] : Number(0.0), last = g[Kernel - 1];
+    const Number half(0.5), root(root_of_two);
     if constexpr (N == 3) {
         return {g[0], g[0] + g[1], last};
     } else if constexpr (N == 4) {
-        return {g[0], 0.5 * (g[0] + g[1] + c), 0.5 * (g[0] - g[1] + c), last};
+        return {g[0], half * (g[0] + g[1] + c), half * (g[0] - g[1] + c), last};
     } else {
-        const double odd = root_of_two * g[1];
-        const double near1 = 2 * g[0] + odd + c, near2 = 2 * g[0] - odd + c, far1 = g[0] + odd + 2 * c,
-                     far2 = g[0] - odd + 2 * c;
-        if constexpr (N == 6)
-            return {g[0], -near1 / 3, -near2 / 3, far1 / 6, far2 / 6, last};
-        else // the products of differences of points: ∓3 √½ and ±3 √2
-            return {-near1 / (3 * root_of_two), near2 / (3 * root_of_two), far1 / (3 * root_of_two),
-                    -far2 / (3 * root_of_two), last};
+        const Number two(2.0), odd = root * g[1];
+        const Number near1 = two * g[0] + odd + c, near2 = two * g[0] - odd + c, far1 = g[0] + odd + two * c,
+                     far2 = g[0] - odd + two * c;
+        if constexpr (N == 6) {
+            const Number sixth(1.0 / 6), less(-1.0 / 3);
+            return {g[0], less * near1, less * near2, sixth * far1, sixth * far2, last};
+        } else { // the products of differences of points: ∓3 √½ and ±3 √2
+            const Number factor(1 / (3 * root_of_two)), less(-1 / (3 * root_of_two));
+            return {less * near1, factor * near2, factor * far1, less * far2, last};
+        }
     }
+}
+
+/// Gᵀ times a column of sums, or a row of them times G: what tile_kernel_line does, the other way.
+template <std::size_t Kernel, class Number, std::size_t N>
+[[nodiscard]] constexpr std::array<Number, Kernel> tile_weight_line(const std::array<Number, N>& t) {
+    static_assert(Kernel == 2 || Kernel == 3);
+    std::array<Number, Kernel> g{};
+    if constexpr (N == 3) {
+        g = {t[0] + t[1], t[1] + t[2]};
+    } else if constexpr (N == 4) {
+        const Number half(0.5), sum = half * (t[1] + t[2]);
+        g[0] = t[0] + sum;
+        g[1] = half * (t[1] - t[2]);
+        g[Kernel - 1] = (Kernel == 3 ? sum : g[1]) + t[3];
+    } else {
+        constexpr std::size_t first = N - 5;
+        const double third = 1.0 / 3, part = 1 / (3 * root_of_two);
+        const Number near1 = Number(N == 6 ? -third : -part) * t[first],
+                     near2 = Number(N == 6 ? -third : part) * t[first + 1],
+                     far1 = Number(N == 6 ? third / 2 : part) * t[first + 2],
+                     far2 = Number(N == 6 ? third / 2 : -part) * t[first + 3];
+        const Number two(2.0), near = near1 + near2, far = far1 + far2;
+        g[0] = two * near + far;
+        if (N == 6)
+            g[0] = t[0] + g[0];
+        g[1] = Number(root_of_two) * ((near1 - near2) + (far1 - far2));
+        g[Kernel - 1] = (Kernel == 3 ? near + two * far : g[1]) + t[N - 1];
+    }
+    return g;
 }
 
 } // namespace kernels::detail

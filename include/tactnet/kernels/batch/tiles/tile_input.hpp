@@ -1,0 +1,100 @@
+#pragma once
+
+#include <tactnet/kernels/batch/tiles/group_tiles.hpp>
+#include <tactnet/kernels/simd/tile_lines.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Where the planes of a map lie, and its pixels in each, in elements.
+struct plane_layout {
+    std::size_t planes, plane, pixel;
+};
+
+/// A square of pixels, of which some may lie outside the map.
+template <extent Side>
+struct pixel_square {
+    std::ptrdiff_t top, left;
+    std::size_t first_row, last_row, first_column, last_column; ///< of the square, those in the map
+
+    static constexpr pixel_square at(std::ptrdiff_t top, std::ptrdiff_t left, std::size_t rows,
+                                     std::size_t columns) {
+        const auto first = [](std::ptrdiff_t before) {
+            return static_cast<std::size_t>(std::max<std::ptrdiff_t>(-before, 0));
+        };
+        const auto last = [](std::ptrdiff_t before, std::size_t side, std::size_t size) {
+            return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+                static_cast<std::ptrdiff_t>(size) - before, 0, static_cast<std::ptrdiff_t>(side)));
+        };
+        return {top,         left,
+                first(top),  last(top, Side.rows, rows),
+                first(left), last(left, Side.columns, columns)};
+    }
+    [[nodiscard]] constexpr bool inside() const {
+        return first_row == 0 && last_row == Side.rows && first_column == 0 && last_column == Side.columns;
+    }
+};
+
+/// body(plane, from, row distance, pixel distance) for every plane, where `from` is the first pixel of the
+/// square; pixels outside the map are zeros. `columns` are those of the map.
+template <extent Side, class T, class Body>
+[[gnu::always_inline]] inline void for_each_plane(const T* map, plane_layout layout, std::size_t columns,
+                                                  const pixel_square<Side>& square, Body&& body) {
+    constexpr std::size_t width = lanes<T>;
+    const std::ptrdiff_t corner = (square.top * static_cast<std::ptrdiff_t>(columns) + square.left) *
+                                  static_cast<std::ptrdiff_t>(layout.pixel);
+    const std::size_t row_distance = columns * layout.pixel;
+    const bool inside = square.inside();
+    alignas(alignment) std::array<T, Side.area() * width> padded;
+    if (!inside)
+        padded.fill(T{});
+    for (std::size_t plane = 0; plane < layout.planes; ++plane) {
+        const T* from = map + static_cast<std::ptrdiff_t>(plane * layout.plane) + corner;
+        if (!inside) {
+            for (std::size_t y = square.first_row; y < square.last_row; ++y)
+                for (std::size_t x = square.first_column; x < square.last_column; ++x)
+                    store(padded.data() + (y * Side.columns + x) * width,
+                          load(from + y * row_distance + x * layout.pixel));
+            from = padded.data();
+        }
+        body(plane, from, inside ? row_distance : Side.columns * width, inside ? layout.pixel : width);
+    }
+}
+
+/// Bᵀ d B of one tile of the input of a correlation, of every plane: element e of plane p to
+/// to[e · element_distance + p · lanes · step]. `input` begins with row `first_row`.
+template <correlation C, extent Outputs, class T>
+[[gnu::flatten, gnu::noinline]] void
+transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* to, std::size_t step,
+                     std::size_t element_distance, std::size_t first_row = 0) {
+    constexpr group_tiles tiles = group_tiles::of(C, Outputs);
+    constexpr extent side = tiles.side;
+    constexpr std::size_t side_columns = side.columns; // not in the lambda: GCC 12 takes it for uninitialised
+    const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows) - C.top,
+               left = static_cast<std::ptrdiff_t>(tile % tiles.columns * Outputs.columns) - C.left;
+    auto square = pixel_square<side>::at(top, left, C.input.rows, C.input.columns);
+    square.top -= static_cast<std::ptrdiff_t>(first_row);
+    for_each_plane(
+        input, layout, C.input.columns, square,
+        [&](std::size_t plane, const T* from, std::size_t row,
+            std::size_t pixel) __attribute__((always_inline)) {
+            T* const place = to + plane * lanes<T> * step;
+            detail::transform_tile_input<vector<T>, side.rows, side.columns>(
+                [&](std::size_t y, std::size_t x)
+                    __attribute__((always_inline)) { return load(from + y * row + x * pixel); },
+                [&](std::size_t y, std::size_t x, const vector<T>& element) __attribute__((always_inline)) {
+                    store(place + (y * side_columns + x) * element_distance, element);
+                });
+        });
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

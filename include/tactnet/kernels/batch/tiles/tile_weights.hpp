@@ -1,0 +1,81 @@
+#pragma once
+
+#include <tactnet/kernels/batch/tiles/group_tiles.hpp>
+#include <tactnet/kernels/simd/tile_lines.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <type_traits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// to[i] = lane i, of the first `count` lanes.
+template <class T>
+inline void put_lanes(T* to, const vector<double>& values, std::size_t count) {
+    if constexpr (std::is_same_v<T, float>)
+        if (count == lanes<double>)
+            return narrow(to, values);
+    alignas(alignment) std::array<double, lanes<double>> flat;
+    store(flat.data(), values);
+    for (std::size_t lane = 0; lane < count; ++lane)
+        to[lane] = static_cast<T>(flat[lane]);
+}
+
+/// Kernels as G g Gᵀ in the order of use: blocks of output channels, then [element][input channel][channel of
+/// the block]. `weight(output, input, row, column)` tells each value. In double, several output channels at
+/// once: they are made anew after each step of a training.
+template <correlation C, extent Outputs, class T, class Weight>
+[[gnu::flatten]] void pack_tile_weights(T* packed, Weight&& weight) {
+    constexpr extent side = group_tiles::of(C, Outputs).side;
+    constexpr std::size_t kernel = C.kernel.rows, taps = kernel * kernel, width = lanes<double>,
+                          block = (block_channels + width - 1) / width * width;
+    // Kernels that are collected before the first is used: vectors must not be read while their numbers are
+    // still on their way to the cache.
+    constexpr std::size_t inputs = 8;
+    alignas(alignment) std::array<std::array<std::array<double, block>, taps>, inputs> collected{};
+    for (std::size_t first = 0; first < C.output.channels; first += block_channels) {
+        const std::size_t count = std::min(block_channels, C.output.channels - first),
+                          distance = odd_lines<T>(C.input.channels * count);
+        for (std::size_t input = 0; input < C.input.channels; ++input) {
+            if (input % inputs == 0)
+                for (std::size_t i = 0; i < std::min(inputs, C.input.channels - input); ++i)
+                    for (std::size_t channel = 0; channel < count; ++channel)
+                        for (std::size_t tap = 0; tap < taps; ++tap)
+                            collected[i][tap][channel] = static_cast<double>(
+                                weight(first + channel, input + i, tap / kernel, tap % kernel));
+            for (std::size_t lane = 0; lane < count; lane += width) {
+                std::array<std::array<vector<double>, kernel>, side.rows> half;
+#pragma GCC unroll 64
+                for (std::size_t column = 0; column < kernel; ++column) {
+                    std::array<vector<double>, kernel> numbers;
+#pragma GCC unroll 64
+                    for (std::size_t row = 0; row < kernel; ++row)
+                        numbers[row] = load(collected[input % inputs][row * kernel + column].data() + lane);
+                    const auto line = detail::tile_kernel_line<side.rows>(numbers);
+#pragma GCC unroll 64
+                    for (std::size_t row = 0; row < side.rows; ++row)
+                        half[row][column] = line[row];
+                }
+                T* to = packed + input * count + lane;
+                const std::size_t left = std::min(count - lane, width);
+#pragma GCC unroll 64
+                for (std::size_t row = 0; row < side.rows; ++row) {
+                    const auto line = detail::tile_kernel_line<side.columns>(half[row]);
+#pragma GCC unroll 64
+                    for (std::size_t column = 0; column < side.columns; ++column, to += distance)
+                        put_lanes(to, line[column], left);
+                }
+            }
+        }
+        packed += side.area() * distance;
+    }
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <tactnet/kernels/batch/channel_gradient.hpp>
+#include <tactnet/kernels/batch/convolution_gradient.hpp>
+#include <tactnet/kernels/batch/tiles/tiled_gradient.hpp>
+
+#include <cstddef>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// What the gradient of a convolution's weights costs by tiles, in halves of a product as a correlation
+/// (tiles/group_tiles.hpp). A sum that goes to its total, in double, is counted as one and a half.
+template <class T>
+[[nodiscard]] constexpr std::size_t gradient_cost_by_tiles(const correlation& c, extent outputs) {
+    const group_tiles tiles = group_tiles::of(c, outputs);
+    const std::size_t channels = c.input.channels, filters = c.output.channels;
+    const std::size_t of_block = gradient_block<T>::of(c).vectors * lanes<T>,
+                      blocks = (channels + of_block - 1) / of_block, rows = tile_rows_of_band<T>(c, outputs),
+                      bands = (tiles.rows + rows - 1) / rows;
+    return tiles.elements() * (tiles.count() * (2 * channels * filters +
+                                                transform_cost(tiles.side) * (channels + filters * blocks)) +
+                               bands * channels * filters * 3);
+}
+
+/// The gradient of a convolution with respect to its weights in the way that takes least: where channels fill
+/// vectors by tiles or tap by tap, else by sums across the lanes.
+template <sliding_window W, std::size_t Filters, class T>
+class weight_gradient {
+    static constexpr correlation ahead = correlation::forward(W, Filters);
+    using across_channels = channel_gradient_plan<W, Filters, T>;
+    using across_samples = weight_gradient_plan<W, Filters, T>;
+    static constexpr std::size_t weights = Filters * W.input.channels * W.kernel.area();
+
+public:
+    /// Outputs of a tile; 0: by taps.
+    static constexpr extent tile = [] {
+        constexpr std::size_t bands =
+            (W.input.rows + across_channels::tile_rows - 1) / across_channels::tile_rows;
+        if (!across_channels::fits || !group_tile_possible(ahead, 2))
+            return extent(0);
+        return cheapest_group_tile(
+            cost_by_taps(ahead) + bands * weights * 3,
+            [](extent outputs) { return tiled_gradient_possible<T>(ahead, outputs); },
+            [](extent outputs) { return gradient_cost_by_tiles<T>(ahead, outputs); });
+    }();
+    static constexpr bool tiled = tile != extent(0);
+
+private:
+    // The plan of the way that is taken.
+    static constexpr auto plan_of = [] {
+        if constexpr (tiled)
+            return tiled_gradient_plan<W, Filters, tile, T>{};
+        else if constexpr (across_channels::fits)
+            return across_channels{};
+        else
+            return across_samples{};
+    };
+    using plan = decltype(plan_of());
+
+public:
+    /// Pieces of work that write different totals, and so may run on different threads.
+    static constexpr std::size_t pieces = plan::pieces;
+    /// Totals, in double.
+    static constexpr std::size_t totals = [] {
+        if constexpr (tiled)
+            return plan::totals;
+        else
+            return weights;
+    }();
+    /// Elements that a thread needs beside.
+    static constexpr std::size_t scratch = [] {
+        if constexpr (across_channels::fits)
+            return plan::scratch;
+        else
+            return std::size_t{0};
+    }();
+
+    /// totals += the gradient of one group, for the pieces [begin, end). Totals begin as zeros.
+    static void add(const T* input, const T* gradient, double* totals, T* scratch, std::size_t begin,
+                    std::size_t end) {
+        if constexpr (tiled)
+            add_tiled_gradient<W, Filters, tile>(input, gradient, totals, scratch, begin, end);
+        else if constexpr (across_channels::fits)
+            add_channel_gradient<W, Filters>(input, gradient, totals, scratch, begin, end);
+        else
+            add_weight_gradient<W, Filters>(input, gradient, totals, begin, end);
+    }
+    /// gradients[filter][channel][row][column] from the totals.
+    static void finish(const double* totals, T* gradients) {
+        if constexpr (tiled) {
+            finish_tiled_gradient<W, Filters, tile>(totals, gradients);
+        } else if constexpr (across_channels::fits) {
+            for (std::size_t filter = 0; filter < Filters; ++filter)
+                for (std::size_t channel = 0; channel < W.input.channels; ++channel)
+                    for (std::size_t row = 0; row < W.kernel.rows; ++row)
+                        for (std::size_t column = 0; column < W.kernel.columns; ++column)
+                            *gradients++ = static_cast<T>(totals[plan::place(filter, channel, row, column)]);
+        } else {
+            for (std::size_t i = 0; i < weights; ++i)
+                gradients[i] = static_cast<T>(totals[i]);
+        }
+    }
+};
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <tactnet/kernels/simd/vector.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <utility>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+namespace detail {
+
+/// As many numbers as a vector has lanes, as the compiler has them: xsimd 8 exchanges no lanes.
+template <class T>
+struct lanes_of {
+    using type [[gnu::vector_size(sizeof(T) * lanes<T>)]] = T;
+};
+
+/// One pair of rows of a step of transpose: exchanges the lanes of `a` whose number has the bit `Distance`
+/// with those of `b` that have not.
+template <std::size_t Distance, class Vector, std::size_t... I>
+[[gnu::always_inline]] inline void exchange_lanes(Vector& a, Vector& b, std::index_sequence<I...>) {
+    constexpr std::size_t count = sizeof...(I);
+    const Vector low = __builtin_shufflevector(a, b, ((I & Distance) == 0 ? I : count + I - Distance)...);
+    b = __builtin_shufflevector(a, b, ((I & Distance) == 0 ? I + Distance : count + I)...);
+    a = low;
+}
+
+template <std::size_t Distance, class Vector, std::size_t Count>
+[[gnu::always_inline]] inline void exchange_blocks(std::array<Vector, Count>& rows) {
+    if constexpr (Distance < Count) {
+#pragma GCC unroll 64
+        for (std::size_t row = 0; row < Count; ++row)
+            if ((row & Distance) == 0)
+                exchange_lanes<Distance>(rows[row], rows[row + Distance], std::make_index_sequence<Count>{});
+        exchange_blocks<2 * Distance>(rows);
+    }
+}
+
+} // namespace detail
+
+/// to[i][j] = from[j][i] of a square with as many rows and columns as a vector has lanes; from one row to the
+/// next it is a stride, in elements. In registers: blocks beside the diagonal are exchanged, of 1 × 1, 2 × 2
+/// and so on.
+template <class T>
+[[gnu::always_inline]] inline void transpose(const T* from, std::size_t from_stride, T* to,
+                                             std::size_t to_stride) {
+    using row = typename detail::lanes_of<T>::type;
+    std::array<row, lanes<T>> rows;
+#pragma GCC unroll 64
+    for (std::size_t i = 0; i < lanes<T>; ++i)
+        std::memcpy(&rows[i], from + i * from_stride, sizeof(row));
+    detail::exchange_blocks<1>(rows);
+#pragma GCC unroll 64
+    for (std::size_t i = 0; i < lanes<T>; ++i)
+        std::memcpy(to + i * to_stride, &rows[i], sizeof(row));
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
