@@ -38,6 +38,7 @@
 #include <functional>
 #include <span>
 #include <support/layers/reference.hpp>
+#include <support/layers/tile_magnitudes.hpp>
 #include <vector>
 
 namespace support {
@@ -49,11 +50,6 @@ struct rounded {
 };
 /// [channel][row][column]
 using rounded_map = std::vector<rounded>;
-
-/// Outputs of one of Winograd's tiles; none where a convolution is computed by taps.
-struct tile_size {
-    std::size_t rows = 0, columns = 0;
-};
 
 /// A layer of a network, as the bound needs it. Lists keep their nesting: a batch norm is folded into a
 /// convolution of its own list only.

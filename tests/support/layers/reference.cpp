@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <support/layers/reference.hpp>
+#include <support/layers/tile_magnitudes.hpp>
 #include <utility>
 
 namespace support {
@@ -70,7 +71,16 @@ public:
                 sizes[o] += std::abs(call.values[w]) * magnitude(in[s][i]);
             });
             for (std::size_t o = 0; o < output.size(); ++o)
-                out[s][o].error += accumulated(call.roundoff, terms() + 1) * sizes[o];
+                sizes[o] *= accumulated(call.roundoff, terms() + 1);
+            const sample& x = in[s];
+            raise_to_tiles(sizes, accumulated(call.roundoff, static_cast<double>(channels_) + 23),
+                           [&](std::size_t group, tile_size tile) {
+                               return tile_magnitudes(group_window(), filters_, group_weights(call, group),
+                                                      magnitudes(x, group, channels_ * input.area()), tile)
+                                   .sizes;
+                           });
+            for (std::size_t o = 0; o < output.size(); ++o)
+                out[s][o].error += sizes[o];
         }
         return out;
     }
@@ -98,11 +108,103 @@ public:
                                        static_cast<double>(output.channels * std::min(taps_, output.area())));
         for (bounded& b : g.values)
             b.error *= accumulated(call.roundoff, static_cast<double>(in.size() * output.area() + 1));
+        raise_gradients_to_tiles(call, in, out_gradient, g);
         return g;
     }
 
 private:
     [[nodiscard]] double terms() const { return static_cast<double>(channels_ * taps_); }
+
+    // Where a convolution may be computed by Winograd's tiles, an error may be as large as the largest of any
+    // tile that there is (deployment_bound.hpp counts the roundings). Which one it is, or none, is the
+    // library's choice.
+    [[nodiscard]] reference_window group_window() const {
+        reference_window one = window_;
+        one.input.channels = channels_;
+        return one;
+    }
+    /// Of the input's gradient.
+    [[nodiscard]] reference_window turned_window() const {
+        reference_window turned = group_window();
+        turned.input = {filters_, output.rows, output.columns};
+        turned.top = window_.kernel_rows - 1 - window_.top,
+        turned.left = window_.kernel_columns - 1 - window_.left;
+        turned.bottom = input.rows + window_.kernel_rows - 1 - output.rows - turned.top;
+        turned.right = input.columns + window_.kernel_columns - 1 - output.columns - turned.left;
+        return turned;
+    }
+    [[nodiscard]] std::span<const double> group_weights(const reference_call& call, std::size_t group) const {
+        return call.values.subspan(group * filters_ * channels_ * taps_, filters_ * channels_ * taps_);
+    }
+    [[nodiscard]] std::vector<double> turned_weights(const reference_call& call, std::size_t group) const {
+        const std::span<const double> w = group_weights(call, group);
+        std::vector<double> turned(w.size());
+        for (std::size_t i = 0; i < w.size(); ++i) {
+            const std::size_t filter = i / taps_ / channels_, channel = i / taps_ % channels_;
+            turned[(channel * filters_ + filter) * taps_ + taps_ - 1 - i % taps_] = w[i];
+        }
+        return turned;
+    }
+    static std::vector<double> magnitudes(const sample& all, std::size_t group, std::size_t size) {
+        std::vector<double> result(size);
+        for (std::size_t i = 0; i < size; ++i)
+            result[i] = magnitude(all[group * size + i]);
+        return result;
+    }
+    /// body(tile) for all that there may be.
+    template <class Body>
+    void for_each_tile(Body&& body) const {
+        const std::size_t kernel = window_.kernel_rows;
+        if (kernel != window_.kernel_columns || kernel < 2 || kernel > 3 || window_.stride_rows != 1 ||
+            window_.stride_columns != 1 || window_.top >= kernel || window_.left >= kernel)
+            return;
+        for (std::size_t rows = 2; rows + kernel <= 7; ++rows)
+            for (std::size_t columns = 2; columns + kernel <= 7; ++columns)
+                body(tile_size{rows, columns});
+    }
+    /// errors[i] is at least `share` of the magnitudes by each tile; of_group(group, tile) gives those.
+    template <class Magnitudes>
+    void raise_to_tiles(std::vector<double>& errors, double share, Magnitudes&& of_group) const {
+        for_each_tile([&](tile_size tile) {
+            for (std::size_t group = 0; group < output.channels / filters_; ++group) {
+                const std::vector<double> sizes = of_group(group, tile);
+                for (std::size_t i = 0; i < sizes.size(); ++i)
+                    errors[group * sizes.size() + i] =
+                        std::max(errors[group * sizes.size() + i], share * sizes[i]);
+            }
+        });
+    }
+    void raise_gradients_to_tiles(const reference_call& call, const samples& in, const samples& out_gradient,
+                                  reference_gradients& g) const {
+        for (std::size_t s = 0; s < in.size(); ++s) {
+            std::vector<double> errors(input.size());
+            raise_to_tiles(errors, accumulated(call.roundoff, static_cast<double>(filters_) + 23),
+                           [&](std::size_t group, tile_size tile) {
+                               return tile_magnitudes(
+                                          turned_window(), channels_, turned_weights(call, group),
+                                          magnitudes(out_gradient[s], group, filters_ * output.area()), tile)
+                                   .sizes;
+                           });
+            for (std::size_t i = 0; i < input.size(); ++i)
+                g.input[s][i].error = std::max(g.input[s][i].error, errors[i]);
+        }
+        // A term of a weight's gradient passes 4 roundings in each direction of Bᵀ d B and of A δ Aᵀ, those
+        // of its product and of a sum over tiles and samples; sums of those, and Gᵀ t G, are taken in double.
+        const double most = static_cast<double>(in.size() * output.area() + 18);
+        for_each_tile([&](tile_size tile) {
+            for (std::size_t group = 0; group < output.channels / filters_; ++group) {
+                std::vector<double> sizes(filters_ * channels_ * taps_);
+                for (std::size_t s = 0; s < in.size(); ++s)
+                    add_gradient_magnitudes(
+                        group_window(), filters_, magnitudes(in[s], group, channels_ * input.area()),
+                        magnitudes(out_gradient[s], group, filters_ * output.area()), tile, sizes);
+                for (std::size_t i = 0; i < sizes.size(); ++i) {
+                    bounded& b = g.values[group * sizes.size() + i];
+                    b.error = std::max(b.error, accumulated(call.roundoff, most) * sizes[i]);
+                }
+            }
+        });
+    }
 
     template <class Body>
     void for_each_product(Body&& body) const {

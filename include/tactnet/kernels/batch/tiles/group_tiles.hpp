@@ -45,12 +45,13 @@ template <correlation C, class T>
                        (rest > 0 ? odd_lines<T>(C.input.channels * rest) : 0));
 }
 
-/// Whether there are lines for such a tile, and nothing between neighbours.
+/// Whether there are lines for such a tile, nothing lies between neighbours, and padding is less than the
+/// kernel.
 [[nodiscard]] constexpr bool group_tile_possible(const correlation& c, extent outputs) {
     const extent side = group_tiles::of(c, outputs).side;
     return (c.kernel == extent(3) || c.kernel == extent(2)) && c.stride == extent(1) &&
-           c.spacing == extent(1) && std::min(outputs.rows, outputs.columns) >= 2 &&
-           std::max(side.rows, side.columns) <= 6;
+           c.spacing == extent(1) && c.top >= 0 && c.left >= 0 &&
+           std::min(outputs.rows, outputs.columns) >= 2 && std::max(side.rows, side.columns) <= 6;
 }
 
 /// What an element of a tile is counted at to transform it, of one channel or filter, in halves of a product.

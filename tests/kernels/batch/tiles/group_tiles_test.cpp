@@ -1,0 +1,76 @@
+#include <tactnet/kernels/batch/group_convolution.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace tactnet;
+using namespace tactnet::kernels;
+
+namespace {
+
+constexpr correlation ahead(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
+                            padding around = same) {
+    return correlation::forward(sliding_window::over(in, kernel, stride, around), filters);
+}
+constexpr correlation back(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
+                           padding around = same) {
+    return correlation::backward(sliding_window::over(in, kernel, stride, around), filters);
+}
+
+} // namespace
+
+TEST_CASE("group_tiles: tiles cover the outputs, also where they reach beyond") {
+    constexpr group_tiles tiles = group_tiles::of(ahead({7, 13, 16}, 32), {4, 3});
+    CHECK(tiles.side == extent(6, 5));
+    CHECK(tiles.elements() == 30);
+    CHECK(tiles.rows == 2);
+    CHECK(tiles.columns == 5);
+    CHECK(tiles.count() == 10);
+}
+
+TEST_CASE("group_tiles: the elements of a tile lie an odd number of cache lines apart") {
+    for (const std::size_t count : {1, 16, 17, 31, 32, 33, 100}) {
+        CHECK(odd_lines<float>(count) >= count);
+        CHECK(odd_lines<float>(count) < count + 32);
+        CHECK(odd_lines<float>(count) % 32 == 16);
+        CHECK(odd_lines<double>(count) % 16 == 8);
+    }
+}
+
+TEST_CASE("group_tiles: kernels, strides and paddings that have no tile") {
+    CHECK(group_tile_possible(ahead({7, 13, 16}, 32), 4));
+    CHECK(group_tile_possible(ahead({7, 13, 16}, 32, 2), 5));
+    CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32), 5)); // 7 numbers have no line
+    CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32), {1, 4}));
+    CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32, 5), 2));
+    CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32, {2, 3}), 2));
+    CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32, 3, 2), 2));
+    CHECK_FALSE(group_tile_possible(back({7, 13, 16}, 32, 3, 2), 2)); // the same backwards: pixels apart
+    CHECK(group_tile_possible(back({7, 13, 16}, 32, 3, 1, pad(2)), 2));
+    CHECK_FALSE(group_tile_possible(back({7, 13, 16}, 32, 3, 1, pad(3)), 2)); // pixels that no tap reads
+}
+
+TEST_CASE("group_tiles: taps on padding are not counted") {
+    const auto same_as_window = [](shape in, extent kernel, padding around) {
+        const auto window = sliding_window::over(in, kernel, 1, around);
+        const std::size_t expected = 2 * window.taps_on_pixels() * in.channels * 5;
+        CHECK(cost_by_taps(correlation::forward(window, 5)) == expected);
+        CHECK(cost_by_taps(correlation::backward(window, 5)) == expected);
+    };
+    same_as_window({7, 13, 16}, 3, same);
+    same_as_window({1, 2, 3}, 3, same);
+    same_as_window({4, 7, 2}, 2, same);
+    same_as_window({4, 7, 2}, 3, valid);
+    same_as_window({4, 7, 2}, 3, pad(2));
+}
+
+TEST_CASE("group_tiles: large tiles where they save products, none where transforms cost more") {
+    CHECK(best_group_tile(ahead({4, 7, 32}, 64)) == extent(4));
+    CHECK(best_group_tile(back({4, 7, 32}, 64)) == extent(4));
+    CHECK(best_group_tile(ahead({2, 4, 64}, 128)) == extent(2, 4));
+    CHECK(best_group_tile(ahead({1, 9, 64}, 128)) == extent(0)); // two of three rows of taps are on padding
+    CHECK(best_group_tile(ahead({28, 50, 1}, 8)) == extent(0)); // one channel
+    CHECK(best_group_tile(ahead({1, 1, 64}, 64)) == extent(0)); // one tap
+    // The way does not depend on the instruction set nor on the precision.
+    CHECK(group_convolution<ahead({4, 7, 32}, 64), float>::tile == extent(4));
+    CHECK(group_convolution<ahead({4, 7, 32}, 64), double>::tile == extent(4));
+}

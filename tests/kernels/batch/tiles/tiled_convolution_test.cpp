@@ -1,0 +1,120 @@
+#include <tactnet/kernels/batch/tiles/tile_weights.hpp>
+#include <tactnet/kernels/batch/tiles/tiled_convolution.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <support/guarded_numbers.hpp>
+#include <support/layers/tile_magnitudes.hpp>
+#include <support/layers/window_of.hpp>
+#include <support/tolerance.hpp>
+#include <vector>
+
+using namespace tactnet;
+using namespace tactnet::kernels;
+
+// Against plain loops in double precision, each output within the bound of its error that
+// support/layers/deployment_bound.hpp derives.
+
+namespace {
+
+template <class T, sliding_window W, std::size_t Filters, extent Outputs>
+void compare(bool biased = true) {
+    constexpr correlation c = correlation::forward(W, Filters);
+    using plan = tiled_convolution<c, Outputs, T>;
+    constexpr std::size_t width = lanes<T>, channels = W.input.channels, taps = W.kernel.area(),
+                          pixels = W.input.area(), outputs = c.output.area();
+    std::uint64_t state = 7;
+    support::guarded_numbers<T> in(W.input.size() * width), packed(plan::weights), scratch(plan::scratch),
+        out(c.output.size() * width);
+    std::vector<double> weights(Filters * channels * taps);
+    for (double& w : weights)
+        w = static_cast<double>(support::draw(state));
+    for (T& x : in)
+        x = static_cast<T>(support::draw(state));
+    std::vector<T> bias(Filters);
+    for (T& b : bias)
+        b = static_cast<T>(support::draw(state));
+    pack_tile_weights<c, Outputs>(packed.data(), [&](auto f, auto channel, auto row, auto column) {
+        return static_cast<T>(
+            weights[((f * channels + channel) * W.kernel.rows + row) * W.kernel.columns + column]);
+    });
+    correlate_by_tiles<c, Outputs>(in.data(), packed.data(), biased ? bias.data() : nullptr, out.data(),
+                                   scratch.data());
+    CHECK(packed.untouched());
+    CHECK(scratch.untouched());
+    CHECK(out.untouched());
+
+    std::size_t wrong = 0;
+    double worst = 0, largest = 0;
+    for (std::size_t lane = 0; lane < width; ++lane) {
+        std::vector<double> sample(W.input.size()), magnitudes(W.input.size()), expected(c.output.size());
+        for (std::size_t i = 0; i < sample.size(); ++i) {
+            sample[i] = static_cast<double>(in.data()[i * width + lane]);
+            magnitudes[i] = std::abs(sample[i]);
+        }
+        const support::reference_window window = support::window_of(W);
+        for (std::size_t f = 0; f < Filters; ++f)
+            for (std::size_t channel = 0; channel < channels; ++channel)
+                window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t tap) {
+                    expected[f * outputs + to] +=
+                        weights[(f * channels + channel) * taps + tap] * sample[channel * pixels + from];
+                });
+        const std::vector<double> sizes =
+            support::tile_magnitudes(window, Filters, weights, magnitudes, {Outputs.rows, Outputs.columns})
+                .sizes;
+        // A hundredth more: the reference rounds too, where it is of the same precision.
+        const double share =
+            1.01 * support::accumulated(support::unit_roundoff<T>, static_cast<double>(channels) + 23);
+        for (std::size_t o = 0; o < expected.size(); ++o) {
+            const double added = biased ? static_cast<double>(bias[o / outputs]) : 0,
+                         error = std::abs(static_cast<double>(out.data()[o * width + lane]) - expected[o] -
+                                          added),
+                         bound = share * (sizes[o] + std::abs(added));
+            wrong += !(error <= bound);
+            worst = std::max(worst, error / bound);
+            largest = std::max(largest, std::abs(expected[o]));
+        }
+    }
+    CAPTURE(worst);
+    CHECK(wrong == 0);
+    CHECK(largest > 0); // or nothing was compared
+}
+
+// 9 filters are one more than a register block, 7 × 11 is no multiple of any tile but one.
+template <class T, std::size_t Kernel>
+void every_tile() {
+    unroll<(6 - Kernel) * (6 - Kernel)>([](auto i) {
+        compare<T, sliding_window::over({7, 11, 5}, Kernel, 1, same), 9,
+                extent(i / (6 - Kernel) + 2, i % (6 - Kernel) + 2)>(i % 2 == 0);
+    });
+}
+
+} // namespace
+
+TEST_CASE_TEMPLATE("tiled_convolution: every tile of a 3 × 3 kernel", T, float, double) {
+    every_tile<T, 3>();
+}
+TEST_CASE_TEMPLATE("tiled_convolution: every tile of a 2 × 2 kernel", T, float, double) {
+    every_tile<T, 2>();
+}
+TEST_CASE_TEMPLATE(
+    "tiled_convolution: maps smaller than a tile, without padding, with more than the kernel's", T, float,
+    double) {
+    compare<T, sliding_window::over({1, 1, 3}, 3, 1, same), 4, extent(4)>();
+    compare<T, sliding_window::over({2, 3, 16}, 3, 1, same), 24, extent(2, 4)>();
+    compare<T, sliding_window::over({9, 6, 2}, 3, 1, valid), 8, extent(3, 4)>();
+    compare<T, sliding_window::over({4, 5, 2}, 3, 1, pad(4, 0, 1, 3)), 3, extent(2)>();
+}
+TEST_CASE("tiled_convolution: maps in several bands") {
+    constexpr auto window = sliding_window::over({30, 30, 32}, 3, 1, same);
+    using plan = tiled_convolution<correlation::forward(window, 8), extent(4), float>;
+    if constexpr (lanes<float> >= 8) // else all that is transformed stays near
+        static_assert(plan::band < plan::tiles.count() && plan::tiles.count() % plan::band != 0);
+    compare<float, window, 8, extent(4)>();
+}

@@ -1,0 +1,39 @@
+#include <tactnet/layers/conv2d.hpp>
+
+#include <support/layers/conformance.hpp>
+
+using namespace tactnet;
+using support::check_layer;
+
+// Sizes at which convolution, the gradient of its input and, where channels fill vectors, that of its weights
+// are computed by Winograd's tiles.
+
+namespace {
+
+template <std::size_t Filters, extent Kernel, shape Input, padding Padding = same>
+void check_by_tiles() {
+    constexpr auto window = sliding_window::over(Input, Kernel, 1, Padding);
+    static_assert(kernels::group_convolution<kernels::correlation::forward(window, Filters), float>::tiled &&
+                  kernels::group_convolution<kernels::correlation::backward(window, Filters), float>::tiled);
+    constexpr bool fill = kernels::lanes < float >> 1 && Input.channels % kernels::lanes<float> == 0;
+    static_assert(kernels::weight_gradient<window, Filters, float>::tiled == fill);
+    check_layer<conv2d<Filters, Kernel, 1, Padding>, Input>();
+}
+
+} // namespace
+
+TEST_CASE("conv2d: 3 × 3 by tiles that cover the map") {
+    check_by_tiles<16, 3, shape{4, 8, 16}>();
+}
+TEST_CASE("conv2d: 3 × 3 by tiles that reach beyond the map") {
+    check_by_tiles<13, 3, shape{5, 7, 16}>();
+}
+TEST_CASE("conv2d: 2 × 2 by tiles") {
+    check_by_tiles<18, 2, shape{6, 7, 16}>();
+}
+TEST_CASE("conv2d: 3 × 3 by tiles, without padding") {
+    check_by_tiles<9, 3, shape{8, 9, 12}, valid>();
+}
+TEST_CASE("conv2d: 3 × 3 by tiles in two groups") {
+    check_layer<conv2d<24, 3, 1, same, in_groups(2)>, shape{4, 8, 32}>();
+}
