@@ -15,7 +15,8 @@ void check_by_tiles() {
     constexpr auto window = sliding_window::over(Input, Kernel, 1, Padding);
     static_assert(kernels::group_convolution<kernels::correlation::forward(window, Filters), float>::tiled &&
                   kernels::group_convolution<kernels::correlation::backward(window, Filters), float>::tiled);
-    constexpr bool fill = kernels::lanes < float >> 1 && Input.channels % kernels::lanes<float> == 0;
+    constexpr std::size_t width = kernels::lanes<float>;
+    constexpr bool fill = width > 1 && (Input.channels % width == 0 || Filters % width == 0);
     static_assert(kernels::weight_gradient<window, Filters, float>::tiled == fill);
     check_layer<conv2d<Filters, Kernel, 1, Padding>, Input>();
 }
@@ -33,6 +34,9 @@ TEST_CASE("conv2d: 2 × 2 by tiles") {
 }
 TEST_CASE("conv2d: 3 × 3 by tiles, without padding") {
     check_by_tiles<9, 3, shape{8, 9, 12}, valid>();
+}
+TEST_CASE("conv2d: 3 × 3 by tiles, filters that fill vectors where channels do not") {
+    check_by_tiles<16, 3, shape{5, 8, 8}>();
 }
 TEST_CASE("conv2d: 3 × 3 by tiles in two groups") {
     check_layer<conv2d<24, 3, 1, same, in_groups(2)>, shape{4, 8, 32}>();

@@ -53,8 +53,7 @@ struct batch_norm {
         static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
             p.threads.for_each(in.groups(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c)
-                    m.parts[(p.first_group + g) * channels + c] =
-                        kernels::moments_of(in.group(g) + c * plane, Input.area(), in.samples_in(g));
+                    observe_input(m, in, p.first_group, g, c);
             });
         }
         static void begin_forward(const pass& p, T* running, memory& m, std::size_t samples) {
@@ -124,6 +123,12 @@ struct batch_norm {
 
         // What layers that do more than this one share with it.
 
+        /// Keeps the moments of a channel of a group.
+        static void observe_input(memory& m, input_view<T, Input> in, std::size_t first_group, std::size_t g,
+                                  std::size_t c) {
+            m.parts[(first_group + g) * channels + c] =
+                kernels::moments_of(in.group(g) + c * plane, Input.area(), in.samples_in(g));
+        }
         static void use_running(const pass& p, const T* running, memory& m) {
             for (std::size_t c = 0; c < channels; ++c) {
                 m.mean[c] = static_cast<double>(running[c]);

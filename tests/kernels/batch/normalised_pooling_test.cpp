@@ -23,10 +23,12 @@ TEST_CASE_TEMPLATE(
     double) {
     constexpr std::size_t width = lanes<T>;
     const auto input = support::whole_numbers<T>(pixels * width, 7919);
-    aligned_vector<T> output(windows * width), chosen(windows * width);
-    for (const T scale : {T{2}, T{-2}}) {
-        normalised_pool_forward<window, true>(normalising<T>{1, scale, 3}, input.data(), output.data(),
-                                              chosen.data());
+    aligned_vector<T> output(windows * width), chosen(windows * width), behind_chosen(windows * width);
+    for (const T scale : {T{2}, T{-2}, T{0}}) {
+        const normalising<T> rule{1, scale, 3};
+        normalised_pool_forward<window>(rule, input.data(), output.data());
+        choose_for_pool<window>(static_cast<T>((scale > 0) - (scale < 0)), input.data(), chosen.data());
+        normalise_and_rectify(rule, chosen.data(), behind_chosen.data(), windows * width);
         for (std::size_t o = 0; o < windows; ++o)
             for (std::size_t lane = 0; lane < width; ++lane) {
                 T best = -1000, behind = 0;
@@ -37,6 +39,7 @@ TEST_CASE_TEMPLATE(
                 }
                 CHECK(output[o * width + lane] == (best > 0 ? best : 0));
                 CHECK(chosen[o * width + lane] == behind);
+                CHECK(behind_chosen[o * width + lane] == output[o * width + lane]);
             }
     }
 }
@@ -46,11 +49,19 @@ TEST_CASE_TEMPLATE("normalised_pool_forward: a NaN is kept, whatever comes befor
     for (const std::size_t at : {0u, 1u, 6u, 7u}) {
         aligned_vector<T> input(pixels * width, T{5}), output(windows * width);
         input[at * width] = static_cast<T>(std::nan(""));
-        normalised_pool_forward<window, false>(normalising<T>{0, 1, 0}, input.data(), output.data(),
-                                               static_cast<T*>(nullptr));
-        CHECK(std::isnan(output[0]));
-        for (std::size_t i = 1; i < output.size(); ++i)
-            CHECK(output[i] == 5);
+        normalised_pool_forward<window>(normalising<T>{0, 1, 0}, input.data(), output.data());
+        const auto broken_alone = [&] {
+            CHECK(std::isnan(output[0]));
+            for (std::size_t i = 1; i < output.size(); ++i)
+                CHECK(output[i] == 5);
+        };
+        broken_alone();
+        for (const T sign : {T{1}, T{-1}, T{0}}) {
+            choose_for_pool<window>(sign, input.data(), output.data());
+            broken_alone();
+            normalise_and_rectify(normalising<T>{0, 1, 0}, output.data(), output.data(), output.size());
+            broken_alone();
+        }
     }
 }
 TEST_CASE_TEMPLATE("normalised_pool_backward: the first of equal elements, none behind a ReLU that is shut",

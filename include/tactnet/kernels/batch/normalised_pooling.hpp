@@ -6,30 +6,54 @@
 #include <algorithm>
 #include <cstddef>
 
-// Batch norm, ReLU and max pooling of one channel of one group in a single pass. The map between them is
-// never stored: what the way back must know of it is which element each window chose.
+// Batch norm, ReLU and max pooling of one channel of one group. The map between them is never stored: what
+// the way back must know of it is which element each window chose. A norm keeps the order of elements, or
+// turns it round, so that this is known before its moments are.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// output = max(0, the largest of rule(x) over each window); `chosen` gets the x behind it if that is wanted.
-template <sliding_window W, bool Choose, class T>
-void normalised_pool_forward(const normalising<T>& rule, const T* input, T* output, T* chosen) {
+/// chosen = the largest of each window by a rising norm, the smallest by a falling one (sign −1), the first
+/// by one that is the same everywhere (sign 0); of equal elements the first, and a NaN where there is one.
+template <sliding_window W, class T>
+void choose_for_pool(T sign, const T* input, T* chosen) {
     constexpr std::size_t width = lanes<T>;
-    const vector<T> zero(T{});
+    const vector<T> direction(sign);
     for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
         vector<T> best = load(input + (rows.begin * W.input.columns + columns.begin) * width);
-        vector<T> largest = rule(best);
+        vector<T> largest = direction * best;
         for_each_pixel<W>(rows, columns, [&](std::size_t pixel) {
-            const vector<T> x = load(input + pixel * width), y = rule(x);
+            const vector<T> x = load(input + pixel * width), y = direction * x;
             const auto larger = (y > largest) || !(y == y); // a NaN stays
             largest = choose<T>(larger, y, largest);
             best = choose<T>(larger, x, best);
         });
+        store(chosen + o * width, best);
+    });
+}
+
+/// output = max(0, rule(x)) over `count` values, a multiple of the lanes.
+template <class T>
+void normalise_and_rectify(const normalising<T>& rule, const T* input, T* output, std::size_t count) {
+    const vector<T> zero(T{});
+    for (std::size_t i = 0; i < count; i += lanes<T>) {
+        const vector<T> y = rule(load(input + i));
+        store(output + i, choose<T>(y < zero, zero, y));
+    }
+}
+
+/// output = max(0, the largest of rule(x) over each window).
+template <sliding_window W, class T>
+void normalised_pool_forward(const normalising<T>& rule, const T* input, T* output) {
+    constexpr std::size_t width = lanes<T>;
+    const vector<T> zero(T{});
+    for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
+        vector<T> largest = rule(load(input + (rows.begin * W.input.columns + columns.begin) * width));
+        for_each_pixel<W>(rows, columns, [&](std::size_t pixel) {
+            largest = maximum_keeping_nan<T>(rule(load(input + pixel * width)), largest);
+        });
         store(output + o * width, choose<T>(largest < zero, zero, largest));
-        if constexpr (Choose)
-            store(chosen + o * width, best);
     });
 }
 

@@ -10,22 +10,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// What the gradient of a convolution's weights costs by tiles, in halves of a product as a correlation
-/// (tiles/group_tiles.hpp). A sum that goes to its total, in double, is counted as one and a half.
-template <class T>
-[[nodiscard]] constexpr std::size_t gradient_cost_by_tiles(const correlation& c, extent outputs) {
-    const group_tiles tiles = group_tiles::of(c, outputs);
-    const std::size_t channels = c.input.channels, filters = c.output.channels;
-    const std::size_t of_block = gradient_block<T>::of(c).vectors * lanes<T>,
-                      blocks = (channels + of_block - 1) / of_block, rows = tile_rows_of_band<T>(c, outputs),
-                      bands = (tiles.rows + rows - 1) / rows;
-    return tiles.elements() * (tiles.count() * (2 * channels * filters +
-                                                transform_cost(tiles.side) * (channels + filters * blocks)) +
-                               bands * channels * filters * 3);
-}
-
-/// The gradient of a convolution with respect to its weights in the way that takes least: where channels fill
-/// vectors by tiles or tap by tap, else by sums across the lanes.
+/// The gradient of a convolution with respect to its weights in the way that takes least: by tiles, tap by
+/// tap where channels fill vectors, else by sums across the lanes.
 template <sliding_window W, std::size_t Filters, class T>
 class weight_gradient {
     static constexpr correlation ahead = correlation::forward(W, Filters);
@@ -36,10 +22,12 @@ class weight_gradient {
 public:
     /// Outputs of a tile; 0: by taps.
     static constexpr extent tile = [] {
-        constexpr std::size_t bands =
-            (W.input.rows + across_channels::tile_rows - 1) / across_channels::tile_rows;
-        if (!across_channels::fits || !group_tile_possible(ahead, 2))
+        constexpr std::size_t rows = across_channels::fits ? across_channels::tile_rows
+                                                           : across_samples::tile_rows,
+                              bands = (W.output_rows() + rows - 1) / rows;
+        if (!group_tile_possible(ahead, 2))
             return extent(0);
+        // Here sums that go to their totals are counted as one and a half: they lie apart.
         return cheapest_group_tile(
             cost_by_taps(ahead) + bands * weights * 3,
             [](extent outputs) { return tiled_gradient_possible<T>(ahead, outputs); },
@@ -71,7 +59,7 @@ public:
     }();
     /// Elements that a thread needs beside.
     static constexpr std::size_t scratch = [] {
-        if constexpr (across_channels::fits)
+        if constexpr (tiled || across_channels::fits)
             return plan::scratch;
         else
             return std::size_t{0};

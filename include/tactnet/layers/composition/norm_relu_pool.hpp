@@ -8,7 +8,9 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// Batch norm, ReLU and max pooling as one layer, with the same results and the arrays of the batch norm; a
-/// window of one pixel stands for no pooling. Lists are written with the three: `fused` joins them.
+/// window of one pixel stands for no pooling. Lists are written with the three: `fused` joins them. Of
+/// different elements of a window that the norm rounds to the same number, the gradient goes to the largest
+/// of them and not to the first.
 template <extent Window, extent Stride = Window, padding Padding = same>
 struct norm_relu_pool {
     static constexpr std::string_view name = batch_norm::name;
@@ -30,7 +32,8 @@ struct norm_relu_pool {
         static constexpr bool pools = Window.area() > 1 || Stride.area() > 1;
 
         struct memory : norm::memory {
-            aligned_vector<T> chosen; // by each window of the batch
+            aligned_vector<T> chosen;           // by each window of the batch
+            std::array<T, Input.channels> sign; // of the slope of each channel's norm
             void resize(std::size_t samples) {
                 norm::memory::resize(samples);
                 const std::size_t room = groups_of<T>(samples) * kernels::lanes<T> * output.size();
@@ -42,18 +45,28 @@ struct norm_relu_pool {
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             norm::describe(prefix, list);
         }
+        static void prepare(const pass&, const T* values, const T*, memory& m) {
+            for (std::size_t c = 0; c < Input.channels; ++c)
+                m.sign[c] = static_cast<T>((values[c] > T{}) - (values[c] < T{}));
+        }
         static void infer(const pass& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             norm::use_running(p, running, m);
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                kernels::normalised_pool_forward<window, false>(
-                    norm::rule(values, m, c), in.group(g) + c * plane, out.group(g) + c * pooled,
-                    static_cast<T*>(nullptr));
+                kernels::normalised_pool_forward<window>(norm::rule(values, m, c), in.group(g) + c * plane,
+                                                         out.group(g) + c * pooled);
             });
         }
 
+        /// Windows choose here, while the map is still in the caches: of a large batch it is in memory when
+        /// the moments are known.
         static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
-            norm::observe_forward(p, m, in);
+            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+                norm::observe_input(m, in, p.first_group, g, c);
+                if constexpr (pools)
+                    kernels::choose_for_pool<window>(m.sign[c], in.group(g) + c * plane,
+                                                     chosen_by(p, m, g, c));
+            });
         }
         static void begin_forward(const pass& p, T* running, memory& m, std::size_t samples) {
             norm::begin_forward(p, running, m, samples);
@@ -61,9 +74,8 @@ struct norm_relu_pool {
         static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
                             output_view<T, output> out) {
             each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                kernels::normalised_pool_forward<window, pools>(
-                    norm::rule(values, m, c), in.group(g) + c * plane, out.group(g) + c * pooled,
-                    pools ? m.chosen.data() + (p.first_group + g) * out.group_size + c * pooled : nullptr);
+                kernels::normalise_and_rectify(norm::rule(values, m, c), inputs_behind(p, m, in, g, c),
+                                               out.group(g) + c * pooled, pooled);
             });
         }
 
@@ -110,11 +122,14 @@ struct norm_relu_pool {
                     body(g, c);
             });
         }
+        static T* chosen_by(const pass& p, memory& m, std::size_t g, std::size_t c) {
+            return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
+        }
         /// Of each output of a channel the input that it was made of.
-        static const T* inputs_behind(const pass& p, const memory& m, input_view<T, Input> in, std::size_t g,
+        static const T* inputs_behind(const pass& p, memory& m, input_view<T, Input> in, std::size_t g,
                                       std::size_t c) {
             if constexpr (pools)
-                return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
+                return chosen_by(p, m, g, c);
             else
                 return in.group(g) + c * plane;
         }

@@ -68,8 +68,8 @@ TEST_CASE("group_tiles: large tiles where they save products, none where transfo
     CHECK(best_group_tile(back({4, 7, 32}, 64)) == extent(4));
     CHECK(best_group_tile(ahead({2, 4, 64}, 128)) == extent(2, 4));
     CHECK(best_group_tile(ahead({1, 9, 64}, 128)) == extent(0)); // two of three rows of taps are on padding
-    CHECK(best_group_tile(ahead({28, 50, 1}, 8)) == extent(0)); // one channel
-    CHECK(best_group_tile(ahead({1, 1, 64}, 64)) == extent(0)); // one tap
+    CHECK(best_group_tile(ahead({28, 50, 1}, 8)) == extent(0));  // one channel
+    CHECK(best_group_tile(ahead({1, 1, 64}, 64)) == extent(0));  // one tap
     // The way does not depend on the instruction set nor on the precision.
     CHECK(group_convolution<ahead({4, 7, 32}, 64), float>::tile == extent(4));
     CHECK(group_convolution<ahead({4, 7, 32}, 64), double>::tile == extent(4));

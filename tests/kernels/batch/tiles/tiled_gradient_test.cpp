@@ -117,6 +117,10 @@ TEST_CASE_TEMPLATE("tiled_gradient: blocks of channels and of filters that are n
     compare<T, sliding_window::over({4, 3, three}, 3, 1, same), most_block_sums / 2 + 1, extent(2)>();
     compare<T, sliding_window::over({1, 1, three}, 3, 1, same), 2, extent(4)>();
     compare<T, sliding_window::over({4, 5, lanes<T>}, 3, 1, pad(2, 0, 1, 2)), 1, extent(2)>();
+    // Filters in lanes.
+    compare<T, sliding_window::over({4, 5, 3}, 3, 1, pad(2, 0, 1, 2)), three, extent(2, 4)>();
+    compare<T, sliding_window::over({7, 3, most_block_sums / 2 + 1}, 2, 1, same), three, extent(3)>();
+    compare<T, sliding_window::over({11, 40, 12}, 3, 1, valid), 2 * lanes<T>, extent(2)>();
     constexpr auto wide = sliding_window::over({11, 40, 2 * lanes<T>}, 3, 1, valid);
     if constexpr (lanes < T >> 4) {
         using plan = tiled_gradient_plan<wide, 12, extent(2), T>;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/tiles/tile_input.hpp>
+#include <tactnet/kernels/batch/tiles/tile_transforms.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 

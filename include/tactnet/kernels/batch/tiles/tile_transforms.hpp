@@ -9,6 +9,10 @@
 #include <array>
 #include <cstddef>
 
+// Tiles of maps, transformed: of the input of a convolution and of the gradient of its outputs. A plane is
+// what is transformed alike: a channel of a group of samples, or, of a map that was turned, some channels of
+// one sample.
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
@@ -58,10 +62,15 @@ template <extent Side, class T, class Body>
     for (std::size_t plane = 0; plane < layout.planes; ++plane) {
         const T* from = map + static_cast<std::ptrdiff_t>(plane * layout.plane) + corner;
         if (!inside) {
-            for (std::size_t y = square.first_row; y < square.last_row; ++y)
-                for (std::size_t x = square.first_column; x < square.last_column; ++x)
-                    store(padded.data() + (y * Side.columns + x) * width,
-                          load(from + y * row_distance + x * layout.pixel));
+            for (std::size_t y = square.first_row; y < square.last_row; ++y) {
+                // Written out: GCC would call a function for so few numbers.
+                constexpr std::size_t side_columns = Side.columns;
+#pragma GCC unroll 8
+                for (std::size_t x = 0; x < side_columns; ++x)
+                    if (x >= square.first_column && x < square.last_column)
+                        store(padded.data() + (y * side_columns + x) * width,
+                              load(from + y * row_distance + x * layout.pixel));
+            }
             from = padded.data();
         }
         body(plane, from, inside ? row_distance : Side.columns * width, inside ? layout.pixel : width);
@@ -92,6 +101,47 @@ transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* t
                 [&](std::size_t y, std::size_t x, const vector<T>& element) __attribute__((always_inline)) {
                     store(place + (y * side_columns + x) * element_distance, element);
                 });
+        });
+}
+
+/// A δ Aᵀ of one tile of the outputs' gradient, of every plane: element e of plane p to
+/// to[e · element_distance + p · lanes]. `gradient` begins with row `first_row`.
+template <correlation C, extent Outputs, class T>
+[[gnu::flatten, gnu::noinline]] void
+transform_gradient_tile(const T* gradient, plane_layout layout, std::size_t tile, T* to,
+                        std::size_t element_distance, std::size_t first_row = 0) {
+    constexpr group_tiles tiles = group_tiles::of(C, Outputs);
+    constexpr extent side = tiles.side;
+    constexpr std::size_t width = lanes<T>;
+    const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows),
+               left = static_cast<std::ptrdiff_t>(tile % tiles.columns * Outputs.columns);
+    auto square = pixel_square<Outputs>::at(top, left, C.output.rows, C.output.columns);
+    square.top -= static_cast<std::ptrdiff_t>(first_row);
+    for_each_plane(
+        gradient, layout, C.output.columns, square,
+        [&](std::size_t plane, const T* from, std::size_t row,
+            std::size_t pixel) __attribute__((always_inline)) {
+            std::array<std::array<vector<T>, Outputs.columns>, side.rows> half;
+#pragma GCC unroll 64
+            for (std::size_t x = 0; x < Outputs.columns; ++x) {
+                std::array<vector<T>, Outputs.rows> column;
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < Outputs.rows; ++y)
+                    column[y] = load(from + y * row + x * pixel);
+                const std::array<vector<T>, side.rows> line = detail::tile_gradient_line<side.rows>(column);
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < side.rows; ++y)
+                    half[y][x] = line[y];
+            }
+            T* place = to + plane * width;
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < side.rows; ++y) {
+                const std::array<vector<T>, side.columns> line =
+                    detail::tile_gradient_line<side.columns>(half[y]);
+#pragma GCC unroll 64
+                for (std::size_t x = 0; x < side.columns; ++x, place += element_distance)
+                    store(place, line[x]);
+            }
         });
 }
 
