@@ -17,6 +17,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <support/layers/tile_magnitudes.hpp>
 #include <utility>
 #include <vector>
 
@@ -119,10 +120,14 @@ public:
     tactnet::aligned_vector<T> through(const std::string& name, tactnet::aligned_vector<T> x) {
         x = inner<tactnet::without_name<Spec>, Layer>(name, std::move(x));
         if (!Spec::name.empty()) // or it has the name of the list around it
-            golden_.compare(name, Layer::output.size(),
-                            [&](std::size_t e) { return x[e * tactnet::kernels::lanes<T>]; });
+            golden_.compare(
+                name, Layer::output.size(), [&](std::size_t e) { return x[e * tactnet::kernels::lanes<T>]; },
+                factor_);
         return x;
     }
+
+    /// How much larger than in the file the deviations may be by now.
+    [[nodiscard]] double factor() const { return factor_; }
 
 private:
     template <class Spec, class Layer>
@@ -146,6 +151,8 @@ private:
             return walk<Spec, Layer>::run(*this, name, std::move(x));
         } else {
             using tactnet::kernels::lanes;
+            if constexpr (requires { Layer::fan_in, Layer::window.kernel, Layer::filters; })
+                expect_tiles<Layer>();
             typename Layer::memory memory;
             memory.resize(1);
             tactnet::aligned_vector<T> out(Layer::output.size() * lanes<T>);
@@ -159,9 +166,23 @@ private:
         }
     }
 
+    /// The file counts the roundings of taps. Where a convolution is computed by tiles its errors are larger,
+    /// and so may be those of all that follows.
+    template <class Convolution>
+    void expect_tiles() {
+        tactnet::sliding_window window = Convolution::window;
+        window.input.channels = Convolution::channels;
+        const auto c = tactnet::kernels::correlation::forward(window, Convolution::filters);
+        const tactnet::extent tile = tactnet::kernels::best_group_tile(c);
+        if (tile != tactnet::extent(0))
+            factor_ = std::max(factor_, tile_deviation(Convolution::channels, window.kernel.rows,
+                                                       {tile.rows, tile.columns}));
+    }
+
     golden_stages& golden_;
     tactnet::pass pass_;
     const T *values_, *statistics_;
+    double factor_ = 1; // of the deviations in the file
 };
 
 /// Every stage that the golden file knows within its deviation, by the layers one by one; then the logits of
@@ -179,13 +200,14 @@ Network compare_stages(golden_stages& golden, const std::string& last) {
     tactnet::aligned_vector<float> x(image.size() * lanes<float>);
     for (std::size_t e = 0; e < image.size(); ++e)
         x[e * lanes<float>] = image[e];
-    stage_walk<float>(golden, threads, net.learnable_values().data(), net.running_statistics().data())
-        .template through<typename Network::specification, typename Network::layers>("", std::move(x));
+    stage_walk<float> walk(golden, threads, net.learnable_values().data(), net.running_statistics().data());
+    walk.template through<typename Network::specification, typename Network::layers>("", std::move(x));
     typename Network::output_batch out(1);
     typename Network::workspace space;
     net.prepare(threads, space);
     net.logits(threads, space, in, out);
-    golden.compare(last, Network::outputs, [&](std::size_t e) { return out(0, e); });
+    golden.compare(
+        last, Network::outputs, [&](std::size_t e) { return out(0, e); }, walk.factor());
     return net;
 }
 

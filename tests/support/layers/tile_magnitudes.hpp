@@ -140,8 +140,34 @@ private:
     std::size_t elements_;
 };
 
-/// The same for the gradient of the weights, [filter][channel][row][column] as they are, from the magnitudes
-/// of the input and of the outputs' gradient, added to `sizes`: |G|ᵀ [Σ (|B|ᵀ |d| |B|) ∘ (|A| |δ| |A|ᵀ)] |G|.
+/// By how much the deviation of a tile's errors exceeds that of the same sums by taps, where numbers are
+/// independent and alike: of the output that fares worst, the squares of all factors on its way beside those
+/// of the taps, and the roundings that a term passes (deployment_bound.hpp).
+[[nodiscard]] inline double tile_deviation(std::size_t channels, std::size_t kernel, tile_size outputs) {
+    const auto gain = [&](std::size_t count) {
+        const tile_line line(count, kernel);
+        double most = 0;
+        for (std::size_t o = 0; o < count; ++o) {
+            double sum = 0;
+            for (std::size_t e = 0; e < line.side(); ++e) {
+                double g = 0, b = 0;
+                for (std::size_t k = 0; k < kernel; ++k)
+                    g += line.g(e, k) * line.g(e, k);
+                for (std::size_t i = 0; i < line.side(); ++i)
+                    b += line.b(e, i) * line.b(e, i);
+                sum += line.a(o, e) * line.a(o, e) * g * b;
+            }
+            most = std::max(most, sum / static_cast<double>(kernel));
+        }
+        return most;
+    };
+    const auto c = static_cast<double>(channels), taps = static_cast<double>(kernel * kernel);
+    return std::sqrt(gain(outputs.rows) * gain(outputs.columns) * (c + 23) / (taps * c + 3));
+}
+
+/// Magnitudes for the gradient of the weights, [filter][channel][row][column] as they are, from the
+/// magnitudes of the input and of the outputs' gradient, added to `sizes`: |G|ᵀ [Σ (|B|ᵀ |d| |B|) ∘ (|A| |δ|
+/// |A|ᵀ)] |G|.
 inline void add_gradient_magnitudes(const reference_window& window, std::size_t filters,
                                     std::span<const double> in, std::span<const double> gradient,
                                     tile_size outputs, std::span<double> sizes) {

@@ -37,10 +37,11 @@ struct group_convolution {
         else
             pack_weights<C>(packed, weight);
     }
-    /// output = bias + correlation of input and weights. `bias` may be null.
-    static void run(const T* input, const T* packed, const T* bias, T* output, T* scratch) {
+    /// output = bias + correlation of input and weights. `bias` may be null; `beside` holds
+    /// `scratch` elements.
+    static void run(const T* input, const T* packed, const T* bias, T* output, T* beside) {
         if constexpr (tiled)
-            correlate_by_tiles<C, tile>(input, packed, bias, output, scratch);
+            correlate_by_tiles<C, tile>(input, packed, bias, output, beside);
         else
             correlate<C>(input, packed, bias, output);
     }

@@ -65,29 +65,30 @@ public:
             return std::size_t{0};
     }();
 
-    /// totals += the gradient of one group, for the pieces [begin, end). Totals begin as zeros.
-    static void add(const T* input, const T* gradient, double* totals, T* scratch, std::size_t begin,
+    /// sums += the gradient of one group, for the pieces [begin, end): `totals` of them, which begin as
+    /// zeros. `beside` holds `scratch` elements.
+    static void add(const T* input, const T* gradient, double* sums, T* beside, std::size_t begin,
                     std::size_t end) {
         if constexpr (tiled)
-            add_tiled_gradient<W, Filters, tile>(input, gradient, totals, scratch, begin, end);
+            add_tiled_gradient<W, Filters, tile>(input, gradient, sums, beside, begin, end);
         else if constexpr (across_channels::fits)
-            add_channel_gradient<W, Filters>(input, gradient, totals, scratch, begin, end);
+            add_channel_gradient<W, Filters>(input, gradient, sums, beside, begin, end);
         else
-            add_weight_gradient<W, Filters>(input, gradient, totals, begin, end);
+            add_weight_gradient<W, Filters>(input, gradient, sums, begin, end);
     }
-    /// gradients[filter][channel][row][column] from the totals.
-    static void finish(const double* totals, T* gradients) {
+    /// gradients[filter][channel][row][column] from those sums.
+    static void finish(const double* sums, T* gradients) {
         if constexpr (tiled) {
-            finish_tiled_gradient<W, Filters, tile>(totals, gradients);
+            finish_tiled_gradient<W, Filters, tile>(sums, gradients);
         } else if constexpr (across_channels::fits) {
             for (std::size_t filter = 0; filter < Filters; ++filter)
                 for (std::size_t channel = 0; channel < W.input.channels; ++channel)
                     for (std::size_t row = 0; row < W.kernel.rows; ++row)
                         for (std::size_t column = 0; column < W.kernel.columns; ++column)
-                            *gradients++ = static_cast<T>(totals[plan::place(filter, channel, row, column)]);
+                            *gradients++ = static_cast<T>(sums[plan::place(filter, channel, row, column)]);
         } else {
             for (std::size_t i = 0; i < weights; ++i)
-                gradients[i] = static_cast<T>(totals[i]);
+                gradients[i] = static_cast<T>(sums[i]);
         }
     }
 };

@@ -28,7 +28,7 @@ TEST_CASE("group_tiles: tiles cover the outputs, also where they reach beyond") 
 }
 
 TEST_CASE("group_tiles: the elements of a tile lie an odd number of cache lines apart") {
-    for (const std::size_t count : {1, 16, 17, 31, 32, 33, 100}) {
+    for (const std::size_t count : {1U, 16U, 17U, 31U, 32U, 33U, 100U}) {
         CHECK(odd_lines<float>(count) >= count);
         CHECK(odd_lines<float>(count) < count + 32);
         CHECK(odd_lines<float>(count) % 32 == 16);

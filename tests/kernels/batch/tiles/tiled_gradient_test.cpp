@@ -132,7 +132,9 @@ TEST_CASE_TEMPLATE("tiled_gradient: blocks of channels and of filters that are n
 TEST_CASE("tiled_gradient: channels that fill no vector, and maps that no near cache holds, have none") {
     if constexpr (lanes < float >> 1)
         CHECK_FALSE(tiled_gradient_possible<float>(
-            correlation::forward(sliding_window::over({4, 4, lanes<float> + 1}, 3, 1, same), 8), 2));
+            correlation::forward(sliding_window::over({4, 4, lanes<float> + 1}, 3, 1, same),
+                                 2 * lanes<float> - 1),
+            2));
     CHECK_FALSE(tiled_gradient_possible<float>(
         correlation::forward(sliding_window::over({4, 40000, 64}, 3, 1, same), 8), 2));
 }
