@@ -35,3 +35,6 @@ TEST_CASE("conv2d: another padding on each side") {
 TEST_CASE("conv2d: another padding on each side, stride 2") {
     check_layer<conv2d<5, extent{3, 2}, 2, pad(0, 1, 2, 0)>, shape{5, 4, 3}>();
 }
+TEST_CASE("conv2d: more padding than the kernel reaches, channels that fill vectors") {
+    check_layer<conv2d<16, 3, 1, pad(4)>, shape{3, 4, 16}>();
+}

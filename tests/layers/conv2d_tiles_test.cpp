@@ -10,15 +10,17 @@ using support::check_layer;
 
 namespace {
 
-template <std::size_t Filters, extent Kernel, shape Input, padding Padding = same>
+template <std::size_t Filters, extent Kernel, shape Input, padding Padding = same, std::size_t Groups = 1>
 void check_by_tiles() {
-    constexpr auto window = sliding_window::over(Input, Kernel, 1, Padding);
-    static_assert(kernels::group_convolution<kernels::correlation::forward(window, Filters), float>::tiled &&
-                  kernels::group_convolution<kernels::correlation::backward(window, Filters), float>::tiled);
+    constexpr auto window =
+        sliding_window::over({Input.rows, Input.columns, Input.channels / Groups}, Kernel, 1, Padding);
+    constexpr std::size_t filters = Filters / Groups, channels = Input.channels / Groups;
+    static_assert(best_group_tile(kernels::correlation::forward(window, filters)) != extent(0) &&
+                  best_group_tile(kernels::correlation::backward(window, filters)) != extent(0));
     constexpr std::size_t width = kernels::lanes<float>;
-    constexpr bool fill = width > 1 && (Input.channels % width == 0 || Filters % width == 0);
-    static_assert(kernels::weight_gradient<window, Filters, float>::tiled == fill);
-    check_layer<conv2d<Filters, Kernel, 1, Padding>, Input>();
+    constexpr bool fill = width > 1 && (channels % width == 0 || filters % width == 0);
+    static_assert(kernels::weight_gradient<window, filters, float>::tiled == fill);
+    check_layer<conv2d<Filters, Kernel, 1, Padding, in_groups(Groups)>, Input>();
 }
 
 } // namespace
@@ -39,5 +41,5 @@ TEST_CASE("conv2d: 3 × 3 by tiles, filters that fill vectors where channels do 
     check_by_tiles<16, 3, shape{5, 8, 8}>();
 }
 TEST_CASE("conv2d: 3 × 3 by tiles in two groups") {
-    check_layer<conv2d<24, 3, 1, same, in_groups(2)>, shape{4, 8, 32}>();
+    check_by_tiles<24, 3, shape{4, 8, 32}, same, 2>();
 }

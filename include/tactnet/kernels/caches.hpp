@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-// What a core has to itself, by which kernels of deployed networks cut their work into parts that stay near.
+// What a core has to itself, by which kernels cut their work into parts that stay near.
 // Sizes change times, never results: each output is the same sum in the same order.
 //
 // Configuration: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB, plain numbers of KiB, for a processor

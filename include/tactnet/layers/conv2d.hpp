@@ -118,7 +118,7 @@ struct conv2d {
         static void infer(const pass& p, const T* values, const T*, memory& m, input_view<T, Input> in,
                           output_view<T, output> out) {
             reserve(m.scratch, p.threads.threads() * ahead::scratch);
-            const auto some = [&](thread_pool::share part) {
+            p.threads.on_each_share(in.groups(), [&](thread_pool::share part) {
                 for (std::size_t g = part.begin(in.groups()); g < part.end(in.groups()); ++g)
                     for (std::size_t group = 0; group < groups; ++group)
                         ahead::run(in.group(g) + group * group_input,
@@ -126,11 +126,7 @@ struct conv2d {
                                    has_bias ? values + weights + group * filters : nullptr,
                                    out.group(g) + group * group_output,
                                    m.scratch.data() + part.index * ahead::scratch);
-            };
-            if (in.groups() == 1) // other threads need not wake up
-                some({0, 1});
-            else
-                p.threads.on_each_thread(some);
+            });
         }
         static void forward(const pass& p, const T* values, T* none, memory& m, input_view<T, Input> in,
                             output_view<T, output> out) {

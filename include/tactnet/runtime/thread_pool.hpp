@@ -49,17 +49,21 @@ public:
     void on_each_thread(const Body& body) {
         share_out(code_of<Body>, &body);
     }
+    /// The same for work of so many parts: a single one wakes up no other thread.
+    template <class Body>
+    void on_each_share(std::size_t count, const Body& body) {
+        if (count == 1)
+            code_of<Body>(&body, share{0, 1});
+        else
+            on_each_thread(body);
+    }
     /// body(i) for 0 … count − 1. An exception ends its share alone, and reaches the caller as above.
     template <class Body>
     void for_each(std::size_t count, const Body& body) {
-        const auto some = [&](share part) {
+        on_each_share(count, [&](share part) {
             for (std::size_t i = part.begin(count); i < part.end(count); ++i)
                 body(i);
-        };
-        if (count == 1)
-            code_of<decltype(some)>(&some, share{0, 1});
-        else
-            on_each_thread(some);
+        });
     }
 
 private:

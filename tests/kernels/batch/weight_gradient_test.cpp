@@ -3,8 +3,14 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstddef>
+#include <span>
+#include <support/layers/tile_magnitudes.hpp>
+#include <support/layers/window_of.hpp>
+#include <support/tolerance.hpp>
 #include <support/whole_numbers.hpp>
+#include <vector>
 
 using namespace tactnet;
 using namespace tactnet::kernels;
@@ -22,27 +28,38 @@ void compare() {
     aligned_vector<T> scratch(way::scratch), found(Filters * W.input.channels * W.kernel.area());
     way::add(input.data(), gradient.data(), totals.data(), scratch.data(), 0, way::pieces);
     way::finish(totals.data(), found.data());
+    // By taps whole numbers are not rounded. By tiles they are, as tiled_gradient_test.cpp counts.
+    std::vector<double> errors(found.size());
+    if constexpr (way::tiled) {
+        for (std::size_t lane = 0; lane < width; ++lane) {
+            std::vector<double> x(W.input.size()), dy(Filters * area);
+            for (std::size_t i = 0; i < x.size(); ++i)
+                x[i] = std::abs(static_cast<double>(input[i * width + lane]));
+            for (std::size_t i = 0; i < dy.size(); ++i)
+                dy[i] = std::abs(static_cast<double>(gradient[i * width + lane]));
+            support::add_gradient_magnitudes(support::window_of(W), Filters, x, dy,
+                                             {way::tile.rows, way::tile.columns}, std::span<double>(errors));
+        }
+        for (double& e : errors)
+            e *= support::accumulated(support::unit_roundoff<T>, static_cast<double>(area * width) + 34);
+    }
     std::size_t wrong = 0, w = 0;
     for (std::size_t f = 0; f < Filters; ++f)
         for (std::size_t c = 0; c < W.input.channels; ++c)
             for (std::size_t k = 0; k < W.kernel.area(); ++k, ++w) {
-                double sum = 0, size = 0;
+                double sum = 0;
                 for (std::size_t o = 0; o < area; ++o) {
                     const std::size_t y = o / W.output_columns() * W.stride.rows + k / W.kernel.columns -
                                           W.top,
                                       x = o % W.output_columns() * W.stride.columns + k % W.kernel.columns -
                                           W.left;
                     if (y < W.input.rows && x < W.input.columns)
-                        for (std::size_t lane = 0; lane < width; ++lane) {
-                            const auto product = static_cast<double>(
+                        for (std::size_t lane = 0; lane < width; ++lane)
+                            sum += static_cast<double>(
                                 gradient[(f * area + o) * width + lane] *
                                 input[((c * W.input.rows + y) * W.input.columns + x) * width + lane]);
-                            sum += product, size += product < 0 ? -product : product;
-                        }
                 }
-                // By tiles whole numbers are rounded, by less than one of these sums' terms.
-                const double error = static_cast<double>(found[w]) - sum;
-                wrong += !((error < 0 ? -error : error) <= (way::tiled ? 1e-4 * size : 0));
+                wrong += !(std::abs(static_cast<double>(found[w]) - sum) <= errors[w]);
             }
     CHECK(wrong == 0);
 }

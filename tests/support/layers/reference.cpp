@@ -43,8 +43,10 @@ double magnitude(const bounded& b) {
 
 class convolution final : public reference_layer {
 public:
-    convolution(const reference_window& window, std::size_t filters, std::size_t groups, bool bias)
+    convolution(const reference_window& window, std::size_t filters, std::size_t groups, bool bias,
+                const reference_tiles& tiles)
         : window_(window),
+          tiles_(tiles),
           channels_(window.input.channels / groups),
           filters_(filters / groups),
           bias_(bias) {
@@ -72,13 +74,14 @@ public:
             });
             for (std::size_t o = 0; o < output.size(); ++o)
                 sizes[o] *= accumulated(call.roundoff, terms() + 1);
-            const sample& x = in[s];
-            raise_to_tiles(sizes, accumulated(call.roundoff, static_cast<double>(channels_) + 23),
-                           [&](std::size_t group, tile_size tile) {
-                               return tile_magnitudes(group_window(), filters_, group_weights(call, group),
-                                                      magnitudes(x, group, channels_ * input.area()), tile)
-                                   .sizes;
-                           });
+            if (const sample& x = in[s]; tiles_.ahead.rows > 0)
+                raise_to_tile(
+                    sizes, accumulated(call.roundoff, static_cast<double>(channels_) + tile_roundings),
+                    [&](std::size_t group) {
+                        return tile_magnitudes(group_window(), filters_, group_weights(call, group),
+                                               magnitudes(x, group, channels_ * input.area()), tiles_.ahead)
+                            .sizes;
+                    });
             for (std::size_t o = 0; o < output.size(); ++o)
                 out[s][o].error += sizes[o];
         }
@@ -115,9 +118,9 @@ public:
 private:
     [[nodiscard]] double terms() const { return static_cast<double>(channels_ * taps_); }
 
-    // Where a convolution may be computed by Winograd's tiles, an error may be as large as the largest of any
-    // tile that there is (deployment_bound.hpp counts the roundings). Which one it is, or none, is the
-    // library's choice.
+    // deployment_bound.hpp counts the roundings of tiles. Here G g Gᵀ may be of the precision of the rest: up
+    // to six more in each direction.
+    static constexpr double tile_roundings = 34;
     [[nodiscard]] reference_window group_window() const {
         reference_window one = window_;
         one.input.channels = channels_;
@@ -151,59 +154,51 @@ private:
             result[i] = magnitude(all[group * size + i]);
         return result;
     }
-    /// body(tile) for all that there may be.
-    template <class Body>
-    void for_each_tile(Body&& body) const {
-        const std::size_t kernel = window_.kernel_rows;
-        if (kernel != window_.kernel_columns || kernel < 2 || kernel > 3 || window_.stride_rows != 1 ||
-            window_.stride_columns != 1 || window_.top >= kernel || window_.left >= kernel)
-            return;
-        for (std::size_t rows = 2; rows + kernel <= 7; ++rows)
-            for (std::size_t columns = 2; columns + kernel <= 7; ++columns)
-                body(tile_size{rows, columns});
-    }
-    /// errors[i] is at least `share` of the magnitudes by each tile; of_group(group, tile) gives those.
+    /// errors[i] is at least `share` of the magnitudes by a tile; of_group(group) gives those.
     template <class Magnitudes>
-    void raise_to_tiles(std::vector<double>& errors, double share, Magnitudes&& of_group) const {
-        for_each_tile([&](tile_size tile) {
-            for (std::size_t group = 0; group < output.channels / filters_; ++group) {
-                const std::vector<double> sizes = of_group(group, tile);
-                for (std::size_t i = 0; i < sizes.size(); ++i)
-                    errors[group * sizes.size() + i] =
-                        std::max(errors[group * sizes.size() + i], share * sizes[i]);
-            }
-        });
+    void raise_to_tile(std::vector<double>& errors, double share, Magnitudes&& of_group) const {
+        for (std::size_t group = 0; group < output.channels / filters_; ++group) {
+            const std::vector<double> sizes = of_group(group);
+            for (std::size_t i = 0; i < sizes.size(); ++i)
+                errors[group * sizes.size() + i] =
+                    std::max(errors[group * sizes.size() + i], share * sizes[i]);
+        }
     }
     void raise_gradients_to_tiles(const reference_call& call, const samples& in, const samples& out_gradient,
                                   reference_gradients& g) const {
-        for (std::size_t s = 0; s < in.size(); ++s) {
+        for (std::size_t s = 0; s < in.size() && tiles_.back.rows > 0; ++s) {
             std::vector<double> errors(input.size());
-            raise_to_tiles(errors, accumulated(call.roundoff, static_cast<double>(filters_) + 23),
-                           [&](std::size_t group, tile_size tile) {
-                               return tile_magnitudes(
-                                          turned_window(), channels_, turned_weights(call, group),
-                                          magnitudes(out_gradient[s], group, filters_ * output.area()), tile)
-                                   .sizes;
-                           });
+            raise_to_tile(errors, accumulated(call.roundoff, static_cast<double>(filters_) + tile_roundings),
+                          [&](std::size_t group) {
+                              return tile_magnitudes(
+                                         turned_window(), channels_, turned_weights(call, group),
+                                         magnitudes(out_gradient[s], group, filters_ * output.area()),
+                                         tiles_.back)
+                                  .sizes;
+                          });
             for (std::size_t i = 0; i < input.size(); ++i)
                 g.input[s][i].error = std::max(g.input[s][i].error, errors[i]);
         }
         // A term of a weight's gradient passes 4 roundings in each direction of Bᵀ d B and of A δ Aᵀ, those
-        // of its product and of a sum over tiles and samples; sums of those, and Gᵀ t G, are taken in double.
-        const double most = static_cast<double>(in.size() * output.area() + 18);
-        for_each_tile([&](tile_size tile) {
+        // of its product, of a sum over tiles and samples, and of Gᵀ t G. Which tile it is depends on the
+        // instruction set: the largest bound of any counts.
+        const double most = static_cast<double>(in.size() * output.area()) + tile_roundings;
+        for (std::size_t tile = 0; tile < 16 && tiles_.of_weights; ++tile) {
+            const tile_size outputs{2 + tile / 4, 2 + tile % 4};
+            if (std::max(outputs.rows, outputs.columns) + window_.kernel_rows > 7)
+                continue;
             for (std::size_t group = 0; group < output.channels / filters_; ++group) {
                 std::vector<double> sizes(filters_ * channels_ * taps_);
                 for (std::size_t s = 0; s < in.size(); ++s)
                     add_gradient_magnitudes(
                         group_window(), filters_, magnitudes(in[s], group, channels_ * input.area()),
-                        magnitudes(out_gradient[s], group, filters_ * output.area()), tile, sizes);
+                        magnitudes(out_gradient[s], group, filters_ * output.area()), outputs, sizes);
                 for (std::size_t i = 0; i < sizes.size(); ++i) {
                     bounded& b = g.values[group * sizes.size() + i];
                     b.error = std::max(b.error, accumulated(call.roundoff, most) * sizes[i]);
                 }
             }
-        });
+        }
     }
 
     template <class Body>
@@ -218,6 +213,7 @@ private:
     }
 
     reference_window window_;
+    reference_tiles tiles_;
     std::size_t channels_, filters_; // of a group
     bool bias_;
     std::size_t taps_, weights_;
@@ -788,13 +784,13 @@ reference_pointer reference_concatenation(std::vector<reference_pointer> branche
     return std::make_unique<concatenation>(std::move(branches));
 }
 reference_pointer reference_convolution(const reference_window& window, std::size_t filters,
-                                        std::size_t groups, bool bias) {
-    return std::make_unique<convolution>(window, filters, groups, bias);
+                                        std::size_t groups, bool bias, const reference_tiles& tiles) {
+    return std::make_unique<convolution>(window, filters, groups, bias, tiles);
 }
 reference_pointer reference_dense(extents3 input, std::size_t outputs) {
     // One window, as large as the image.
     return std::make_unique<convolution>(reference_window{input, input.rows, input.columns, 1, 1, 0, 0, 0, 0},
-                                         outputs, 1, true);
+                                         outputs, 1, true, reference_tiles{});
 }
 reference_pointer reference_batch_norm(extents3 input) {
     return std::make_unique<batch_norm>(input);

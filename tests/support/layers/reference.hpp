@@ -58,6 +58,11 @@ public:
 using reference_pointer = std::unique_ptr<reference_layer>;
 
 /// A window that slides over an image with `top` … `right` pixels around it.
+/// Outputs of one of Winograd's tiles; none where a convolution is computed by taps.
+struct tile_size {
+    std::size_t rows = 0, columns = 0;
+};
+
 struct reference_window {
     extents3 input;
     std::size_t kernel_rows, kernel_columns, stride_rows, stride_columns;
@@ -92,8 +97,15 @@ struct reference_window {
     }
 };
 
+/// By which of Winograd's tiles the library computes a convolution and the gradient of its input, and whether
+/// it may compute that of the weights by some: errors may then be larger (tile_magnitudes.hpp).
+struct reference_tiles {
+    tile_size ahead, back;
+    bool of_weights = false;
+};
 reference_pointer reference_convolution(const reference_window& window, std::size_t filters,
-                                        std::size_t groups = 1, bool bias = true);
+                                        std::size_t groups = 1, bool bias = true,
+                                        const reference_tiles& tiles = {});
 reference_pointer reference_dense(extents3 input, std::size_t outputs);
 reference_pointer reference_batch_norm(extents3 input);
 reference_pointer reference_relu(extents3 input);

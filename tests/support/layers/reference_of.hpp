@@ -27,8 +27,20 @@ template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, t
           tactnet::conv2d_options Options>
 struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static reference_pointer on(extents3 in) {
-        return reference_convolution(window_over(in, Kernel, Stride, Padding), Filters, Options.groups,
-                                     Options.bias);
+        auto window =
+            tactnet::sliding_window::over({in.rows, in.columns, in.channels}, Kernel, Stride, Padding);
+        window.input.channels /= Options.groups;
+        constexpr std::size_t filters = Filters / Options.groups;
+        using tactnet::kernels::correlation;
+        const auto ahead = correlation::forward(window, filters),
+                   back = correlation::backward(window, filters);
+        const auto tile_of = [](const correlation& c) {
+            const tactnet::extent tile = tactnet::kernels::best_group_tile(c);
+            return tile_size{tile.rows, tile.columns};
+        };
+        return reference_convolution(
+            window_over(in, Kernel, Stride, Padding), Filters, Options.groups, Options.bias,
+            {tile_of(ahead), tile_of(back), tactnet::kernels::group_tile_possible(ahead, 2)});
     }
 };
 template <std::size_t Outputs>

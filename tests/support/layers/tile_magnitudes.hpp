@@ -13,11 +13,6 @@
 
 namespace support {
 
-/// Outputs of one of Winograd's tiles; none where a convolution is computed by taps.
-struct tile_size {
-    std::size_t rows = 0, columns = 0;
-};
-
 /// Magnitudes of the factors in Winograd's lines, with so many outputs of a kernel of so many numbers. Row j
 /// of |G| and column j of |A|ᵀ hold powers of point j; those at infinity hold one number.
 class tile_line {

@@ -118,7 +118,7 @@ void add_channel_gradient(const T* input, const T* gradient, double* totals, T* 
     constexpr std::size_t width = lanes<T>, plane = W.output_rows() * W.output_columns();
     blocked<plan::vectors, plan::block_vectors>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first_piece = first_vector / plan::block_vectors * plan::filter_blocks;
-        if (first_piece + plan::filter_blocks <= begin || first_piece >= end)
+        if (begin == end || first_piece + plan::filter_blocks <= begin || first_piece >= end)
             return;
         for (std::size_t y = 0; y < W.input.rows; y += plan::tile_rows) {
             const std::size_t end_row = std::min(y + plan::tile_rows, W.input.rows);

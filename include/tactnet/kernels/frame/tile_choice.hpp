@@ -35,7 +35,7 @@ namespace kernels {
     return (tiles + blocks - 1) / blocks;
 }
 
-/// Whether there are lines for such a tile (tile_lines.hpp), it holds whole windows of the pool, and the
+/// Whether there are lines for such a tile (simd/tile_lines.hpp), it holds whole windows of the pool, and the
 /// input lies in whole vectors.
 [[nodiscard]] constexpr bool tile_possible(const frame_convolution& c, extent outputs) {
     const std::size_t channels = c.window.input.channels, width = lanes_for<float>(channels);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/frame/winograd_tiles.hpp>
+#include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>
 

@@ -9,7 +9,7 @@
 #include <array>
 #include <cstddef>
 
-// Winograd's convolutions of one frame in two dimensions (tile_lines.hpp has their lines), for deployed
+// Winograd's convolutions of one frame in two dimensions (simd/tile_lines.hpp has their lines), for deployed
 // networks. A tile of 2 × 2 outputs of a kernel of 3 × 3 takes 16 products a channel instead of 36, one of 4
 // × 4 takes 36 instead of 144: input tiles and kernels are transformed, multiplied element by element (which
 // is a matrix product over the channels for each element) and transformed back. With d the input tile, g the

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <type_traits>
 
 // Winograd's convolutions in one dimension (Winograd, 1980; Lavin and Gray, 2016): M outputs of a kernel of K
 // numbers take M + K − 1 products instead of M K. With d the input, g the kernel, y the outputs:
@@ -43,10 +42,7 @@ inline constexpr double root_of_two = 1.41421356237309504880;
 /// A number in all lanes.
 template <class Vector>
 [[gnu::always_inline]] inline Vector in_all_lanes(double number) {
-    if constexpr (std::is_same_v<Vector, vector<double>>)
-        return Vector(number);
-    else
-        return Vector(static_cast<float>(number));
+    return Vector(static_cast<typename Vector::value_type>(number));
 }
 template <class Vector>
 [[gnu::always_inline]] inline Vector times(double factor, const Vector& x) {
@@ -135,20 +131,24 @@ template <std::size_t N, class Vector, std::size_t Outputs>
         return {y[0], even + y[1], even - y[1], none - y[Outputs - 1]};
     } else {
         static_assert(Outputs >= 3 && Outputs < N);
+        // Powers of √½ and √2: what they make of y₀ + y₂ x² + y₄ x⁴ and of y₁ + y₃ x², which x multiplies.
         Vector even1 = times_and(0.5, y[2], y[0]), even2 = times_and(2, y[2], y[0]);
-        Vector odd1 = times(root_of_two / 2, y[1]), odd2 = times(root_of_two, y[1]);
-        if constexpr (Outputs > 3) {
-            odd1 = times_and(root_of_two / 4, y[3], odd1);
-            odd2 = times_and(2 * root_of_two, y[3], odd2);
-        }
         if constexpr (Outputs > 4) {
             even1 = times_and(0.25, y[4], even1);
             even2 = times_and(4, y[4], even2);
         }
+        Vector odd1 = y[1], odd2 = y[1];
+        if constexpr (Outputs > 3) {
+            odd1 = times_and(0.5, y[3], y[1]);
+            odd2 = times_and(2, y[3], y[1]);
+        }
+        constexpr double near = root_of_two / 2, far = root_of_two;
+        const Vector line1 = times_and(near, odd1, even1), line2 = times_and(-near, odd1, even1),
+                     line3 = times_and(far, odd2, even2), line4 = times_and(-far, odd2, even2);
         if constexpr (N == 5)
-            return {even1 + odd1, even1 - odd1, even2 + odd2, even2 - odd2, y[Outputs - 1]};
+            return {line1, line2, line3, line4, y[Outputs - 1]};
         else
-            return {y[0], even1 + odd1, even1 - odd1, even2 + odd2, even2 - odd2, y[Outputs - 1]};
+            return {y[0], line1, line2, line3, line4, y[Outputs - 1]};
     }
 }
 
@@ -203,29 +203,35 @@ template <std::size_t N, class Number, std::size_t Kernel>
 
 /// Gᵀ times a column of sums, or a row of them times G: what tile_kernel_line does, the other way.
 template <std::size_t Kernel, class Number, std::size_t N>
-[[nodiscard]] constexpr std::array<Number, Kernel> tile_weight_line(const std::array<Number, N>& t) {
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Number, Kernel>
+tile_weight_line(const std::array<Number, N>& t) {
     static_assert(Kernel == 2 || Kernel == 3);
-    std::array<Number, Kernel> g{};
+    std::array<Number, Kernel> g;
     if constexpr (N == 3) {
         g = {t[0] + t[1], t[1] + t[2]};
     } else if constexpr (N == 4) {
-        const Number half(0.5), sum = half * (t[1] + t[2]);
+        const Number half(0.5), sum = half * (t[1] + t[2]); // halves are exact
         g[0] = t[0] + sum;
         g[1] = half * (t[1] - t[2]);
         g[Kernel - 1] = (Kernel == 3 ? sum : g[1]) + t[3];
     } else {
+        // Sums and differences of what belongs to the points ±√½ and ±√2, before their factors.
         constexpr std::size_t first = N - 5;
-        const double third = 1.0 / 3, part = 1 / (3 * root_of_two);
-        const Number near1 = Number(N == 6 ? -third : -part) * t[first],
-                     near2 = Number(N == 6 ? -third : part) * t[first + 1],
-                     far1 = Number(N == 6 ? third / 2 : part) * t[first + 2],
-                     far2 = Number(N == 6 ? third / 2 : -part) * t[first + 3];
-        const Number two(2.0), near = near1 + near2, far = far1 + far2;
-        g[0] = two * near + far;
+        const Number near_sum = t[first] + t[first + 1], near_less = t[first] - t[first + 1],
+                     far_sum = t[first + 2] + t[first + 3], far_less = t[first + 2] - t[first + 3];
+        // The factors of N = 6 are alike for both signs, those of N = 5 opposite.
+        const Number &near_even = N == 6 ? near_sum : near_less, &near_odd = N == 6 ? near_less : near_sum,
+                     &far_even = N == 6 ? far_sum : far_less, &far_odd = N == 6 ? far_less : far_sum;
+        constexpr double near = N == 6 ? -1.0 / 3 : -1 / (3 * root_of_two),
+                         far = N == 6 ? 1.0 / 6 : 1 / (3 * root_of_two);
+        const auto both = [&](double of_near, const Number& x, double of_far, const Number& y) {
+            return fused_multiply_add(Number(of_near), x, Number(of_far) * y);
+        };
+        g[0] = both(2 * near, near_even, far, far_even);
         if (N == 6)
             g[0] = t[0] + g[0];
-        g[1] = Number(root_of_two) * ((near1 - near2) + (far1 - far2));
-        g[Kernel - 1] = (Kernel == 3 ? near + two * far : g[1]) + t[N - 1];
+        g[1] = both(root_of_two * near, near_odd, root_of_two * far, far_odd);
+        g[Kernel - 1] = (Kernel == 3 ? both(near, near_even, 2 * far, far_even) : g[1]) + t[N - 1];
     }
     return g;
 }

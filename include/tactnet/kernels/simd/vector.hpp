@@ -163,6 +163,7 @@ template <class T>
 /// A register of one lane, so that kernels read the same with and without SIMD.
 template <class T>
 struct vector {
+    using value_type = T;
     T value;
 
     vector() = default;

@@ -126,10 +126,10 @@ struct norm_relu_pool {
             return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
         }
         /// Of each output of a channel the input that it was made of.
-        static const T* inputs_behind(const pass& p, memory& m, input_view<T, Input> in, std::size_t g,
+        static const T* inputs_behind(const pass& p, const memory& m, input_view<T, Input> in, std::size_t g,
                                       std::size_t c) {
             if constexpr (pools)
-                return chosen_by(p, m, g, c);
+                return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
             else
                 return in.group(g) + c * plane;
         }

@@ -45,6 +45,9 @@ TEST_CASE("group_tiles: kernels, strides and paddings that have no tile") {
     CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32, {2, 3}), 2));
     CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32, 3, 2), 2));
     CHECK_FALSE(group_tile_possible(back({7, 13, 16}, 32, 3, 2), 2)); // the same backwards: pixels apart
+    CHECK(group_tile_possible(ahead({7, 13, 16}, 32, 3, 1, pad(2, 9, 2, 9)), 2));
+    CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32, 3, 1, pad(3, 0, 0, 0)), 2)); // outputs of nothing
+    CHECK_FALSE(group_tile_possible(ahead({7, 13, 16}, 32, 3, 1, pad(0, 0, 3, 0)), 2));
     CHECK(group_tile_possible(back({7, 13, 16}, 32, 3, 1, pad(2)), 2));
     CHECK_FALSE(group_tile_possible(back({7, 13, 16}, 32, 3, 1, pad(3)), 2)); // pixels that no tap reads
 }

@@ -77,10 +77,13 @@ void compare() {
             support::add_gradient_magnitudes(window, Filters, x, dy, {Outputs.rows, Outputs.columns},
                                              std::span<double>(sizes));
         }
-        // Roundings of both transforms, a product, the sum of one band and the result; a hundredth more, as
-        // the reference and the totals round too.
-        const double share = 1.01 * support::accumulated(support::unit_roundoff<T>,
-                                                         static_cast<double>(plan::band_tiles * width) + 18);
+        // Roundings of both transforms, a product, the sum of one band and the result; in double those of the
+        // totals, of Gᵀ t G, and of the sums that these are held to.
+        const double share =
+            support::accumulated(support::unit_roundoff<T>,
+                                 static_cast<double>(plan::band_tiles * width) + 18) +
+            support::accumulated(support::unit_roundoff<double>,
+                                 static_cast<double>(groups * (plan::tiles.rows + width * outputs) + 16));
         std::size_t wrong = 0;
         double worst = 0, largest = 0;
         for (std::size_t w = 0; w < expected.size(); ++w) {

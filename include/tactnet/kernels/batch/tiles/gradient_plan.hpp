@@ -58,7 +58,8 @@ template <class T>
                                    group_tiles::of(c, outputs).rows);
 }
 
-/// Whether there is such a way: channels or filters fill whole vectors, and a band stays in a near cache.
+/// Whether there is such a way: channels or filters fill whole vectors, and one row of tiles, transformed,
+/// takes a megabyte at most.
 template <class T>
 [[nodiscard]] constexpr bool tiled_gradient_possible(const correlation& c, extent outputs) {
     return gradient_block<T>::of(c).fills_vectors() && group_tile_possible(c, outputs) &&

@@ -45,12 +45,15 @@ template <correlation C, class T>
                        (rest > 0 ? odd_lines<T>(C.input.channels * rest) : 0));
 }
 
-/// Whether there are lines for such a tile, nothing lies between neighbours, and padding is less than the
-/// kernel.
+/// Whether there are lines for such a tile, nothing lies between neighbours, and padding above and on the
+/// left is less than the kernel.
 [[nodiscard]] constexpr bool group_tile_possible(const correlation& c, extent outputs) {
     const extent side = group_tiles::of(c, outputs).side;
+    const auto less_than = [](std::ptrdiff_t padding, std::size_t kernel) {
+        return padding >= 0 && static_cast<std::size_t>(padding) < kernel;
+    };
     return (c.kernel == extent(3) || c.kernel == extent(2)) && c.stride == extent(1) &&
-           c.spacing == extent(1) && c.top >= 0 && c.left >= 0 &&
+           c.spacing == extent(1) && less_than(c.top, c.kernel.rows) && less_than(c.left, c.kernel.columns) &&
            std::min(outputs.rows, outputs.columns) >= 2 && std::max(side.rows, side.columns) <= 6;
 }
 

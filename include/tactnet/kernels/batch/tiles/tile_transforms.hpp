@@ -22,14 +22,14 @@ struct plane_layout {
     std::size_t planes, plane, pixel;
 };
 
-/// A square of pixels, of which some may lie outside the map.
+/// The pixels of a tile, of which some may lie outside the map.
 template <extent Side>
-struct pixel_square {
+struct tile_pixels {
     std::ptrdiff_t top, left;
-    std::size_t first_row, last_row, first_column, last_column; ///< of the square, those in the map
+    std::size_t first_row, last_row, first_column, last_column; ///< of the tile, those in the map
 
-    static constexpr pixel_square at(std::ptrdiff_t top, std::ptrdiff_t left, std::size_t rows,
-                                     std::size_t columns) {
+    static constexpr tile_pixels at(std::ptrdiff_t top, std::ptrdiff_t left, std::size_t rows,
+                                    std::size_t columns) {
         const auto first = [](std::ptrdiff_t before) {
             return static_cast<std::size_t>(std::max<std::ptrdiff_t>(-before, 0));
         };
@@ -47,27 +47,27 @@ struct pixel_square {
 };
 
 /// body(plane, from, row distance, pixel distance) for every plane, where `from` is the first pixel of the
-/// square; pixels outside the map are zeros. `columns` are those of the map.
+/// tile; pixels outside the map are zeros. `columns` are those of the map.
 template <extent Side, class T, class Body>
 [[gnu::always_inline]] inline void for_each_plane(const T* map, plane_layout layout, std::size_t columns,
-                                                  const pixel_square<Side>& square, Body&& body) {
+                                                  const tile_pixels<Side>& pixels, Body&& body) {
     constexpr std::size_t width = lanes<T>;
-    const std::ptrdiff_t corner = (square.top * static_cast<std::ptrdiff_t>(columns) + square.left) *
+    const std::ptrdiff_t corner = (pixels.top * static_cast<std::ptrdiff_t>(columns) + pixels.left) *
                                   static_cast<std::ptrdiff_t>(layout.pixel);
     const std::size_t row_distance = columns * layout.pixel;
-    const bool inside = square.inside();
+    const bool inside = pixels.inside();
     alignas(alignment) std::array<T, Side.area() * width> padded;
     if (!inside)
         padded.fill(T{});
     for (std::size_t plane = 0; plane < layout.planes; ++plane) {
         const T* from = map + static_cast<std::ptrdiff_t>(plane * layout.plane) + corner;
         if (!inside) {
-            for (std::size_t y = square.first_row; y < square.last_row; ++y) {
+            for (std::size_t y = pixels.first_row; y < pixels.last_row; ++y) {
                 // Written out: GCC would call a function for so few numbers.
                 constexpr std::size_t side_columns = Side.columns;
 #pragma GCC unroll 8
                 for (std::size_t x = 0; x < side_columns; ++x)
-                    if (x >= square.first_column && x < square.last_column)
+                    if (x >= pixels.first_column && x < pixels.last_column)
                         store(padded.data() + (y * side_columns + x) * width,
                               load(from + y * row_distance + x * layout.pixel));
             }
@@ -88,10 +88,10 @@ transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* t
     constexpr std::size_t side_columns = side.columns; // not in the lambda: GCC 12 takes it for uninitialised
     const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows) - C.top,
                left = static_cast<std::ptrdiff_t>(tile % tiles.columns * Outputs.columns) - C.left;
-    auto square = pixel_square<side>::at(top, left, C.input.rows, C.input.columns);
-    square.top -= static_cast<std::ptrdiff_t>(first_row);
+    auto pixels = tile_pixels<side>::at(top, left, C.input.rows, C.input.columns);
+    pixels.top -= static_cast<std::ptrdiff_t>(first_row);
     for_each_plane(
-        input, layout, C.input.columns, square,
+        input, layout, C.input.columns, pixels,
         [&](std::size_t plane, const T* from, std::size_t row,
             std::size_t pixel) __attribute__((always_inline)) {
             T* const place = to + plane * lanes<T> * step;
@@ -115,10 +115,10 @@ transform_gradient_tile(const T* gradient, plane_layout layout, std::size_t tile
     constexpr std::size_t width = lanes<T>;
     const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows),
                left = static_cast<std::ptrdiff_t>(tile % tiles.columns * Outputs.columns);
-    auto square = pixel_square<Outputs>::at(top, left, C.output.rows, C.output.columns);
-    square.top -= static_cast<std::ptrdiff_t>(first_row);
+    auto pixels = tile_pixels<Outputs>::at(top, left, C.output.rows, C.output.columns);
+    pixels.top -= static_cast<std::ptrdiff_t>(first_row);
     for_each_plane(
-        gradient, layout, C.output.columns, square,
+        gradient, layout, C.output.columns, pixels,
         [&](std::size_t plane, const T* from, std::size_t row,
             std::size_t pixel) __attribute__((always_inline)) {
             std::array<std::array<vector<T>, Outputs.columns>, side.rows> half;

@@ -80,7 +80,7 @@ template <sliding_window W, std::size_t Filters, extent Outputs, class T>
     T* const numbers = values + plan::elements * plan::vector_distance;
     blocked<plan::vectors, plan::block.vectors>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first_piece = first_vector / plan::block.vectors * plan::number_blocks;
-        if (first_piece + plan::number_blocks <= begin || first_piece >= end)
+        if (begin == end || first_piece + plan::number_blocks <= begin || first_piece >= end)
             return;
         blocked<plan::tiles.rows, plan::band_rows>([&](auto rows, std::size_t first_row) {
             constexpr std::size_t tiles = rows * plan::tiles.columns, planes = width * vectors;
