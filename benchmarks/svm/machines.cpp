@@ -14,9 +14,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +48,20 @@ struct duel {
                     peer / own);
     }
 };
+
+/// Bytes a second that one core reads of a block of that size, again and again; the fastest of 50 rounds.
+double reading_speed(std::size_t bytes) {
+    const std::vector<std::uint64_t> block(bytes / sizeof(std::uint64_t), 1);
+    double fastest = 1e300;
+    for (std::size_t round = 0; round < 50; ++round) {
+        std::uint64_t sum = 0;
+        fastest =
+            std::min(fastest, seconds_of([&] { sum = std::accumulate(block.begin(), block.end(), sum); }));
+        if (sum != block.size())
+            std::abort();
+    }
+    return static_cast<double>(bytes) / fastest;
+}
 
 struct sample_set {
     std::size_t features;
@@ -117,6 +133,11 @@ bool compare_rbf(const char* name, feature_rows<Features> rows, const std::vecto
                 100 * same);
     training.print("RBF, train", 1e3, "ms");
     single.print("RBF, predict, one row", 1e6 / count, "us");
+    // One row meets each support vector once: it can be no faster than these are read.
+    const std::size_t bytes = own->support_vectors() * rows.features() * sizeof(float);
+    std::printf("    reads %.1f MB at %.0f GB/s; a sum over as many bytes, %.0f GB/s\n",
+                1e-6 * static_cast<double>(bytes), 1e-9 * static_cast<double>(bytes) * count / single.own,
+                1e-9 * reading_speed(bytes));
     batch.print("RBF, predict, a row of a batch", 1e6 / count, "us");
     bool good = converged && same >= 0.995 && alone == found;
     if (compare_objective) {

@@ -71,7 +71,8 @@ TEST_CASE_TEMPLATE("weight_gradient: each weight in its place, by tiles, across 
     constexpr auto tiled = sliding_window::over({7, 13, 32}, 3, 1, same),
                    strided = sliding_window::over({7, 13, 2 * lanes<T>}, 3, 2, same),
                    odd = sliding_window::over({7, 13, 3}, 3, 1, same);
-    CHECK(weight_gradient<tiled, 30, T>::tiled == (lanes < T >> 1));
+    if (lanes<T> >= 4) // else each number is transformed again for few sums
+        CHECK(weight_gradient<tiled, 30, T>::tiled);
     CHECK_FALSE(weight_gradient<strided, 30, T>::tiled);
     CHECK_FALSE(weight_gradient<odd, 30, T>::tiled);
     compare<T, tiled, 30>();

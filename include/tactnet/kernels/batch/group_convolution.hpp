@@ -14,14 +14,15 @@ namespace kernels {
 template <correlation C, class T>
 struct group_convolution {
     static constexpr extent tile = best_group_tile(C); ///< 0: by taps
-    static constexpr bool tiled = tile != extent(0);
-    /// Elements of the packed weights, and those that a thread needs beside.
+    static constexpr bool tiled = tile != extent(0);   ///< whether by tiles
+    /// Elements of the packed weights.
     static constexpr std::size_t weights = [] {
         if constexpr (tiled)
             return tiled_convolution<C, tile, T>::weights;
         else
             return C.input.channels * C.output.channels * C.kernel.area();
     }();
+    /// Elements that a thread needs beside.
     static constexpr std::size_t scratch = [] {
         if constexpr (tiled)
             return tiled_convolution<C, tile, T>::scratch;

@@ -33,7 +33,7 @@ public:
             [](extent outputs) { return tiled_gradient_possible<T>(ahead, outputs); },
             [](extent outputs) { return gradient_cost_by_tiles<T>(ahead, outputs); });
     }();
-    static constexpr bool tiled = tile != extent(0);
+    static constexpr bool tiled = tile != extent(0); ///< whether by tiles
 
 private:
     // The plan of the way that is taken.

@@ -18,11 +18,12 @@ namespace kernels {
 /// Registers of a block of sums: vectors of what lies in lanes, and numbers that meet them.
 template <class T>
 struct gradient_block {
-    bool filters_in_lanes; ///< else channels
-    std::size_t in_lanes;  ///< of these as many
-    std::size_t others;
+    bool filters_in_lanes;        ///< else channels
+    std::size_t in_lanes;         ///< of these as many
+    std::size_t others;           ///< as many of what does not
     std::size_t vectors, numbers; ///< of a block
 
+    /// Of a convolution's weights.
     [[nodiscard]] static constexpr gradient_block of(const correlation& c) {
         const std::size_t channels = c.input.channels, filters = c.output.channels;
         // Two vectors share each number that is spread.
@@ -35,6 +36,7 @@ struct gradient_block {
                           vectors = std::max<std::size_t>(vectors_of(in_lanes), 1);
         return {by_filters, in_lanes, others, vectors, std::min(most_block_sums / vectors, others)};
     }
+    /// Whether one of the two is a multiple of the lanes.
     [[nodiscard]] constexpr bool fills_vectors() const { return lanes<T> > 1 && in_lanes % lanes<T> == 0; }
     /// Blocks of what lies in lanes.
     [[nodiscard]] constexpr std::size_t vector_blocks() const {
@@ -82,26 +84,33 @@ template <class T>
 /// How it is blocked by tiles of so many outputs.
 template <sliding_window W, std::size_t Filters, extent Outputs, class T>
 struct tiled_gradient_plan {
+    /// The convolution itself.
     static constexpr correlation ahead = correlation::forward(W, Filters);
     static_assert(tiled_gradient_possible<T>(ahead, Outputs), "tiled_gradient_plan: there is no such way");
+    /// Its map, cut.
     static constexpr group_tiles tiles = group_tiles::of(ahead, Outputs);
-    static constexpr std::size_t elements = tiles.elements();
+    static constexpr std::size_t elements = tiles.elements(); ///< of an input tile
 
+    /// Registers.
     static constexpr auto block = gradient_block<T>::of(ahead);
+    /// Of all blocks.
     static constexpr std::size_t vectors = block.in_lanes / lanes<T>, numbers = block.others;
-    /// Pieces of work that write different sums, and so may run on different threads: for each block of
-    /// vectors, blocks of numbers.
+    /// Blocks of numbers, for each block of vectors.
     static constexpr std::size_t number_blocks = (numbers + block.numbers - 1) / block.numbers;
+    /// Pieces of work that write different sums, and so may run on different threads.
     static constexpr std::size_t pieces = block.vector_blocks() * number_blocks;
 
+    /// Rows of tiles in a band, and tiles.
     static constexpr std::size_t band_rows = tile_rows_of_band<T>(ahead, Outputs),
                                  band_tiles = band_rows * tiles.columns;
-    /// The map that goes to the lanes: rows of it that a band reads, and their elements, turned.
+    /// The map that goes to the lanes.
     static constexpr shape turned_map = block.filters_in_lanes ? ahead.output : ahead.input;
+    /// Rows of it that a band reads.
     static constexpr std::size_t turned_rows =
         std::min((band_rows - 1) * Outputs.rows + (block.filters_in_lanes ? Outputs.rows : tiles.side.rows),
                  turned_map.rows);
     static constexpr std::size_t planes = lanes<T> * block.vectors; ///< vectors of a pixel
+    /// Elements of these, turned.
     static constexpr std::size_t turned = turned_rows * turned_map.columns * planes * lanes<T>;
     /// From one element of a tile to the next, of transformed vectors and numbers.
     static constexpr std::size_t vector_distance = odd_lines<T>(band_tiles * planes * lanes<T>),

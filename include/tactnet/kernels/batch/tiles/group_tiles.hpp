@@ -20,12 +20,15 @@ struct group_tiles {
     extent side;               ///< rows and columns of an input tile, and of the transformed kernel
     std::size_t rows, columns; ///< of tiles that cover the outputs
 
+    /// Of a correlation.
     [[nodiscard]] static constexpr group_tiles of(const correlation& c, extent outputs) {
         return {{outputs.rows + c.kernel.rows - 1, outputs.columns + c.kernel.columns - 1},
                 (c.output.rows + outputs.rows - 1) / outputs.rows,
                 (c.output.columns + outputs.columns - 1) / outputs.columns};
     }
+    /// Of an input tile.
     [[nodiscard]] constexpr std::size_t elements() const { return side.area(); }
+    /// Of tiles.
     [[nodiscard]] constexpr std::size_t count() const { return rows * columns; }
 };
 

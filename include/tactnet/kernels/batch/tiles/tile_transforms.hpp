@@ -19,15 +19,18 @@ namespace kernels {
 
 /// Where the planes of a map lie, and its pixels in each, in elements.
 struct plane_layout {
-    std::size_t planes, plane, pixel;
+    std::size_t planes; ///< how many there are
+    std::size_t plane;  ///< from one to the next
+    std::size_t pixel;  ///< the same of pixels
 };
 
 /// The pixels of a tile, of which some may lie outside the map.
 template <extent Side>
 struct tile_pixels {
-    std::ptrdiff_t top, left;
+    std::ptrdiff_t top, left;                                   ///< row and column of the first
     std::size_t first_row, last_row, first_column, last_column; ///< of the tile, those in the map
 
+    /// Of a map of so many rows and columns.
     static constexpr tile_pixels at(std::ptrdiff_t top, std::ptrdiff_t left, std::size_t rows,
                                     std::size_t columns) {
         const auto first = [](std::ptrdiff_t before) {
@@ -41,6 +44,7 @@ struct tile_pixels {
                 first(top),  last(top, Side.rows, rows),
                 first(left), last(left, Side.columns, columns)};
     }
+    /// Whether all are in the map.
     [[nodiscard]] constexpr bool inside() const {
         return first_row == 0 && last_row == Side.rows && first_column == 0 && last_column == Side.columns;
     }

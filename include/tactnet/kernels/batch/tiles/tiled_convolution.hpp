@@ -21,11 +21,14 @@ namespace kernels {
 template <correlation C, extent Outputs, class T>
 struct tiled_convolution {
     static_assert(group_tile_possible(C, Outputs), "tiled_convolution: there are no lines for this tile");
+    /// Its map, cut.
     static constexpr group_tiles tiles = group_tiles::of(C, Outputs);
-    static constexpr std::size_t elements = tiles.elements();
+    static constexpr std::size_t elements = tiles.elements(); ///< of an input tile
+    /// Channels of the input and of the output.
     static constexpr std::size_t channels = C.input.channels, filters = C.output.channels;
-    /// Output channels and tiles of a register block.
+    /// Output channels of a register block.
     static constexpr std::size_t block_filters = std::min(block_channels, filters);
+    /// Tiles of one.
     static constexpr std::size_t block = std::min(block_outputs, tiles.count());
     /// Tiles from the first transform to the last: what half of the second level holds, but at least a block.
     static constexpr std::size_t band = [] {
@@ -43,7 +46,9 @@ struct tiled_convolution {
 
     /// Of a tile of a band: the first of its register block, and how many there are.
     struct place_in_band {
-        std::size_t first, count;
+        std::size_t first; ///< tile of the block
+        std::size_t count; ///< of its tiles
+        /// Of a tile in a band of so many.
         constexpr place_in_band(std::size_t tile, std::size_t of_band)
             : first(tile / block * block), count(std::min(block, of_band - first)) {}
     };
