@@ -1,7 +1,7 @@
 #include "arguments.hpp"
 
-#include <tactnet/io/text.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <cstddef>
 #include <string_view>

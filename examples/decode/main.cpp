@@ -11,11 +11,11 @@
 
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
 #include <tactnet/sensors/warning.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "printable.hpp"
 
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <cstddef>
 

@@ -12,7 +12,7 @@
 #include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

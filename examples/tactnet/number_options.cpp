@@ -1,6 +1,6 @@
 #include "number_options.hpp"
 
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>
 

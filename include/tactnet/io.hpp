@@ -11,7 +11,6 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/pretrained.hpp>
-#include <tactnet/io/read_number.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>
@@ -23,4 +22,5 @@
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/stored_arrays.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/numbers.hpp>
+#include <tactnet/text/quoting.hpp>

@@ -11,7 +11,7 @@
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>
 

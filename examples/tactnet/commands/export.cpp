@@ -11,7 +11,7 @@
 #include "usage_error.hpp"
 
 #include <tactnet/io/file.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

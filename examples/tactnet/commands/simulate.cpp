@@ -11,9 +11,9 @@
 
 #include <tactnet/io/file.hpp>
 #include <tactnet/io/partial_file.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
+#include <tactnet/text/quoting.hpp>
 #include <tactnet/version.hpp>
 
 #include <CLI/CLI.hpp>

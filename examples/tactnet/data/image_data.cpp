@@ -5,7 +5,7 @@
 
 #include <tactnet/image/running_resize.hpp>
 #include <tactnet/io/file.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>
 

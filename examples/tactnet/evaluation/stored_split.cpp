@@ -4,7 +4,7 @@
 #include "number_options.hpp"
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>
 

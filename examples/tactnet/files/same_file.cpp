@@ -2,7 +2,7 @@
 
 #include "usage_error.hpp"
 
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>
 

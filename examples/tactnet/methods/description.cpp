@@ -3,7 +3,7 @@
 #include "data/fingerprint.hpp"
 #include "methods/pretrained.hpp"
 
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 #include <tactnet/version.hpp>
 
 #include <fmt/format.h>

@@ -7,7 +7,7 @@
 #include <tactnet/io/safetensors/index.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cmath>

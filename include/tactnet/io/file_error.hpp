@@ -5,20 +5,35 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
-// One exception for all that can be wrong with a user's file. Whoever reads it must be able to act on it, so
-// it cannot be made without saying which file, where in it, what was expected and what was found.
+// One exception for everything that can be wrong with a user's file. Its reader must be able to act on it, so
+// it always states which file, where in it, what was expected and what was found.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
+/// "file: place: expected …, found …", the sentence of every error about a file. An empty file or place is
+/// left out.
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string error_sentence(std::string_view file,
+                                                                             std::string_view place,
+                                                                             std::string_view expected,
+                                                                             std::string_view found) {
+    std::string text;
+    for (const std::string_view part : {file, place})
+        if (!part.empty())
+            text.append(part).append(": ");
+    return text.append("expected ").append(expected).append(", found ").append(found);
+}
 
 /// A file that cannot be read, written or used. `what()` is one sentence: "file: place: expected …, found …".
 class file_error : public std::runtime_error {
 public:
     /// `place` may be empty when the file as a whole is meant.
-    file_error(std::string file, std::string place, std::string expected, std::string found)
-        : std::runtime_error(sentence(file, place, expected, found)),
+    [[gnu::cold, gnu::noinline]] file_error(std::string file, std::string place, std::string expected,
+                                            std::string found)
+        : std::runtime_error(error_sentence(file, place, expected, found)),
           parts_(std::make_shared<const parts>(
               parts{std::move(file), std::move(place), std::move(expected), std::move(found)})) {}
 
@@ -33,12 +48,6 @@ private:
     struct parts {
         std::string file, place, expected, found;
     };
-
-    static std::string sentence(const std::string& file, const std::string& place,
-                                const std::string& expected, const std::string& found) {
-        return file + ": " + (place.empty() ? "" : place + ": ") + "expected " + expected + ", found " +
-               found;
-    }
 
     // Shared, since copying an exception must not throw.
     std::shared_ptr<const parts> parts_;

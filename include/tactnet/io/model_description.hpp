@@ -2,11 +2,10 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/read_number.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
-#include <tactnet/io/text.hpp>
-#include <tactnet/io/write_number.hpp>
+#include <tactnet/text/numbers.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <charconv>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/header.hpp>
 #include <tactnet/io/safetensors/index.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/tensor/shape.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cmath>

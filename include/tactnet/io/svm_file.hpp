@@ -3,10 +3,10 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/svm/kernel/functions.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
 #include <tactnet/svm/linear_machine.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <cmath>
 #include <concepts>

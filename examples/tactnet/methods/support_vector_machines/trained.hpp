@@ -4,7 +4,7 @@
 #include "methods/support_vector_machines/image_features.hpp"
 #include "methods/support_vector_machines/machine.hpp"
 
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

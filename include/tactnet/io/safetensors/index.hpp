@@ -4,7 +4,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/header.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>
 #include <tactnet/io/safetensors/header.hpp>
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cstddef>

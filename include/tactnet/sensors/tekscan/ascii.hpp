@@ -1,13 +1,13 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/frame_times.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/tekscan/row.hpp>
 #include <tactnet/sensors/tekscan/text.hpp>
 #include <tactnet/sensors/text/lines.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/text.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/text.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/tekscan/text.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,8 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/read_number.hpp>
-#include <tactnet/io/write_number.hpp>
+#include <tactnet/text/numbers.hpp>
 
 #include <array>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include <tactnet/io/text.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-TEST_CASE("text: well-formed UTF-8, as the Unicode standard's table has it") {
+TEST_CASE("quoting: well-formed UTF-8, as the Unicode standard's table has it") {
     using tactnet::is_utf8;
     CHECK(is_utf8(""));
     CHECK(is_utf8("plain"));
@@ -34,7 +34,7 @@ TEST_CASE("text: well-formed UTF-8, as the Unicode standard's table has it") {
     CHECK_FALSE(is_utf8("\xFF"));
 }
 
-TEST_CASE("text: every character there is, and none with a byte less or of the wrong kind") {
+TEST_CASE("quoting: every character there is, and none with a byte less or of the wrong kind") {
     std::size_t wrong = 0;
     std::string text;
     for (std::uint32_t code = 0; code <= 0x10FFFF; ++code) {
@@ -53,7 +53,7 @@ TEST_CASE("text: every character there is, and none with a byte less or of the w
     CHECK(wrong == 0);
 }
 
-TEST_CASE("text: as a JSON string") {
+TEST_CASE("quoting: as a JSON string") {
     using namespace std::string_view_literals;
     using tactnet::json_string;
     CHECK(json_string("") == "\"\"");
@@ -62,7 +62,7 @@ TEST_CASE("text: as a JSON string") {
     CHECK_THROWS_AS(static_cast<void>(json_string("\xC3")), std::invalid_argument);
 }
 
-TEST_CASE("text: names in messages cannot break the line or the terminal") {
+TEST_CASE("quoting: names in messages cannot break the line or the terminal") {
     using namespace std::string_view_literals;
     using tactnet::in_quotes;
     CHECK(in_quotes("conv1.weight") == "'conv1.weight'");
