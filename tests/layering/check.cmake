@@ -2,6 +2,7 @@
 #
 # cmake -DROOT=<folder that holds tactnet/> -P check.cmake
 cmake_minimum_required(VERSION 3.22)
+get_filename_component(ROOT "${ROOT}" ABSOLUTE)
 
 # What each room may include, apart from itself, detail and the version.
 set(room_detail "")
