@@ -2,7 +2,7 @@
 // with one subfolder of images a class is given; and says how alike they are. Strips lie in folders by kind,
 // as the classes do in the headers of simulation/paper/.
 
-#include <tactnet/image/running_resize.hpp>
+#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
 #include <tactnet/simulation/paper/scene.hpp>

@@ -4,7 +4,7 @@
 #include "record.hpp"
 
 #include <tactnet/image/augmentation.hpp>
-#include <tactnet/image/running_resize.hpp>
+#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/image/transform.hpp>
 
 #include <doctest/doctest.h>

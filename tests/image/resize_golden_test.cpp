@@ -1,7 +1,7 @@
 // Against the libraries that others resize with: tests/golden/resize.py made the file.
 
+#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/image/resize.hpp>
-#include <tactnet/image/running_resize.hpp>
 #include <tactnet/io/safetensors.hpp>
 
 #include <doctest/doctest.h>

@@ -3,7 +3,7 @@
 #include "data/fingerprint.hpp"
 #include "data/regular_file.hpp"
 
-#include <tactnet/image/running_resize.hpp>
+#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/text/quoting.hpp>
 

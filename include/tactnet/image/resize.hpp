@@ -10,7 +10,7 @@
 #include <type_traits>
 
 // Resize between two sizes that are compile-time constants: so are all weights, both passes are written for
-// these sizes, and there is no heap. running_resize.hpp is for sizes known at run time only.
+// these sizes, and there is no heap. dynamic_resize.hpp is for sizes known at run time only.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -105,11 +105,11 @@ public:
 
 /// The same for sizes known only when running, in double precision.
 template <class Kernel>
-class running_axis {
+class dynamic_axis {
 public:
     using output = detail::resize_taps<std::vector<double>>;
 
-    running_axis(std::size_t from, std::size_t to) : table_(to) {
+    dynamic_axis(std::size_t from, std::size_t to) : table_(to) {
         for (std::size_t o = 0; o < to; ++o) {
             table_[o].weights.resize(detail::most_taps(from, to));
             detail::find_taps<Kernel>(o, from, to, table_[o]);

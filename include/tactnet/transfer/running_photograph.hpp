@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/image/running_resize.hpp>
+#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/transfer/photograph.hpp>
 

@@ -24,7 +24,7 @@ template <class Kernel, class Count>
                                                  std::size_t new_columns) {
     if (rows == 0 || columns == 0 || new_rows == 0 || new_columns == 0 || image.size() != rows * columns)
         throw std::invalid_argument("resize_bicubic: expected non-empty images and rows × columns pixels");
-    const running_axis<Kernel> down(rows, new_rows), along(columns, new_columns);
+    const dynamic_axis<Kernel> down(rows, new_rows), along(columns, new_columns);
     std::vector<double> middle(new_rows * columns), result(new_rows * new_columns);
     for (std::size_t y = 0; y < new_rows; ++y)
         down[y].for_each([&](std::size_t row, double weight) {
