@@ -149,7 +149,7 @@ template <class Body>
 }
 
 /// A convolution by plans that were not chosen, where they are possible: the fastest one's name and seconds.
-template <class Step, tactnet::kernels::frame_convolution C = Step::kernel.joined()>
+template <class Step, tactnet::kernels::frame_convolution C = Step::kernel.ungrouped()>
 void time_other_plans(layer_report& layer, const float* in, float* out) {
     namespace kernels = tactnet::kernels;
     const auto weight = [](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {

@@ -84,7 +84,7 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
     using form = deployed<Network>;
     constexpr bool light = std::is_same_v<Network, light_network>;
     static_assert(form::view_type::large == !(light || std::is_same_v<Network, heavy_network>));
-    static_assert((form::weight_bytes > kernels::second_cache) == !light);
+    static_assert((form::weight_bytes > kernels::l2_cache_bytes) == !light);
     if constexpr (light) {
         static_assert(detail::frame_batch<typename form::view_type>::on_one_thread == 4);
         static_assert(joins_tiles<typename form::view_type::steps>);

@@ -84,7 +84,7 @@ struct frame_batch {
     /// the stack. A quarter of a megabyte of it, which threads have on most systems and which stays in a
     /// second level of cache; more only where the weights outgrow that level.
     static constexpr std::size_t most_memory =
-        View::weight_bytes > kernels::second_cache ? View::most_on_stack : std::size_t{256} * 1024;
+        View::weight_bytes > kernels::l2_cache_bytes ? View::most_on_stack : std::size_t{256} * 1024;
     static constexpr std::size_t on_one_thread = std::clamp<std::size_t>(
         most_memory / (View::elements_together * sizeof(typename View::activation)), 1, 4);
 

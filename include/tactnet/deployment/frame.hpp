@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/kernels/frame/counts.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -42,7 +42,7 @@ struct frame_entrance<single_precision, Input> {
         // Pools and ReLUs would let a NaN or an infinity vanish: it must be seen here. The limit is one that
         // counts of 8 bits keep.
         if constexpr (Input.channels == 1) {
-            return kernels::counts_to_numbers<Input.size()>(counts, mean, scale, limit, in);
+            return kernels::normalise_counts<Input.size()>(counts, mean, scale, limit, in);
         } else {
             std::uint32_t beyond = 0;
             for (std::size_t channel = 0; channel < Input.channels; ++channel)

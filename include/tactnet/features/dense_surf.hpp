@@ -68,12 +68,12 @@ public:
             std::get<level>(m.scales).describe(
                 m.integral, m.weights,
                 [&](std::size_t row, std::size_t column, const std::array<float, surf_values>& values) {
-                    const float length = kernels::length_of<surf_values>(values.data());
+                    const float length = kernels::euclidean_norm<surf_values>(values.data());
                     if (length == 0)
                         return;
                     float* to = m.descriptors.data() + count_ * surf_values;
                     std::copy(values.begin(), values.end(), to);
-                    kernels::scale_values<surf_values>(to, 1 / length);
+                    kernels::scale_row<surf_values>(to, 1 / length);
                     m.places[count_++] = {static_cast<std::uint16_t>(level), static_cast<std::uint16_t>(row),
                                           static_cast<std::uint16_t>(column)};
                 });

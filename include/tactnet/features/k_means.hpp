@@ -3,7 +3,7 @@
 #include <tactnet/features/check_points.hpp>
 #include <tactnet/features/far_origin.hpp>
 #include <tactnet/kernels/rows/nearest.hpp>
-#include <tactnet/kernels/rows/squared_distance.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>

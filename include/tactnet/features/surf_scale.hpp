@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/features/haar_response.hpp>
-#include <tactnet/kernels/rows/weighted_sum.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>

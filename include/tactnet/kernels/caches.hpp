@@ -22,25 +22,25 @@ namespace kernels {
 
 /// Bytes of the first level, for data.
 #if defined(TACTNET_L1_CACHE_BY_DEFAULT)
-inline constexpr std::size_t first_cache = 32 * 1024;
+inline constexpr std::size_t l1_cache_bytes = 32 * 1024;
 #else
-inline constexpr std::size_t first_cache = TACTNET_L1_CACHE_KIB * std::size_t{1024};
+inline constexpr std::size_t l1_cache_bytes = TACTNET_L1_CACHE_KIB * std::size_t{1024};
 #endif
 /// Bytes of the second level.
 #if defined(TACTNET_L2_CACHE_BY_DEFAULT)
-inline constexpr std::size_t second_cache = 512 * 1024;
+inline constexpr std::size_t l2_cache_bytes = 512 * 1024;
 #else
-inline constexpr std::size_t second_cache = TACTNET_L2_CACHE_KIB * std::size_t{1024};
+inline constexpr std::size_t l2_cache_bytes = TACTNET_L2_CACHE_KIB * std::size_t{1024};
 #endif
 static_assert(
-    first_cache >= 4096 && second_cache >= first_cache,
+    l1_cache_bytes >= 4096 && l2_cache_bytes >= l1_cache_bytes,
     "tactnet: expected at least 4 KiB of L1 (TACTNET_L1_CACHE_KIB), and of L2 (TACTNET_L2_CACHE_KIB) as "
     "much as of L1");
 
 /// Of the first level what an intermediate map may take, beside weights and outputs that pass through.
-inline constexpr std::size_t near_bytes = first_cache / 4 * 3;
+inline constexpr std::size_t l1_map_bytes = l1_cache_bytes / 4 * 3;
 /// Weights that are read again for each part of a map come from the second level, quickly enough up to here.
-inline constexpr std::size_t near_weight_bytes = second_cache / 8;
+inline constexpr std::size_t l2_weight_bytes = l2_cache_bytes / 8;
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

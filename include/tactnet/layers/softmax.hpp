@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/rows/softmax.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <array>

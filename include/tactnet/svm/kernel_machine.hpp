@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/rows/weighted.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/kernel/functions.hpp>

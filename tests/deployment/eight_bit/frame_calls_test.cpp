@@ -170,7 +170,7 @@ TEST_CASE("eight_bit: the same bits in batches of any size on any number of thre
 
 TEST_CASE("eight_bit: the same bits where frames pass together") {
     using heavy = network<shape{8, 16}, conv2d<8, 3>, relu, conv2d<16, 3>, relu, max_pool<2, 2>, dense<1100>>;
-    static_assert(deployed<heavy, eight_bit>::view_type::weight_bytes > kernels::second_cache);
+    static_assert(deployed<heavy, eight_bit>::view_type::weight_bytes > kernels::l2_cache_bytes);
     const auto net = std::make_unique<heavy>();
     support::fill(*net, 41);
     check_batches(deployed<heavy, eight_bit>(support::calibrated(*net, 41, 4).folded()));

@@ -218,7 +218,7 @@ TEST_CASE("convolution_step: where an output would reach into the next pixel it 
                                              .groups = 2,
                                              .map_stride = 64,
                                              .map_offset = 48};
-    static_assert(!groups_reach.joined().fits_map());
+    static_assert(!groups_reach.ungrouped().fits_map());
     using net = network<shape{3, 3}, conv2d<16, 1>, dense<2>>;
     static_assert(deployed_step<deployment_plan<net>::step>);
 }

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame/direct.hpp>
 #include <tactnet/kernels/frame/packed_pixels.hpp>
 
 #include <doctest/doctest.h>

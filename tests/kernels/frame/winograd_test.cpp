@@ -95,6 +95,6 @@ TEST_SUITE("kernels") {
                                     many = step({10, 18, 64}, 3, 64, 64);
         CHECK(frames_by_tiles<few, extent(2)> == 4);
         CHECK(frames_by_tiles<many, extent(2)> == 1);
-        static_assert(winograd_tiles<few, extent(2), 4>::scratch * sizeof(float) <= second_cache / 8);
+        static_assert(winograd_tiles<few, extent(2), 4>::scratch * sizeof(float) <= l2_cache_bytes / 8);
     }
 }

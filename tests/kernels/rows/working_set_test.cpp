@@ -1,5 +1,4 @@
-#include <tactnet/kernels/rows/dense.hpp>
-#include <tactnet/kernels/rows/weighted.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/rows/working_set.hpp>
 #include <tactnet/runtime/random.hpp>
 
@@ -35,8 +34,8 @@ struct working_set {
             falling.push_back(static_cast<float>(random.uniform(-1, 1)));
         }
     }
-    [[nodiscard]] chosen_sample first_highest() const {
-        chosen_sample best{-infinity, 0};
+    [[nodiscard]] selected_sample first_highest() const {
+        selected_sample best{-infinity, 0};
         for (std::size_t i = 0; i < count; ++i)
             if (gradient[i] + up[i] > best.value)
                 best = {gradient[i] + up[i], i};
@@ -49,14 +48,15 @@ struct working_set {
 TEST_CASE("working_set: choices and steps as plain loops make them") {
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
         working_set w(seed);
-        const chosen_sample expected = w.first_highest();
-        const chosen_sample highest = steepest(w.gradient.data(), w.up.data(), w.count);
+        const selected_sample expected = w.first_highest();
+        const selected_sample highest = steepest(w.gradient.data(), w.up.data(), w.count);
         CHECK(highest.index == expected.index);
         CHECK(highest.value == expected.value);
 
         const double own = 1.5, least = 1e-12;
-        const chosen_partner partner = best_partner(w.gradient.data(), w.low.data(), w.rising.data(),
-                                                    w.diagonal.data(), own, highest.value, least, w.count);
+        const selected_partner partner =
+            select_partner(w.gradient.data(), w.low.data(), w.rising.data(), w.diagonal.data(), own,
+                           highest.value, least, w.count);
         double lowest = infinity, gain = -1;
         const auto gain_of = [&](std::size_t i) {
             const double b = highest.value - (w.gradient[i] + w.low[i]);
@@ -73,8 +73,8 @@ TEST_CASE("working_set: choices and steps as plain loops make them") {
         CHECK(gain_of(partner.sample.index) == doctest::Approx(gain).epsilon(1e-12));
 
         const aligned_vector<double> before = w.gradient;
-        const chosen_sample next =
-            move_along(w.gradient.data(), w.rising.data(), w.falling.data(), 0.25, w.up.data(), w.count);
+        const selected_sample next =
+            update_gradient(w.gradient.data(), w.rising.data(), w.falling.data(), 0.25, w.up.data(), w.count);
         bool moved = true;
         for (std::size_t i = 0; i < w.count; ++i) {
             const double exact =

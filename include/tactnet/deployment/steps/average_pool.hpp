@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/kernels/frame/average_pooling.hpp>
+#include <tactnet/kernels/frame/pooling.hpp>
 
 #include <cstddef>
 

@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/deployment/steps/team.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame/direct.hpp>
 #include <tactnet/kernels/frame/packed_pixels.hpp>
 #include <tactnet/kernels/frame/winograd.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
@@ -24,7 +24,7 @@ struct convolution_step<single_precision, Kernel> {
                       Kernel.filters % Kernel.groups == 0,
                   "convolution_step: groups must divide both channels and filters");
     static_assert(
-        Kernel.groups_apart() || Kernel.joined().fits_map(),
+        Kernel.separable_groups() || Kernel.ungrouped().fits_map(),
         "convolution_step: the output does not fit its place in the wider map: fits_map() says what "
         "it takes");
     static_assert(Kernel.map_stride == 0 || Kernel.map_offset + Kernel.filters <= Kernel.map_stride,
@@ -42,9 +42,9 @@ struct convolution_step<single_precision, Kernel> {
 private:
     /// Groups whose filters fill whole vectors are convolutions of their own, side by side. Others are one
     /// convolution with zeros between the groups.
-    static constexpr std::size_t parts = Kernel.groups_apart() ? Kernel.groups : 1;
+    static constexpr std::size_t parts = Kernel.separable_groups() ? Kernel.groups : 1;
     static constexpr kernels::frame_convolution part =
-        Kernel.groups_apart() ? Kernel.group() : Kernel.joined();
+        Kernel.separable_groups() ? Kernel.one_group() : Kernel.ungrouped();
     static constexpr kernels::large_convolution large_plan{part};
     using pixels = kernels::packed_pixels<part>;
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/kernels/rows/softmax.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/kernels/frame/shifted_root.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
 
 #include <algorithm>
 #include <cstddef>

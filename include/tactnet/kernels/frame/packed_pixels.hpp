@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>
@@ -67,7 +67,7 @@ constexpr void pack_pixel_weights(float* packed, Weight&& weight) {
 
 /// Each number of a row of the image in all lanes of a pixel, with zeros where its padding is.
 template <frame_convolution C>
-void spread_row(const float* row, float* spread) {
+void broadcast_row(const float* row, float* spread) {
     using plan = packed_pixels<C>;
     using narrow = sized_vector<float, plan::width>;
     constexpr std::size_t count = plan::row_elements / plan::width, left = C.window.left;
@@ -169,7 +169,7 @@ void convolve_packed_pixels(const float* input, const float* weights, const floa
             const std::size_t row = y + r - C.window.top;
             float* const place = scratch + row % plan::under_rows * plan::row_elements;
             if (row >= spread) {
-                spread_row<C>(input + row * C.window.input.columns * C.input_stride, place);
+                broadcast_row<C>(input + row * C.window.input.columns * C.input_stride, place);
                 spread = row + 1;
             }
             under[r] = place;

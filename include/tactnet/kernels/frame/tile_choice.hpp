@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame/direct.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -44,7 +44,7 @@ namespace kernels {
            (c.pool == extent(1) || c.pool == extent(2)) && outputs.rows % c.pool.rows == 0 &&
            outputs.columns % c.pool.columns == 0 && std::min(outputs.rows, outputs.columns) >= 2 &&
            std::max(side.rows, side.columns) <= 6 && c.input_stride % width == 0 &&
-           c.input_stride >= (channels + width - 1) / width * width && c.input_multiple % width == 0;
+           c.input_stride >= (channels + width - 1) / width * width && c.input_offset_multiple % width == 0;
 }
 
 /// What tiles are counted at, in twentieths of a product of a vector.

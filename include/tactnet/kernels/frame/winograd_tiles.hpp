@@ -47,8 +47,8 @@ struct winograd_tiles {
     /// kernels are small enough to be read for each of these bands; else all.
     static constexpr std::size_t band = [] {
         constexpr std::size_t of_a_tile = elements * (input_stride + block_stride) * sizeof(float);
-        constexpr std::size_t most = std::max<std::size_t>(near_bytes / of_a_tile, 8);
-        if (elements * channels * C.padded_filters() * sizeof(float) > near_weight_bytes)
+        constexpr std::size_t most = std::max<std::size_t>(l1_map_bytes / of_a_tile, 8);
+        if (elements * channels * C.padded_filters() * sizeof(float) > l2_weight_bytes)
             return count;
         const std::size_t bands = (count + most - 1) / most;
         return (count + bands - 1) / bands;
@@ -71,7 +71,7 @@ struct winograd_tiles {
 /// with an eighth of the second one list was faster, with more it was slower (Zen 4).
 template <frame_convolution C, extent Outputs = best_tile(C)>
 inline constexpr std::size_t
-    frames_by_tiles = winograd_tiles<C, Outputs, 4>::scratch * sizeof(float) <= second_cache / 8 ? 4 : 1;
+    frames_by_tiles = winograd_tiles<C, Outputs, 4>::scratch * sizeof(float) <= l2_cache_bytes / 8 ? 4 : 1;
 
 /// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then [element][channel]
 /// [filter of the block]. `weight(filter, channel, row, column)`.

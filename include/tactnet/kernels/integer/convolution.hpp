@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/integer/staging.hpp>
 #include <tactnet/kernels/integer/vector.hpp>

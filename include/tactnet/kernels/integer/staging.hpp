@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/bits_as.hpp>
-#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 
 #include <algorithm>

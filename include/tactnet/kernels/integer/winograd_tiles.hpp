@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/word_products.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
@@ -52,9 +52,9 @@ struct integer_tiles {
     static constexpr std::size_t band = [] {
         constexpr std::size_t of_a_tile =
             elements * (channels * sizeof(std::int16_t) + block_stride * sizeof(std::int32_t));
-        if (elements * groups * group * C.padded_filters() * sizeof(std::int16_t) > near_weight_bytes)
+        if (elements * groups * group * C.padded_filters() * sizeof(std::int16_t) > l2_weight_bytes)
             return count;
-        constexpr std::size_t most = std::max<std::size_t>(near_bytes / of_a_tile, 8);
+        constexpr std::size_t most = std::max<std::size_t>(l1_map_bytes / of_a_tile, 8);
         const std::size_t bands = (count + most - 1) / most;
         return (count + bands - 1) / bands;
     }();

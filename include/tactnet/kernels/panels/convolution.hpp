@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/kernels/panels/staging.hpp>
 
@@ -22,7 +22,7 @@ struct panel_plan {
     /// Taps of a part: four vectors of sixteen filters each make a panel of 32 kB. Outputs of a band, and
     /// elements of their inputs.
     static constexpr std::size_t most_taps = 128, most_pixels = 224, fewest_pixels = 56,
-                                 most_inputs = second_cache / 2 / sizeof(float);
+                                 most_inputs = l2_cache_bytes / 2 / sizeof(float);
     /// Rows that lie a multiple of so many elements apart meet in the same lines of a cache.
     static constexpr std::size_t clashing = 1024;
 
@@ -170,9 +170,9 @@ inline void convolve_panels(const panel_plan& plan, const panel_share& share, co
             plan.for_each_part([&](const panel_plan::part& part) {
                 const float* const at =
                     from + part.row * row_distance + part.column * plan.stride + part.channel;
-                const panel_end end{.bias = part.first == 0 ? bias : nullptr,
-                                    .adds = part.first > 0 || c.adds,
-                                    .rectified = c.rectified && part.first + part.lines * part.depth == taps};
+                const epilogue end{.bias = part.first == 0 ? bias : nullptr,
+                                   .adds = part.first > 0 || c.adds,
+                                   .rectified = c.rectified && part.first + part.lines * part.depth == taps};
                 for (std::size_t panel = share.first_panel; panel < share.last_panel; ++panel)
                     for (std::size_t r = 0; r < rows; ++r) {
                         const bool one = rows * columns == 1; // one row takes the panels together

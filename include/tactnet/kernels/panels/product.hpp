@@ -43,7 +43,7 @@ struct filter_panels {
 };
 
 /// What becomes of the sums of a product.
-struct panel_end {
+struct epilogue {
     const float* bias = nullptr; ///< of the panel's filters; none for the second and later parts of a sum
     bool adds = false;           ///< to what the output holds
     bool rectified = false;
@@ -60,13 +60,13 @@ struct panel_rows {
 };
 
 /// How far ahead weights are asked for: as long as memory takes to answer, and no page too far.
-inline constexpr std::size_t weights_ahead = 8192 / sizeof(float);
+inline constexpr std::size_t prefetch_distance = 8192 / sizeof(float);
 
 /// `Rows` rows times `Panels` panels of `Vectors` vectors of filters, `panel_distance` elements apart in the
 /// weights, side by side in the output. One row meets several panels, since one would wait for memory.
 template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
 [[gnu::flatten, gnu::noinline]] void multiply_panel(const panel_rows& rows, const float* panel,
-                                                    std::size_t panel_distance, panel_end end) {
+                                                    std::size_t panel_distance, epilogue end) {
     using wide = vector<float>;
     constexpr std::size_t width = lanes<float>, across = Vectors * Panels;
     // Every third row has a pointer; those between are reached by the stride, so that registers suffice.
@@ -92,7 +92,7 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
             for (std::size_t v = 0; v < across; ++v) {
                 const float* const from = panel + v / Vectors * panel_distance + v % Vectors * width;
                 w[v] = load_as<wide>(from);
-                __builtin_prefetch(from + weights_ahead);
+                __builtin_prefetch(from + prefetch_distance);
             }
             panel += Vectors * width;
 #pragma GCC unroll 64
@@ -143,8 +143,8 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
 /// `count` rows times the panels [first, last), which lie one behind the other in the weights, from `panel`
 /// on: the first of `first`. Output and bias are those of filter 0.
 inline void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& panels,
-                            std::size_t first, std::size_t last, const float* weights, panel_end end) {
-    using block = void (*)(const panel_rows&, const float*, std::size_t, panel_end);
+                            std::size_t first, std::size_t last, const float* weights, epilogue end) {
+    using block = void (*)(const panel_rows&, const float*, std::size_t, epilogue);
     static constexpr auto blocks = [] {
         std::array<std::array<block, most_panel_rows(1)>, most_panel_vectors> all{};
         unroll<most_panel_vectors>([&](auto v) {
@@ -167,7 +167,7 @@ inline void multiply_panels(panel_rows rows, std::size_t count, const filter_pan
         const float* const from = weights + filter * depth;
         panel_rows some = rows;
         some.output += filter;
-        panel_end some_end = end;
+        epilogue some_end = end;
         if (end.bias)
             some_end.bias += filter;
         const std::size_t at_once = panels_of_one_row(vectors);

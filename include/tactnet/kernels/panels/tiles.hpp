@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/fused_convolution.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/kernels/panels/staging.hpp>
 #include <tactnet/kernels/panels/tile_transforms.hpp>
@@ -28,10 +28,10 @@ struct tile_plan {
     std::size_t outputs; ///< rows and columns of a tile of outputs, 2 or 4; 0: not by tiles
 
     constexpr explicit tile_plan(const frame_convolution& c) : convolution(c), outputs(0) {
-        const bool possible = c.window.kernel == extent(3) && c.window.stride == extent(1) &&
-                              (c.pool == extent(1) || c.pool == extent(2)) &&
-                              c.window.input.channels % lanes<float> == 0 &&
-                              c.input_stride % lanes<float> == 0 && c.input_multiple % lanes<float> == 0;
+        const bool possible =
+            c.window.kernel == extent(3) && c.window.stride == extent(1) &&
+            (c.pool == extent(1) || c.pool == extent(2)) && c.window.input.channels % lanes<float> == 0 &&
+            c.input_stride % lanes<float> == 0 && c.input_offset_multiple % lanes<float> == 0;
         if (!possible)
             return;
         // Products of an element: F(4 × 4) reads more weights, so it must save a third; and either must meet

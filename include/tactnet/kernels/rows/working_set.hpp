@@ -16,7 +16,7 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// A sample and the value that it was chosen for.
-struct chosen_sample {
+struct selected_sample {
     double value;
     std::size_t index;
 };
@@ -32,12 +32,12 @@ public:
         places_ = choose<double>(larger, place_, places_);
         place_ += vector<double>(1.0);
     }
-    [[nodiscard]] chosen_sample best() const {
+    [[nodiscard]] selected_sample best() const {
         constexpr std::size_t width = lanes<double>;
         alignas(alignment) std::array<double, width> values, places;
         store(values.data(), values_);
         store(places.data(), places_);
-        chosen_sample result{-std::numeric_limits<double>::infinity(), 0};
+        selected_sample result{-std::numeric_limits<double>::infinity(), 0};
         for (std::size_t lane = 0; lane < width; ++lane) {
             const std::size_t index = static_cast<std::size_t>(places[lane]) * width + lane;
             if (values[lane] > result.value || (values[lane] == result.value && index < result.index))
@@ -54,7 +54,7 @@ private:
 } // namespace detail
 
 /// The sample of largest gradient + `up`, where `up` is 0 for samples that may rise and −∞ for others.
-[[nodiscard]] inline chosen_sample steepest(const double* gradient, const double* up, std::size_t count) {
+[[nodiscard]] inline selected_sample steepest(const double* gradient, const double* up, std::size_t count) {
     detail::lane_maximum best;
     for (std::size_t i = 0; i < count; i += lanes<double>)
         best.take(load(gradient + i) + load(up + i));
@@ -62,8 +62,9 @@ private:
 }
 
 /// gradient −= step · (rising − falling), rows of the kernel matrix; then `steepest`.
-[[nodiscard]] inline chosen_sample move_along(double* gradient, const float* rising, const float* falling,
-                                              double step, const double* up, std::size_t count) {
+[[nodiscard]] inline selected_sample update_gradient(double* gradient, const float* rising,
+                                                     const float* falling, double step, const double* up,
+                                                     std::size_t count) {
     const vector<double> s(-step);
     detail::lane_maximum best;
     for (std::size_t i = 0; i < count; i += lanes<double>) {
@@ -75,17 +76,18 @@ private:
 }
 
 /// The sample to fall while another rises, and how far the pair is from the optimum.
-struct chosen_partner {
-    chosen_sample sample; ///< with twice the gain of a step that no bound cuts short
-    double lowest;        ///< the smallest gradient of samples that may fall
+struct selected_partner {
+    selected_sample sample; ///< with twice the gain of a step that no bound cuts short
+    double lowest;          ///< the smallest gradient of samples that may fall
 };
 
 /// Second-order choice (Fan, Chen, Lin, "Working set selection using second order information for training
 /// SVM", JMLR 6, 2005): largest (g_i − g_t)² / (K_ii + K_tt − 2 K_it). `low` is 0 for samples that may fall
 /// and +∞ for others. `row` is that of the rising sample, `own` its K_ii.
-[[nodiscard]] inline chosen_partner best_partner(const double* gradient, const double* low, const float* row,
-                                                 const double* diagonal, double own, double rising,
-                                                 double least_curvature, std::size_t count) {
+[[nodiscard]] inline selected_partner select_partner(const double* gradient, const double* low,
+                                                     const float* row, const double* diagonal, double own,
+                                                     double rising, double least_curvature,
+                                                     std::size_t count) {
     using v = vector<double>;
     const v two(-2.0), k(own), top(rising), least(least_curvature), none(-1.0), zero(0.0);
     detail::lane_maximum best;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/rows/dense.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/solvers/binary_problem.hpp>

@@ -46,14 +46,14 @@ public:
                                       ? options_.iteration_limit
                                       : std::max<std::size_t>(10'000'000, 100 * count_);
         activate_all();
-        kernels::chosen_sample rising = kernels::steepest(gradient_.data(), up_.data(), padded());
+        kernels::selected_sample rising = kernels::steepest(gradient_.data(), up_.data(), padded());
         std::size_t until_shrinking = shrinking_interval();
         solver_report report;
         while (true) {
             const float* row = kernel_row(rising.index);
-            const kernels::chosen_partner partner =
-                kernels::best_partner(gradient_.data(), low_.data(), row, diagonal_.data(),
-                                      diagonal_[rising.index], rising.value, least_curvature, padded());
+            const kernels::selected_partner partner =
+                kernels::select_partner(gradient_.data(), low_.data(), row, diagonal_.data(),
+                                        diagonal_[rising.index], rising.value, least_curvature, padded());
             report.violation = std::max(rising.value - partner.lowest, 0.0);
             report.converged = !(report.violation > options_.tolerance);
             if (report.converged || report.iterations == limit) {
@@ -89,7 +89,7 @@ private:
     }
 
     /// Moves along one pair of coordinates as far as the curvature or a bound allows.
-    kernels::chosen_sample step(std::size_t i, std::size_t j, const float* row_i) {
+    kernels::selected_sample step(std::size_t i, std::size_t j, const float* row_i) {
         const float* row_j = kernel_row(j);
         const std::size_t a = active_[i], b = active_[j];
         const double curvature =
@@ -109,8 +109,8 @@ private:
         }
         bound(i);
         bound(j);
-        return kernels::move_along(gradient_.data(), row_i, row_j, std::min({step, room_i, room_j}),
-                                   up_.data(), padded());
+        return kernels::update_gradient(gradient_.data(), row_i, row_j, std::min({step, room_i, room_j}),
+                                        up_.data(), padded());
     }
     /// Notes which ways a sample may move.
     void bound(std::size_t position) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/calibration/plain_network.hpp>
-#include <tactnet/kernels/rows/softmax.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 
 #include <algorithm>
 #include <cmath>

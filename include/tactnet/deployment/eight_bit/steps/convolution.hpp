@@ -44,7 +44,7 @@ private:
     static constexpr std::size_t biases = weights, weight_scales = biases + Kernel.filters,
                                  of_maps = weight_scales + Kernel.filters;
     static_assert(folded == of_maps + ranges * map_range::numbers);
-    static constexpr kernels::frame_convolution all = Kernel.joined();
+    static constexpr kernels::frame_convolution all = Kernel.ungrouped();
     static_assert(all.fits_map(), "convolution_step: the output does not fit its place in the wider map: "
                                   "fits_map() says what it takes");
     using plan = kernels::integer_convolution<all, Input>;

@@ -33,7 +33,7 @@ struct tiled_convolution {
     /// Tiles from the first transform to the last: what half of the second level holds, but at least a block.
     static constexpr std::size_t band = [] {
         constexpr std::size_t of_a_tile = elements * (channels + block_filters) * lanes<T> * sizeof(T);
-        const std::size_t most = std::max(second_cache / 2 / of_a_tile / block * block, block);
+        const std::size_t most = std::max(l2_cache_bytes / 2 / of_a_tile / block * block, block);
         return std::min(most, tiles.count());
     }();
     /// From one element of a tile to the next, of transformed inputs and of products.

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/frame/counts.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
 
 #include <doctest/doctest.h>
 
@@ -39,7 +39,7 @@ struct drawn_frame {
         numbers.fill(-7);
     }
     bool usual() {
-        return counts_to_numbers<Size>(counts.data() + 1, mean.data() + 1, scale, limit, numbers.data() + 1);
+        return normalise_counts<Size>(counts.data() + 1, mean.data() + 1, scale, limit, numbers.data() + 1);
     }
     [[nodiscard]] std::size_t wrong() const {
         std::size_t differing = numbers[0] != -7 || numbers[Size + 1] != -7;
@@ -59,7 +59,7 @@ void for_each_size(sizes<Sizes...>, const Body& body) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("counts_to_numbers: any number of counts", Count, std::uint8_t, float) {
+TEST_CASE_TEMPLATE("normalise_counts: any number of counts", Count, std::uint8_t, float) {
     for_each_size(some_sizes{}, [](auto size) {
         CAPTURE(size());
         drawn_frame<Count, size()> frame;
@@ -68,14 +68,14 @@ TEST_CASE_TEMPLATE("counts_to_numbers: any number of counts", Count, std::uint8_
     });
 }
 
-TEST_CASE("counts_to_numbers: bytes up to the largest, of which no limit is asked") {
+TEST_CASE("normalise_counts: bytes up to the largest, of which no limit is asked") {
     drawn_frame<std::uint8_t, 33> frame;
     frame.counts.fill(255), frame.mean.fill(100);
     CHECK(frame.usual());
     CHECK(frame.wrong() == 0);
 }
 
-TEST_CASE("counts_to_numbers: one that is no number or beyond the limit is told, wherever it is") {
+TEST_CASE("normalise_counts: one that is no number or beyond the limit is told, wherever it is") {
     constexpr float largest = std::numeric_limits<float>::max(),
                     infinity = std::numeric_limits<float>::infinity();
     for_each_size(some_sizes{}, [](auto size) {
@@ -97,7 +97,7 @@ TEST_CASE("counts_to_numbers: one that is no number or beyond the limit is told,
     });
 }
 
-TEST_CASE("counts_to_numbers: the limit itself is within, wherever it is") {
+TEST_CASE("normalise_counts: the limit itself is within, wherever it is") {
     for_each_size(some_sizes{}, [](auto size) {
         CAPTURE(size());
         for (std::size_t place = 1; place <= size(); ++place)
@@ -106,8 +106,8 @@ TEST_CASE("counts_to_numbers: the limit itself is within, wherever it is") {
                 frame.counts.fill(1), frame.mean.fill(0);
                 frame.counts[place] = count;
                 const auto usual_within = [&](float most) {
-                    return counts_to_numbers<size()>(frame.counts.data() + 1, frame.mean.data() + 1, 1, most,
-                                                     frame.numbers.data() + 1);
+                    return normalise_counts<size()>(frame.counts.data() + 1, frame.mean.data() + 1, 1, most,
+                                                    frame.numbers.data() + 1);
                 };
                 CHECK(usual_within(3));
                 CHECK_FALSE(usual_within(std::nextafter(3.0f, 0.0f)));

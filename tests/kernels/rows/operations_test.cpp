@@ -1,4 +1,4 @@
-#include <tactnet/kernels/rows/weighted_sum.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 
 #include <doctest/doctest.h>
 
@@ -27,6 +27,17 @@ void compare_sums() {
     }
 }
 
+template <std::size_t Length>
+void compare_distances() {
+    const auto a = support::whole_numbers<float>(Length, 7919),
+               b = support::whole_numbers<float>(Length, 104729);
+    float expected = 0;
+    for (std::size_t i = 0; i < Length; ++i)
+        expected += (a[i] - b[i]) * (a[i] - b[i]);
+    CHECK(squared_distance<Length>(a.data(), b.data()) == expected);
+    CHECK(squared_distance<Length>(a.data(), a.data()) == 0);
+}
+
 } // namespace
 
 TEST_CASE("weighted_sum: against plain loops") {
@@ -35,15 +46,21 @@ TEST_CASE("weighted_sum: against plain loops") {
     compare_sums<208>();
 }
 
-TEST_CASE("weighted_sum: lengths, and values scaled, of whole vectors") {
+TEST_CASE("euclidean_norm: whole vectors, scaled by scale_row") {
     aligned_vector<float> values(80);
     for (std::size_t i = 0; i < 64; ++i)
         values[i] = i % 2 == 0 ? 3.0f : -4.0f; // 32 × 25 = 800 = 2 × 20²
     values[64] = 1e9f;
-    CHECK(length_of<64>(values.data()) == std::sqrt(800.0f));
-    CHECK(length_of<4>(values.data()) == std::sqrt(50.0f));
-    scale_values<64>(values.data(), -0.5f);
+    CHECK(euclidean_norm<64>(values.data()) == std::sqrt(800.0f));
+    CHECK(euclidean_norm<4>(values.data()) == std::sqrt(50.0f));
+    scale_row<64>(values.data(), -0.5f);
     CHECK(values[0] == -1.5f);
     CHECK(values[63] == 2.0f);
     CHECK(values[64] == 1e9f);
+}
+
+TEST_CASE("squared_distance: against plain loops") {
+    compare_distances<lanes<float>>();
+    compare_distances<64>();
+    compare_distances<5 * lanes<float>>();
 }

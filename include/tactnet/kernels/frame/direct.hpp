@@ -1,0 +1,195 @@
+#pragma once
+
+#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+// Convolution of one frame, for deployed networks. Maps lie pixel by pixel, the channels of a pixel side by
+// side and padded to whole vectors: a tap is then one number of the input, spread over all lanes, times
+// vectors of output channels. A block of pixels × vectors stays in registers while all taps are added, then
+// max pool and ReLU are applied to the block, so that what is pooled away is never stored.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// Where a register block lies.
+struct frame_block {
+    std::ptrdiff_t first_pixel;      ///< of the input under its first tap; may lie before the image
+    std::size_t first_row, last_row; ///< of the rows under its taps, those that are in the image
+};
+
+/// One register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of filters.
+/// `MissingLeft` and `MissingRight` of the columns under its taps are padding.
+template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_t Columns,
+          std::size_t MissingLeft, std::size_t MissingRight>
+[[gnu::flatten, gnu::noinline]] void convolve_block(const float* input, const float* weights,
+                                                    const float* bias, float* output, frame_block where) {
+    using wide = sized_vector<float, C.width()>;
+    constexpr std::size_t width = C.width(), step = C.window.stride.columns;
+    constexpr extent kernel = C.window.kernel;
+    constexpr std::size_t under_rows = (Rows - 1) * C.window.stride.rows + kernel.rows;
+    constexpr std::size_t under_columns = (Columns - 1) * step + kernel.columns;
+    constexpr auto stride = static_cast<std::ptrdiff_t>(C.input_stride);
+
+    register_block<wide, Rows * Columns, Vectors> sums;
+#pragma GCC unroll 64
+    for (std::size_t v = 0; v < Vectors; ++v) {
+        const wide start = load_as<wide>(bias + v * width);
+#pragma GCC unroll 64
+        for (std::size_t p = 0; p < Rows * Columns; ++p)
+            if constexpr (C.adds)
+                sums[p][v] = start + load_as<wide>(output +
+                                                   (p / Columns * C.output_columns() + p % Columns) *
+                                                       C.output_stride() +
+                                                   v * width);
+            else
+                sums[p][v] = start;
+    }
+
+    for (std::size_t channel = 0; channel < C.window.input.channels; ++channel) {
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < under_rows; ++r) {
+            if (r < where.first_row || r >= where.last_row)
+                continue;
+            const std::ptrdiff_t row =
+                (where.first_pixel + static_cast<std::ptrdiff_t>(r * C.window.input.columns)) * stride;
+            std::array<wide, under_columns> x;
+#pragma GCC unroll 64
+            for (std::size_t c = MissingLeft; c + MissingRight < under_columns; ++c)
+                x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < Rows; ++y) {
+                const std::size_t above = y * C.window.stride.rows;
+                if (r < above || r - above >= kernel.rows)
+                    continue;
+#pragma GCC unroll 64
+                for (std::size_t tap = 0; tap < kernel.columns * Vectors; ++tap) {
+                    const std::size_t column = tap / Vectors, v = tap % Vectors;
+                    const wide weight = load_as<wide>(
+                        weights + (((r - above) * kernel.columns + column) * Vectors + v) * width);
+#pragma GCC unroll 64
+                    for (std::size_t p = 0; p < Columns; ++p) {
+                        const std::size_t c = p * step + column;
+                        if (c >= MissingLeft && c + MissingRight < under_columns)
+                            sums[y * Columns + p][v] =
+                                fused_multiply_add(weight, x[c], sums[y * Columns + p][v]);
+                    }
+                }
+            }
+        }
+        ++input;
+        weights += kernel.area() * Vectors * width;
+    }
+
+    constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
+#pragma GCC unroll 64
+    for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
+        const std::size_t top = o / pooled_columns * C.pool.rows, left = o % pooled_columns * C.pool.columns;
+        const std::size_t high = std::min(C.pool.rows, Rows - top),
+                          across = std::min(C.pool.columns, Columns - left);
+#pragma GCC unroll 64
+        for (std::size_t v = 0; v < Vectors; ++v) {
+            wide largest = sums[top * Columns + left][v];
+#pragma GCC unroll 64
+            for (std::size_t i = 1; i < high * across; ++i)
+                largest =
+                    maximum_or_second(sums[(top + i / across) * Columns + left + i % across][v], largest);
+            if constexpr (C.rectified)
+                largest = maximum_or_second(wide(0.0f), largest);
+            store_as(output +
+                         (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
+                         v * width,
+                     largest);
+        }
+    }
+}
+
+/// How the columns of a convolution are cut into register blocks.
+template <frame_convolution C>
+struct column_blocks {
+    static constexpr std::size_t size = C.block_columns(), count = (C.columns() + size - 1) / size;
+
+    static constexpr std::size_t columns(std::size_t b) { return std::min(size, C.columns() - b * size); }
+    static constexpr std::size_t missing_left(std::size_t b) {
+        return C.window.left - std::min(C.window.left, b * size * C.window.stride.columns);
+    }
+    static constexpr std::size_t missing_right(std::size_t b) {
+        const std::size_t end =
+            (b * size + columns(b) - 1) * C.window.stride.columns + C.window.kernel.columns;
+        return end - std::min(end, C.window.left + C.window.input.columns);
+    }
+    static constexpr bool whole(std::size_t b) {
+        return columns(b) == size && missing_left(b) == 0 && missing_right(b) == 0;
+    }
+    /// The blocks [first_whole, last_whole) have all columns and no padding: one piece of code for all.
+    static constexpr std::size_t first_whole = [] {
+        std::size_t b = 0;
+        while (b < count && !whole(b))
+            ++b;
+        return b;
+    }();
+    static constexpr std::size_t last_whole = [] {
+        std::size_t b = first_whole;
+        while (b < count && whole(b))
+            ++b;
+        return b;
+    }();
+};
+
+/// All blocks of `Rows` rows of outputs from row `y` on.
+template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
+[[gnu::always_inline]] inline void convolve_rows(const float* input, const float* weights, const float* bias,
+                                                 float* output, std::size_t y) {
+    using blocks = column_blocks<C>;
+    constexpr std::size_t under_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
+    const std::size_t first = y * C.window.stride.rows; // row under the first tap, counted with the padding
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(first) - static_cast<std::ptrdiff_t>(C.window.top);
+    float* const to = output + y / C.pool.rows * C.output_columns() * C.output_stride();
+    const auto at = [&](std::size_t b) -> frame_block {
+        return {.first_pixel = row * static_cast<std::ptrdiff_t>(C.window.input.columns) +
+                               static_cast<std::ptrdiff_t>(b * blocks::size * C.window.stride.columns) -
+                               static_cast<std::ptrdiff_t>(C.window.left),
+                .first_row = C.window.top - std::min(C.window.top, first),
+                .last_row =
+                    std::min(under_rows, std::max(C.window.top + C.window.input.rows, first) - first)};
+    };
+    const auto output_of = [&](std::size_t b) {
+        return to + b * blocks::size / C.pool.columns * C.output_stride();
+    };
+    const auto edge = [&](auto b) {
+        convolve_block<C, Vectors, Rows, blocks::columns(b), blocks::missing_left(b),
+                       blocks::missing_right(b)>(input, weights, bias, output_of(b), at(b));
+    };
+    unroll<blocks::first_whole>(edge);
+    for (std::size_t b = blocks::first_whole; b < blocks::last_whole; ++b)
+        convolve_block<C, Vectors, Rows, blocks::size, 0, 0>(input, weights, bias, output_of(b), at(b));
+    unroll<blocks::count - blocks::last_whole>([&](auto b) __attribute__((always_inline)) {
+        edge(constant<blocks::last_whole + b>{});
+    });
+}
+
+/// output = the fused step. Input and output lie pixel by pixel; weights and biases are packed, aligned to
+/// `alignment`, as is the output. With `adds`, the output holds the other term before.
+template <frame_convolution C>
+void convolve_frame(const float* input, const float* weights, const float* bias, float* output) {
+    static_assert(!C.adds || C.pool == extent(1), "convolve_frame: a sum is not pooled");
+    static_assert(C.groups == 1 && C.fits_map(), "convolve_frame: the output does not fit its map");
+    blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
+        const std::size_t first = first_vector * C.width();
+        constexpr std::size_t rows = C.block_rows();
+        for (std::size_t y = 0; y + rows <= C.rows(); y += rows)
+            convolve_rows<C, vectors, rows>(input, weights + first * C.taps(), bias + first, output + first,
+                                            y);
+        if constexpr (C.rows() % rows != 0)
+            convolve_rows<C, vectors, C.rows() % rows>(input, weights + first * C.taps(), bias + first,
+                                                       output + first, C.rows() / rows * rows);
+    });
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
