@@ -41,7 +41,7 @@ function(tactnet_use target)
     set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
 endfunction()
 
-# tactnet_name_instruction_set(variable): as the library names what its programs are compiled for (detail/config.hpp).
+# tactnet_name_instruction_set(variable): the short name of the instruction set that the programs are compiled for (detail/config.hpp).
 function(tactnet_name_instruction_set variable)
     set(source "${PROJECT_BINARY_DIR}/CMakeFiles/name_of_instruction_set.cpp")
     file(WRITE "${source}" "#include <tactnet/detail/config.hpp>\nname: TACTNET_ARCH\n")
@@ -56,8 +56,8 @@ function(tactnet_name_instruction_set variable)
         COMMAND "${CMAKE_CXX_COMPILER}" -std=c++20 ${options} "-I${PROJECT_SOURCE_DIR}/include" -E -P "${source}"
         OUTPUT_VARIABLE output ERROR_QUIET
     )
-    set(name "that the compiler does not tell")
-    if(output MATCHES "name: ([a-z0-9_]+)")
+    set(name "that the compiler does not report")
+    if(output MATCHES "name: for_([a-zA-Z0-9_]+)")
         set(name "${CMAKE_MATCH_1}")
     endif()
     set(${variable} "${name}" PARENT_SCOPE)

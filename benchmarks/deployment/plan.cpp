@@ -10,6 +10,8 @@
 
 #include "../support/peak.hpp"
 
+#include <tactnet/detail/instruction_set.hpp>
+
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -17,9 +19,6 @@
 #if defined(__unix__)
 #include <unistd.h>
 #endif
-
-#define TACTNET_BENCHMARK_TEXT_OF(name) #name
-#define TACTNET_BENCHMARK_TEXT(name) TACTNET_BENCHMARK_TEXT_OF(name)
 
 namespace {
 
@@ -136,7 +135,7 @@ int main(int argc, char** argv) {
     const double peak = static_cast<double>(benchmark::multiply_adds_of_chains) / seconds_of_chains;
     std::printf("%s, one core, %zu lanes, multiply-add peak %.1f GFLOP/s, caches %.0f kB, %.0f kB, %.0f kB\n"
                 "µs: fastest of many frames; peak: by taps on real pixels; GB/s: weights through the layer\n",
-                TACTNET_BENCHMARK_TEXT(TACTNET_ARCH), tactnet::kernels::lanes<float>, 2e-9 * peak,
+                tactnet::instruction_set.data(), tactnet::kernels::lanes<float>, 2e-9 * peak,
                 caches.first / 1000, caches.second / 1000, caches.third / 1000);
     bool right = check == 1.0f;
     std::size_t slower = 0;

@@ -1,6 +1,8 @@
 #include "network.hpp"
 #include "recogniser.hpp"
 
+#include <tactnet/detail/instruction_set.hpp>
+
 #include <span>
 
 // Compiled once for each instruction set; RECOGNISER is the name under which the others find it. Everything
@@ -22,9 +24,6 @@ bool recognise(const std::uint8_t* counts, float* logits) noexcept {
            tactnet::frame_status::recognised;
 }
 
-#define TEXT_OF(name) #name
-#define TEXT(name) TEXT_OF(name)
-
 } // namespace
 
-extern "C" const recogniser RECOGNISER{TEXT(TACTNET_ARCH), take, recognise};
+extern "C" const recogniser RECOGNISER{tactnet::instruction_set.data(), take, recognise};

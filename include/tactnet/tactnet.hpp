@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment.hpp>
+#include <tactnet/detail/instruction_set.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks.hpp>
 #include <tactnet/tensor.hpp>

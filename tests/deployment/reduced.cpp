@@ -5,6 +5,7 @@
 #include "deployed_network.hpp"
 #include "eight_bit/reference.hpp"
 
+#include <tactnet/detail/instruction_set.hpp>
 #include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
@@ -12,9 +13,6 @@
 #include <array>
 #include <bit>
 #include <support/same_bits.hpp>
-
-#define TACTNET_TEST_TEXT_OF(name) #name
-#define TACTNET_TEST_TEXT(name) TACTNET_TEST_TEXT_OF(name)
 
 using namespace tactnet;
 
@@ -117,7 +115,7 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
 
 reduced_result TACTNET_TEST_UNIT() {
     reduced_result result;
-    result.instruction_set = TACTNET_TEST_TEXT(TACTNET_ARCH);
+    result.instruction_set = tactnet::instruction_set.data();
     append<tactnet4<shape{14, 25}, 22>>(result, 31);
     // Tiles, taps, a sum, overlapping pools, softmax; channels that fill no vector.
     append<network<shape{9, 10, 2}, batch_norm, conv2d<12, 3>, relu, max_pool<3, 1>,

@@ -1,6 +1,6 @@
 #include "record.hpp"
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/detail/instruction_set.hpp>
 
 #include <doctest/doctest.h>
 
@@ -13,9 +13,6 @@
 #include <limits>
 #include <string>
 #include <utility>
-
-#define TACTNET_HARD_CASES_TEXT_OF(name) #name
-#define TACTNET_HARD_CASES_TEXT(name) TACTNET_HARD_CASES_TEXT_OF(name)
 
 namespace hard_cases {
 
@@ -74,7 +71,7 @@ void write_case(std::string_view topic, std::string_view name, const std::string
                 const std::string& ours, const std::string& plain_error, const std::string& bound,
                 const std::string& error) {
     static const bool begun = [] {
-        write({{"instruction_set", TACTNET_HARD_CASES_TEXT(TACTNET_ARCH)},
+        write({{"instruction_set", std::string(tactnet::instruction_set)},
                {"compiler", compiler()},
                {"processor", processor()}});
         return true;

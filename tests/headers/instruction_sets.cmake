@@ -34,7 +34,7 @@ foreach(options IN ITEMS
         COMMAND "${COMPILER}" -std=c++20 ${arguments} "-I${INCLUDE}" -E -P "${FOLDER}/name_of_namespace.cpp"
         OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY
     )
-    if(NOT output MATCHES "name: ([a-z0-9_]+)\n")
+    if(NOT output MATCHES "name: ([a-zA-Z0-9_]+)\n")
         message(FATAL_ERROR "With '${options}' the namespace's name is no identifier:\n${output}")
     endif()
     set(name "${CMAKE_MATCH_1}")

@@ -7,6 +7,6 @@
 
 int main() {
     std::printf("%s, %s, %s\n", arch_of_first().data(), arch_of_second().data(), arch_of_scalar().data());
-    const bool right = arch_of_first() == arch_of_second() && arch_of_scalar().starts_with("scalar");
+    const bool right = arch_of_first() == arch_of_second() && arch_of_scalar().starts_with("for_scalar");
     return right ? 0 : 1;
 }

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -36,7 +38,7 @@ TEST_CASE("tensor: elements by row, column and channel are those in memory") {
     CHECK(reinterpret_cast<std::uintptr_t>(t.data()) % alignment == 0);
 }
 
-TEST_CASE("tensor_view: looks at someone else's memory") {
+TEST_CASE("tensor_view: refers to memory of the caller") {
     std::vector<int> memory(6);
     const tensor_view<int, shape{2, 3}> view(memory.data());
     view(1, 2) = 7;
@@ -49,4 +51,19 @@ TEST_CASE("tensor_view: looks at someone else's memory") {
     const tensor_view<int, shape{2, 3}> of_copy = copy;
     of_copy(0, 0) = 3;
     CHECK(copy(0, 0) == 3);
+}
+
+TEST_CASE("try_view: elements whose number is known at run time, if there are as many as the shape has") {
+    std::vector<float> elements{0, 1, 2, 3, 4, 5};
+    const auto view = try_view<shape{2, 3}>(elements);
+    static_assert(std::is_same_v<decltype(view), const std::optional<tensor_view<float, shape{2, 3}>>>);
+    REQUIRE(view);
+    CHECK((*view)(1, 2) == 5);
+    CHECK(view->data() == elements.data());
+    CHECK(!try_view<shape{3, 3}>(elements));
+    const std::vector<float>& constant = elements;
+    CHECK(try_view<shape{3, 2}>(constant)->data() == elements.data());
+    CHECK(try_view<shape{1, 2}>(std::span<const float>(elements).subspan(1, 2))->data() ==
+          elements.data() + 1);
+    CHECK(!try_view<shape{2, 3}>(std::span<const float>()));
 }

@@ -3,6 +3,7 @@
 #include "data/fingerprint.hpp"
 #include "methods/pretrained.hpp"
 
+#include <tactnet/detail/instruction_set.hpp>
 #include <tactnet/text/quoting.hpp>
 #include <tactnet/version.hpp>
 
@@ -96,16 +97,10 @@ std::string text(const tactnet::augmentation_ranges& ranges) {
     return all;
 }
 
-// The names of inline namespaces tell instruction sets apart: on another one the same training rounds
-// differently.
-#define TACTNET_PROGRAM_TEXT_OF(x) #x
-#define TACTNET_PROGRAM_TEXT(x) TACTNET_PROGRAM_TEXT_OF(x)
-constexpr std::string_view instruction_set = TACTNET_PROGRAM_TEXT(TACTNET_ARCH);
-
 } // namespace
 
 std::string_view program_instruction_set() {
-    return instruction_set;
+    return tactnet::instruction_set; // on another one the same training rounds differently
 }
 
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
@@ -155,7 +150,7 @@ tactnet::file_metadata describe_program() {
     return {
         {"library",
          fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR, TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)},
-        {"instruction_set", std::string(instruction_set)},
+        {"instruction_set", std::string(tactnet::instruction_set)},
     };
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -8,15 +8,16 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// For a number of features that is known when running only.
+/// For a number of features that is only known at run time.
 inline constexpr std::size_t dynamic_features = std::dynamic_extent;
 
-/// Samples that someone else owns: one row of float features each, one after the other.
+/// A view of samples that belong to the caller: a row of float features per sample, one after the other.
 template <std::size_t Features = dynamic_features>
 class feature_rows {
 public:
@@ -34,12 +35,15 @@ public:
                 " features in whole rows, found " + std::to_string(values.size()) + " values in rows of " +
                 std::to_string(features));
     }
+    template <class Values>
+        requires(!lasting_range<Values> && std::is_constructible_v<std::span<const float>, Values>)
+    explicit feature_rows(Values&&, std::size_t = Features) = delete; // values of a temporary: give it a name
     /// As rows of any number of features.
     operator feature_rows<dynamic_features>() const requires(Features != dynamic_features) {
         return {values_, features_};
     }
 
-    /// How many rows there are.
+    /// The number of rows.
     [[nodiscard]] std::size_t size() const { return values_.size() / features(); }
     [[nodiscard]] constexpr std::size_t features() const {
         return Features == dynamic_features ? features_ : Features;
@@ -71,8 +75,7 @@ inline void check_finite(feature_rows<> rows) {
     return samples;
 }
 
-/// What every training asks of its samples: finite features, and a label for each row. Throws
-/// std::invalid_argument.
+/// Throws std::invalid_argument unless all features are finite and there is a label for each row.
 inline void check_samples(feature_rows<> rows, std::span<const std::size_t> labels) {
     if (labels.size() != rows.size())
         throw std::invalid_argument("labels: expected " + std::to_string(rows.size()) +

@@ -9,7 +9,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A sample that owns its elements, in place: no heap. Ordered [channel][row][column].
+/// A sample that holds its elements in place, without heap. Ordered [channel][row][column].
 template <class T, shape Shape>
 class tensor {
 public:
@@ -31,12 +31,15 @@ public:
     [[nodiscard]] constexpr auto begin() const { return elements_.begin(); }
     [[nodiscard]] constexpr auto end() const { return elements_.end(); }
 
-    [[nodiscard]] constexpr tensor_view<T, Shape> view() { return tensor_view<T, Shape>(data()); }
-    [[nodiscard]] constexpr tensor_view<const T, Shape> view() const {
+    [[nodiscard]] constexpr tensor_view<T, Shape> view() & { return tensor_view<T, Shape>(data()); }
+    [[nodiscard]] constexpr tensor_view<const T, Shape> view() const& {
         return tensor_view<const T, Shape>(data());
     }
-    constexpr operator tensor_view<T, Shape>() { return view(); }
-    constexpr operator tensor_view<const T, Shape>() const { return view(); }
+    void view() const&& = delete; // would dangle
+    /// A tensor is an argument wherever a view is expected. A temporary converts too: it lives until the call
+    /// returns.
+    constexpr operator tensor_view<T, Shape>() { return tensor_view<T, Shape>(data()); }
+    constexpr operator tensor_view<const T, Shape>() const { return tensor_view<const T, Shape>(data()); }
 
 private:
     alignas(alignment) std::array<T, Shape.size()> elements_{};

@@ -4,13 +4,22 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <type_traits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A sample that someone else owns: `Shape.size()` elements, ordered [channel][row][column]. T may be const.
+/// A range whose elements outlive the expression that it stands in: an lvalue, or a view of something else.
+/// What keeps a view of its argument takes only these, so that a temporary that would dangle does not
+/// compile.
+template <class Range>
+concept lasting_range =
+    std::is_lvalue_reference_v<Range> || std::ranges::enable_borrowed_range<std::remove_cvref_t<Range>>;
+
+/// A view of a sample: `Shape.size()` elements that belong to the caller, ordered [channel][row][column]. T
+/// may be const.
 template <class T, shape Shape>
 class tensor_view {
 public:
@@ -40,6 +49,18 @@ public:
 private:
     T* data_;
 };
+
+/// A view of elements whose number is only known at run time, such as a std::vector or a dynamic std::span;
+/// std::nullopt unless there are exactly `Shape.size()` of them.
+template <shape Shape, class Range>
+    requires lasting_range<Range> && requires(Range& elements) {
+        std::span(elements);
+    }
+[[nodiscard]] constexpr auto try_view(Range&& elements) noexcept {
+    const auto all = std::span(elements);
+    using view = tensor_view<typename decltype(all)::element_type, Shape>;
+    return all.size() == Shape.size() ? std::optional<view>(view(all.data())) : std::optional<view>();
+}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-/// "AVX-512" for a name such as simd_avx512f_fma_bmi2 (tactnet/detail/config.hpp).
+/// "AVX-512" for a name such as simd_avx512f_fma_bmi2 (tactnet/detail/instruction_set.hpp).
 std::string instruction_set_title(std::string_view name);
 
 /// Part of the page: microseconds a frame by instruction set, the widest first; nothing where only one was

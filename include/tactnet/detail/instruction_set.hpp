@@ -1,0 +1,82 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <string_view>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// The instruction set that this unit is compiled for, spelled out: for example "simd_avx2_fma_bmi2_lzcnt",
+/// or "scalar_sse2" without vectors. Results are labelled with it; TACTNET_ARCH is its short form. If a
+/// program built for a current x86-64 prints "simd_sse2", it was compiled without -march.
+inline constexpr std::string_view instruction_set =
+#if defined(TACTNET_NO_SIMD)
+    "scalar"
+#else
+    "simd"
+#endif
+#if defined(__AVX512F__)
+    "_avx512f"
+#elif defined(__AVX2__)
+    "_avx2"
+#elif defined(__AVX__)
+    "_avx"
+#elif defined(__SSE4_2__)
+    "_sse42"
+#elif defined(__SSE4_1__)
+    "_sse41"
+#elif defined(__SSSE3__)
+    "_ssse3"
+#elif defined(__SSE3__)
+    "_sse3"
+#elif defined(__SSE2__)
+    "_sse2"
+#elif defined(__ARM_FEATURE_SVE)
+    "_sve"
+#elif defined(__aarch64__)
+    "_neon64"
+#endif
+#if defined(__FMA__)
+    "_fma"
+#endif
+#if defined(__FMA4__)
+    "_fma4"
+#endif
+#if defined(__BMI2__)
+    "_bmi2"
+#endif
+#if defined(__LZCNT__)
+    "_lzcnt"
+#endif
+#if defined(__AVX512CD__)
+    "_cd"
+#endif
+#if defined(__AVX512DQ__)
+    "_dq"
+#endif
+#if defined(__AVX512BW__)
+    "_bw"
+#endif
+#if defined(__AVX512VL__)
+    "_vl"
+#endif
+#if defined(__AVX512VBMI__)
+    "_vbmi"
+#endif
+#if defined(__AVX512VNNI__)
+    "_vnni"
+#endif
+#if defined(__AVXVNNI__)
+    "_avxvnni"
+#endif
+#if defined(__ARM_FEATURE_DOTPROD)
+    "_dotprod"
+#endif
+#if defined(__arm__) && defined(__ARM_FEATURE_DSP)
+    "_dsp"
+#endif
+    ;
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
