@@ -35,9 +35,10 @@ struct leaky_relu {
 
         static void infer(const tactnet::pass& p, const T*, const T*, tactnet::no_memory&,
                           tactnet::input_view<T, Input> in, tactnet::output_view<T, Input> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                for (std::size_t e = 0; e < in.group_size; ++e)
-                    out.group(g)[e] = in.group(g)[e] > 0 ? in.group(g)[e] : slope * in.group(g)[e];
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                for (std::size_t e = 0; e < in.lane_block_size; ++e)
+                    out.lane_block(g)[e] =
+                        in.lane_block(g)[e] > 0 ? in.lane_block(g)[e] : slope * in.lane_block(g)[e];
             });
         }
         static void forward(const tactnet::pass& p, const T* none, T*, tactnet::no_memory& memory,
@@ -50,10 +51,11 @@ struct leaky_relu {
                              tactnet::output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr) // no layer in front learns
                 return;
-            p.threads.for_each(out.groups(), [&](std::size_t g) {
-                for (std::size_t e = 0; e < out.group_size; ++e)
-                    in_gradient.group(g)[e] =
-                        out.group(g)[e] > 0 ? out_gradient.group(g)[e] : slope * out_gradient.group(g)[e];
+            p.threads.for_each(out.lane_blocks(), [&](std::size_t g) {
+                for (std::size_t e = 0; e < out.lane_block_size; ++e)
+                    in_gradient.lane_block(g)[e] = out.lane_block(g)[e] > 0
+                                                       ? out_gradient.lane_block(g)[e]
+                                                       : slope * out_gradient.lane_block(g)[e];
             });
         }
     };

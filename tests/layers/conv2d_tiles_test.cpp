@@ -15,8 +15,8 @@ void check_by_tiles() {
     constexpr auto window =
         sliding_window::over({Input.rows, Input.columns, Input.channels / Groups}, Kernel, 1, Padding);
     constexpr std::size_t filters = Filters / Groups, channels = Input.channels / Groups;
-    static_assert(best_group_tile(kernels::correlation::forward(window, filters)) != extent(0) &&
-                  best_group_tile(kernels::correlation::backward(window, filters)) != extent(0));
+    static_assert(best_group_tile(kernels::batch_convolution::forward(window, filters)) != extent(0) &&
+                  best_group_tile(kernels::batch_convolution::backward(window, filters)) != extent(0));
     constexpr std::size_t width = kernels::lanes<float>;
     constexpr bool fill = width > 1 && (channels % width == 0 || filters % width == 0);
     static_assert(kernels::weight_gradient<window, filters, float>::tiled == fill);

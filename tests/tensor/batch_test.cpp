@@ -13,14 +13,14 @@ constexpr shape size{2, 3, 2};
 using images = batch<float, size, 4>;
 } // namespace
 
-static_assert(images::view_type::group_size == 48);
+static_assert(images::view_type::lane_block_size == 48);
 static_assert(std::is_convertible_v<images::view_type, images::const_view_type>);
 static_assert(!std::is_constructible_v<images::view_type, images::const_view_type>);
 
 TEST_CASE("batch: samples lie side by side in groups of lanes") {
     images b(6);
     CHECK(b.samples() == 6);
-    CHECK(b.view().groups() == 2);
+    CHECK(b.view().lane_blocks() == 2);
     CHECK(b.view().samples_in(0) == 4);
     CHECK(b.view().samples_in(1) == 2);
     for (std::size_t s = 0; s < 6; ++s)
@@ -31,10 +31,10 @@ TEST_CASE("batch: samples lie side by side in groups of lanes") {
     for (std::size_t s = 0; s < 6; ++s)
         for (std::size_t e = 0; e < size.size(); ++e)
             CHECK(memory[s / 4 * 48 + e * 4 + s % 4] == static_cast<float>(100 * s + e));
-    CHECK(b.view().group(1) == memory + 48);
+    CHECK(b.view().lane_block(1) == memory + 48);
     for (std::size_t e = 0; e < size.size(); ++e) // lanes past the last sample
         for (std::size_t lane = 2; lane < 4; ++lane)
-            CHECK(b.view().group(1)[e * 4 + lane] == 0);
+            CHECK(b.view().lane_block(1)[e * 4 + lane] == 0);
 }
 
 TEST_CASE("batch: whole samples in and out") {
@@ -54,9 +54,9 @@ TEST_CASE("batch: all zero after every resize, also when it shrinks and grows ag
     for (const std::size_t samples : {5u, 1u, 0u, 8u, 9u}) {
         b.resize(samples);
         CHECK(b.samples() == samples);
-        CHECK(b.view().groups() == (samples + 3) / 4);
+        CHECK(b.view().lane_blocks() == (samples + 3) / 4);
         bool zero = true;
-        for (std::size_t i = 0; i < b.view().groups() * 48; ++i) {
+        for (std::size_t i = 0; i < b.view().lane_blocks() * 48; ++i) {
             zero = zero && b.view().data()[i] == 0;
             b.view().data()[i] = 9;
         }

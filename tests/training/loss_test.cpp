@@ -47,7 +47,7 @@ TEST_CASE("softmax_cross_entropy: value and gradient, smoothed and with fewer cl
                     x(s, c) = random.uniform(-3, 3);
                 labels[s] = s % classes;
             }
-            for (std::size_t i = 0; i < gradient.view().groups() * gradient.view().group_size; ++i)
+            for (std::size_t i = 0; i < gradient.view().lane_blocks() * gradient.view().lane_block_size; ++i)
                 gradient.view().data()[i] = 99;
             const double loss = softmax_cross_entropy(x.as_const(), std::span<const std::size_t>(labels),
                                                       classes, smoothing, gradient.view());
@@ -72,7 +72,7 @@ TEST_CASE("softmax_cross_entropy: value and gradient, smoothed and with fewer cl
                 }
             for (std::size_t c = 0; c < 7; ++c) // lanes without a sample
                 for (std::size_t lane = 2; lane < 4; ++lane)
-                    CHECK(gradient.view().group(1)[c * 4 + lane] == 0);
+                    CHECK(gradient.view().lane_block(1)[c * 4 + lane] == 0);
         }
 }
 

@@ -39,7 +39,7 @@ struct resize_plan {
         down_cost(From.columns) + along_cost(To.rows) <= along_cost(From.rows) + down_cost(To.columns);
 
     // Vectors read a whole one even where a row is shorter.
-    static constexpr bool readable = From.columns >= kernels::fewest_lanes<float>;
+    static constexpr bool readable = From.columns >= kernels::min_lanes<float>;
 
     static void run(const float* from, float* to) {
         // Vectors of outputs multiply inputs that not all of them weigh. That is harmless where all products
@@ -68,7 +68,7 @@ struct resize_plan {
         } else {
             constexpr std::size_t stride = kernels::padded_size<float>(To.columns);
             alignas(alignment) std::array<float, From.rows * stride> middle;
-            if constexpr (To.columns < kernels::fewest_lanes<float>) // vectors read the whole stride
+            if constexpr (To.columns < kernels::min_lanes<float>) // vectors read the whole stride
                 middle.fill(0);
             kernels::resample_along<along, From.rows, From.columns, stride, Guarded>(from, middle.data());
             kernels::resample_down<down, To.columns, stride, To.columns, Guarded>(middle.data(), to);

@@ -25,8 +25,8 @@ struct average_layer : layer_base<T, Input, Spec> {
 
     static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                       output_view<T, output> out) {
-        p.threads.for_each(in.groups(), [&](std::size_t g) {
-            kernels::average_pool_forward(windows, Input.channels, in.group(g), out.group(g));
+        p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+            kernels::average_pool_forward(windows, Input.channels, in.lane_block(g), out.lane_block(g));
         });
     }
     static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
@@ -37,9 +37,9 @@ struct average_layer : layer_base<T, Input, Spec> {
                          input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T*) {
         if (in_gradient.data() == nullptr)
             return;
-        p.threads.for_each(in_gradient.groups(), [&](std::size_t g) {
-            kernels::average_pool_backward(windows, Input.channels, out_gradient.group(g),
-                                           in_gradient.group(g));
+        p.threads.for_each(in_gradient.lane_blocks(), [&](std::size_t g) {
+            kernels::average_pool_backward(windows, Input.channels, out_gradient.lane_block(g),
+                                           in_gradient.lane_block(g));
         });
     }
 };

@@ -51,7 +51,7 @@ struct batch_norm {
         }
 
         static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c)
                     observe_input(m, in, p.first_group, g, c);
             });
@@ -73,17 +73,18 @@ struct batch_norm {
         }
         static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
                             output_view<T, Input> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c)
-                    normalise(rule(values, m, c), in.group(g) + c * plane, out.group(g) + c * plane, plane);
+                    normalise(rule(values, m, c), in.lane_block(g) + c * plane, out.lane_block(g) + c * plane,
+                              plane);
             });
         }
 
         static void observe_backward(const pass& p, memory& m, input_view<T, Input> in, input_view<T, Input>,
                                      input_view<T, Input> out_gradient) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c) {
-                    const T *x = in.group(g) + c * plane, *dy = out_gradient.group(g) + c * plane;
+                    const T *x = in.lane_block(g) + c * plane, *dy = out_gradient.lane_block(g) + c * plane;
                     observe_channel(m, p.first_group + g, c, Input.area(), [&](std::size_t i) {
                         return std::array<kernels::vector<T>, 2>{kernels::load(x + i), kernels::load(dy + i)};
                     });
@@ -106,12 +107,12 @@ struct batch_norm {
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 const kernels::vector<T> use = kernels::lanes_in_use<T>(in.samples_in(g));
                 for (std::size_t c = 0; c < channels; ++c)
-                    kernels::normalise_backward(gradient_rule(values, m, c), use, in.group(g) + c * plane,
-                                                out_gradient.group(g) + c * plane,
-                                                in_gradient.group(g) + c * plane, plane);
+                    kernels::normalise_backward(
+                        gradient_rule(values, m, c), use, in.lane_block(g) + c * plane,
+                        out_gradient.lane_block(g) + c * plane, in_gradient.lane_block(g) + c * plane, plane);
             });
         }
         static void end_backward(memory& m, T* gradients) {
@@ -127,7 +128,7 @@ struct batch_norm {
         static void observe_input(memory& m, input_view<T, Input> in, std::size_t first_group, std::size_t g,
                                   std::size_t c) {
             m.parts[(first_group + g) * channels + c] =
-                kernels::moments_of(in.group(g) + c * plane, Input.area(), in.samples_in(g));
+                kernels::moments_of(in.lane_block(g) + c * plane, Input.area(), in.samples_in(g));
         }
         static void use_running(const pass& p, const T* running, memory& m) {
             for (std::size_t c = 0; c < channels; ++c) {

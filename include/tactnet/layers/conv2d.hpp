@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/group_convolution.hpp>
+#include <tactnet/kernels/batch/lane_convolution.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/kernels/batch/weight_gradient.hpp>
 #include <tactnet/layers/layer.hpp>
@@ -118,13 +118,13 @@ struct conv2d {
         static void infer(const pass& p, const T* values, const T*, memory& m, input_view<T, Input> in,
                           output_view<T, output> out) {
             reserve(m.scratch, p.threads.threads() * ahead::scratch);
-            p.threads.on_each_share(in.groups(), [&](thread_pool::share part) {
-                for (std::size_t g = part.begin(in.groups()); g < part.end(in.groups()); ++g)
+            p.threads.on_each_share(in.lane_blocks(), [&](thread_pool::share part) {
+                for (std::size_t g = part.begin(in.lane_blocks()); g < part.end(in.lane_blocks()); ++g)
                     for (std::size_t group = 0; group < groups; ++group)
-                        ahead::run(in.group(g) + group * group_input,
+                        ahead::run(in.lane_block(g) + group * group_input,
                                    m.forward_weights.data() + group * ahead::weights,
                                    has_bias ? values + weights + group * filters : nullptr,
-                                   out.group(g) + group * group_output,
+                                   out.lane_block(g) + group * group_output,
                                    m.scratch.data() + part.index * ahead::scratch);
             });
         }
@@ -154,26 +154,26 @@ struct conv2d {
             // the input's gradient; group by group, so that a group is fetched from memory once.
             p.threads.on_each_thread([&](thread_pool::share part) {
                 T* const scratch = m.scratch.data() + part.index * needed;
-                for (std::size_t g = 0; g < in.groups(); ++g) {
+                for (std::size_t g = 0; g < in.lane_blocks(); ++g) {
                     for (std::size_t group = 0; group < groups; ++group)
-                        of_weights::add(in.group(g) + group * group_input,
-                                        out_gradient.group(g) + group * group_output,
+                        of_weights::add(in.lane_block(g) + group * group_input,
+                                        out_gradient.lane_block(g) + group * group_output,
                                         m.totals.data() + group * of_weights::totals, scratch,
                                         part.begin(of_weights::pieces), part.end(of_weights::pieces));
                     for (std::size_t f = part.begin(biases); f < part.end(biases); ++f) {
-                        const T* from = out_gradient.group(g) + f * output.area() * kernels::lanes<T>;
+                        const T* from = out_gradient.lane_block(g) + f * output.area() * kernels::lanes<T>;
                         m.totals[groups * of_weights::totals + f] +=
                             kernels::sum_terms<1, T>(output.area(), [&](std::size_t i) {
                                 return std::array<kernels::vector<T>, 1>{
                                     kernels::load(from + i * kernels::lanes<T>)};
                             })[0];
                     }
-                    const bool mine = g >= part.begin(in.groups()) && g < part.end(in.groups());
+                    const bool mine = g >= part.begin(in.lane_blocks()) && g < part.end(in.lane_blocks());
                     for (std::size_t group = 0; in_gradient.data() != nullptr && mine && group < groups;
                          ++group)
-                        back::run(out_gradient.group(g) + group * group_output,
+                        back::run(out_gradient.lane_block(g) + group * group_output,
                                   m.backward_weights.data() + group * back::weights, nullptr,
-                                  in_gradient.group(g) + group * group_input, scratch);
+                                  in_gradient.lane_block(g) + group * group_input, scratch);
                 }
             });
         }
@@ -197,8 +197,10 @@ struct conv2d {
                                      group_input = Input.size() / groups * kernels::lanes<T>,
                                      group_output = output.size() / groups * kernels::lanes<T>;
 
-        using ahead = kernels::group_convolution<kernels::correlation::forward(group_window, filters), T>;
-        using back = kernels::group_convolution<kernels::correlation::backward(group_window, filters), T>;
+        using ahead =
+            kernels::lane_convolution<kernels::batch_convolution::forward(group_window, filters), T>;
+        using back =
+            kernels::lane_convolution<kernels::batch_convolution::backward(group_window, filters), T>;
         using of_weights = kernels::weight_gradient<group_window, filters, T>;
 
         static void reserve(aligned_vector<T>& scratch, std::size_t elements) {

@@ -3,6 +3,7 @@
 #include <tactnet/kernels/batch/lane_products.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/transpose.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <algorithm>
@@ -54,10 +55,10 @@ struct dense {
 
         static void infer(const pass& p, const T* values, const T*, memory&, input_view<T, Input> in,
                           output_view<T, output> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 kernels::lane_product<Outputs, inputs, kernels::matrix_layout{inputs, 1}>(
-                    values, in.group(g), [&](std::size_t o, const kernels::vector<T>& sum) {
-                        kernels::store(out.group(g) + o * kernels::lanes<T>,
+                    values, in.lane_block(g), [&](std::size_t o, const kernels::vector<T>& sum) {
+                        kernels::store(out.lane_block(g) + o * kernels::lanes<T>,
                                        sum + kernels::vector<T>(values[weights + o]));
                     });
             });
@@ -76,10 +77,10 @@ struct dense {
             p.threads.on_each_thread([&](thread_pool::share part) {
                 for (std::size_t o = part.begin(Outputs); o < part.end(Outputs); ++o) {
                     double bias = 0;
-                    for (std::size_t g = 0; g < in.groups(); ++g)
+                    for (std::size_t g = 0; g < in.lane_blocks(); ++g)
                         bias += kernels::sum_terms<1, T>(1, [&](std::size_t) {
                             return std::array<kernels::vector<T>, 1>{
-                                kernels::load(out_gradient.group(g) + o * kernels::lanes<T>)};
+                                kernels::load(out_gradient.lane_block(g) + o * kernels::lanes<T>)};
                         })[0];
                     gradients[weights + o] = static_cast<T>(bias);
                 }
@@ -88,9 +89,9 @@ struct dense {
                     const std::size_t first = b * kernels::lanes<T>,
                                       count = std::min(kernels::lanes<T>, inputs - first);
                     std::fill_n(totals, Outputs * kernels::lanes<T>, 0.0);
-                    for (std::size_t g = 0; g < in.groups(); ++g)
-                        add_products(out_gradient.group(g), in.group(g) + first * kernels::lanes<T>, count,
-                                     totals);
+                    for (std::size_t g = 0; g < in.lane_blocks(); ++g)
+                        add_products(out_gradient.lane_block(g), in.lane_block(g) + first * kernels::lanes<T>,
+                                     count, totals);
                     for (std::size_t o = 0; o < Outputs; ++o)
                         for (std::size_t i = 0; i < count; ++i)
                             gradients[o * inputs + first + i] =
@@ -99,10 +100,10 @@ struct dense {
             });
             if (in_gradient.data() == nullptr)
                 return;
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 kernels::lane_product<inputs, Outputs, kernels::matrix_layout{1, inputs}>(
-                    values, out_gradient.group(g), [&](std::size_t i, const kernels::vector<T>& sum) {
-                        kernels::store(in_gradient.group(g) + i * kernels::lanes<T>, sum);
+                    values, out_gradient.lane_block(g), [&](std::size_t i, const kernels::vector<T>& sum) {
+                        kernels::store(in_gradient.lane_block(g) + i * kernels::lanes<T>, sum);
                     });
             });
         }
@@ -114,7 +115,7 @@ struct dense {
         /// outputs: sums over its samples.
         static void add_products(const T* out_gradient, const T* in, std::size_t count, double* totals) {
             alignas(alignment) std::array<T, kernels::lanes<T> * kernels::lanes<T>> turned;
-            kernels::turn_lanes(in, count, turned.data());
+            kernels::transpose(in, count, turned.data());
             kernels::lane_product<Outputs, kernels::lanes<T>, kernels::matrix_layout{kernels::lanes<T>, 1}>(
                 out_gradient, turned.data(), [&](std::size_t o, const kernels::vector<T>& sum) {
                     kernels::add_each_lane<T>(totals + o * kernels::lanes<T>, sum);

@@ -40,8 +40,8 @@ struct dropout {
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
             if (in.data() != out.data())
-                p.threads.for_each(in.groups(), [&](std::size_t g) {
-                    std::copy_n(in.group(g), in.group_size, out.group(g));
+                p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                    std::copy_n(in.lane_block(g), in.lane_block_size, out.lane_block(g));
                 });
         }
         static void forward(const pass& p, const T*, T*, no_memory&, input_view<T, Input> in,
@@ -59,14 +59,14 @@ struct dropout {
 
         static void scale_kept(const pass& p, input_view<T, Input> in, output_view<T, Input> out) {
             const T scale = static_cast<T>(100.0 / (100 - Percent));
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t lane = 0; lane < kernels::lanes<T>; ++lane) {
                     const std::uint64_t layer_seed = p.seed + (std::uint64_t{p.depth} << 40);
                     random_stream random(
                         layer_seed, draw::dropout, p.step,
                         static_cast<std::uint32_t>((p.first_group + g) * kernels::lanes<T> + lane));
-                    for (std::size_t e = lane; e < in.group_size; e += kernels::lanes<T>)
-                        out.group(g)[e] = random.bits() < threshold ? T{} : in.group(g)[e] * scale;
+                    for (std::size_t e = lane; e < in.lane_block_size; e += kernels::lanes<T>)
+                        out.lane_block(g)[e] = random.bits() < threshold ? T{} : in.lane_block(g)[e] * scale;
                 }
             });
         }

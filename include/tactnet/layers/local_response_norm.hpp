@@ -41,8 +41,9 @@ struct local_response_norm {
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                kernels::normalise_responses<rule>(Input.channels, Input.area(), in.group(g), out.group(g));
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                kernels::normalise_responses<rule>(Input.channels, Input.area(), in.lane_block(g),
+                                                   out.lane_block(g));
             });
         }
         static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
@@ -54,9 +55,10 @@ struct local_response_norm {
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                kernels::normalise_responses_backward<rule>(Input.channels, Input.area(), in.group(g),
-                                                            out_gradient.group(g), in_gradient.group(g));
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                kernels::normalise_responses_backward<rule>(Input.channels, Input.area(), in.lane_block(g),
+                                                            out_gradient.lane_block(g),
+                                                            in_gradient.lane_block(g));
             });
         }
     };

@@ -31,8 +31,8 @@ struct max_pool {
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, output> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                kernels::max_pool_forward<window>(in.group(g), out.group(g));
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                kernels::max_pool_forward<window>(in.lane_block(g), out.lane_block(g));
             });
         }
         static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
@@ -44,9 +44,9 @@ struct max_pool {
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                kernels::max_pool_backward<window>(in.group(g), out.group(g), out_gradient.group(g),
-                                                   in_gradient.group(g));
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                kernels::max_pool_backward<window>(in.lane_block(g), out.lane_block(g),
+                                                   out_gradient.lane_block(g), in_gradient.lane_block(g));
             });
         }
     };

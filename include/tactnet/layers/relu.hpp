@@ -21,8 +21,8 @@ struct relu {
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                kernels::relu_forward(in.group(g), out.group(g), in.group_size);
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                kernels::relu_forward(in.lane_block(g), out.lane_block(g), in.lane_block_size);
             });
         }
         static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
@@ -34,9 +34,9 @@ struct relu {
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            p.threads.for_each(out.groups(), [&](std::size_t g) {
-                kernels::relu_backward(out.group(g), out_gradient.group(g), in_gradient.group(g),
-                                       out.group_size);
+            p.threads.for_each(out.lane_blocks(), [&](std::size_t g) {
+                kernels::relu_backward(out.lane_block(g), out_gradient.lane_block(g),
+                                       in_gradient.lane_block(g), out.lane_block_size);
             });
         }
     };

@@ -25,14 +25,14 @@ struct softmax {
 
         static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for_each_pixel([&](std::size_t first) {
                     std::array<T, Input.channels> x;
                     for (std::size_t c = 0; c < Input.channels; ++c)
-                        x[c] = in.group(g)[first + c * plane];
+                        x[c] = in.lane_block(g)[first + c * plane];
                     kernels::softmax_of<T>(x, x);
                     for (std::size_t c = 0; c < Input.channels; ++c)
-                        out.group(g)[first + c * plane] = x[c];
+                        out.lane_block(g)[first + c * plane] = x[c];
                 });
             });
         }
@@ -45,14 +45,14 @@ struct softmax {
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            p.threads.for_each(out.groups(), [&](std::size_t g) {
+            p.threads.for_each(out.lane_blocks(), [&](std::size_t g) {
                 for_each_pixel([&](std::size_t first) {
-                    const T *y = out.group(g) + first, *dy = out_gradient.group(g) + first;
+                    const T *y = out.lane_block(g) + first, *dy = out_gradient.lane_block(g) + first;
                     double product = 0;
                     for (std::size_t c = 0; c < Input.channels; ++c)
                         product += static_cast<double>(y[c * plane]) * static_cast<double>(dy[c * plane]);
                     for (std::size_t c = 0; c < Input.channels; ++c)
-                        in_gradient.group(g)[first + c * plane] =
+                        in_gradient.lane_block(g)[first + c * plane] =
                             static_cast<T>(static_cast<double>(y[c * plane]) *
                                            (static_cast<double>(dy[c * plane]) - product));
                 });

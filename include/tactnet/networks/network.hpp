@@ -173,7 +173,7 @@ public:
     }
     /// As `infer`, in front of a last softmax.
     void logits(thread_pool& threads, workspace& space, const_input in, output_type out) const {
-        const std::size_t groups = in.groups(), most = threads.threads();
+        const std::size_t groups = in.lane_blocks(), most = threads.threads();
         const std::size_t parts = (groups + most - 1) / most;
         // As equal as can be, a largest one first: the workspace then has room for all.
         const auto begin = [&](std::size_t part) { return (groups * part + parts - 1) / parts; };
@@ -183,7 +183,8 @@ public:
                 std::min(last * kernels::lanes<T>, in.samples()) - first * kernels::lanes<T>;
             space.resize(count);
             logit_layers::infer(make_pass(threads), values_.data(), statistics_.data(), space.memory_,
-                                const_input(in.group(first), count), output_type(out.group(first), count));
+                                const_input(in.lane_block(first), count),
+                                output_type(out.lane_block(first), count));
         }
     }
     /// Logits of a batch in training: moments of the batch in batch norms (which move the running ones),

@@ -23,7 +23,7 @@ class batch_view {
 public:
     static constexpr shape extents = Shape;
     static constexpr std::size_t lanes = Lanes;
-    static constexpr std::size_t group_size = Shape.size() * Lanes;
+    static constexpr std::size_t lane_block_size = Shape.size() * Lanes;
 
     constexpr batch_view(T* data, std::size_t samples) : data_(data), samples_(samples) {}
     constexpr batch_view(
@@ -34,18 +34,18 @@ public:
 
     [[nodiscard]] constexpr T* data() const { return data_; }
     [[nodiscard]] constexpr std::size_t samples() const { return samples_; }
-    [[nodiscard]] constexpr std::size_t groups() const { return (samples_ + Lanes - 1) / Lanes; }
-    [[nodiscard]] constexpr T* group(std::size_t index) const { return data_ + index * group_size; }
+    [[nodiscard]] constexpr std::size_t lane_blocks() const { return (samples_ + Lanes - 1) / Lanes; }
+    [[nodiscard]] constexpr T* lane_block(std::size_t index) const { return data_ + index * lane_block_size; }
     /// Samples in one group: `Lanes`, or fewer in the last.
     [[nodiscard]] constexpr std::size_t samples_in(std::size_t group) const {
         return std::min(Lanes, samples_ - group * Lanes);
     }
     /// Groups first … last − 1 as a batch of their own; of a null view a null view.
     [[nodiscard]] constexpr batch_view part(std::size_t first, std::size_t last) const {
-        return {data_ ? group(first) : nullptr, std::min(samples_, last * Lanes) - first * Lanes};
+        return {data_ ? lane_block(first) : nullptr, std::min(samples_, last * Lanes) - first * Lanes};
     }
     [[nodiscard]] constexpr T& operator()(std::size_t sample, std::size_t element) const {
-        return group(sample / Lanes)[element * Lanes + sample % Lanes];
+        return lane_block(sample / Lanes)[element * Lanes + sample % Lanes];
     }
 
 private:
@@ -66,7 +66,7 @@ public:
     /// Afterwards all elements are zero. Keeps its memory when it shrinks.
     void resize(std::size_t samples) {
         samples_ = samples;
-        elements_.assign((samples + Lanes - 1) / Lanes * view_type::group_size, T{});
+        elements_.assign((samples + Lanes - 1) / Lanes * view_type::lane_block_size, T{});
     }
     [[nodiscard]] std::size_t samples() const { return samples_; }
     [[nodiscard]] view_type view() { return {elements_.data(), samples_}; }

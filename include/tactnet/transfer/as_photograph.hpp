@@ -64,10 +64,10 @@ struct as_photograph {
         static void infer(const pass& p, const T*, const T*, memory& m, input_view<T, Input> in,
                           output_view<T, output> out) {
             using vector = kernels::vector<T>;
-            p.threads.for_each(in.groups(), [&](std::size_t g) {
-                T* const to = out.group(g);
+            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                T* const to = out.lane_block(g);
                 kernels::resample_group<T, down, along>(
-                    in.group(g), [&](std::size_t pixel, const vector& value) {
+                    in.lane_block(g), [&](std::size_t pixel, const vector& value) {
                         for (std::size_t channel = 0; channel < 3; ++channel)
                             kernels::store(to + (channel * output.area() + pixel) * kernels::lanes<T>,
                                            (value - vector(m.mean[channel])) * vector(m.scale[channel]));
@@ -83,8 +83,8 @@ struct as_photograph {
             using vector = kernels::vector<T>;
             if (in_gradient.data() == nullptr)
                 return;
-            p.threads.for_each(out_gradient.groups(), [&](std::size_t g) {
-                const T* const from = out_gradient.group(g);
+            p.threads.for_each(out_gradient.lane_blocks(), [&](std::size_t g) {
+                const T* const from = out_gradient.lane_block(g);
                 kernels::resample_group_backward<T, down, along>(
                     [&](std::size_t pixel) {
                         vector sum(T{0});
@@ -96,7 +96,7 @@ struct as_photograph {
                                 sum);
                         return sum;
                     },
-                    in_gradient.group(g));
+                    in_gradient.lane_block(g));
             });
         }
     };

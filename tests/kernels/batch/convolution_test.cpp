@@ -15,8 +15,8 @@ namespace {
 
 constexpr sliding_window window = sliding_window::over({5, 7, 2}, {3, 2}, {2, 3}, pad(1, 2, 0, 1));
 constexpr std::size_t filters = 9; // one more than a register block
-constexpr correlation ahead = correlation::forward(window, filters),
-                      back = correlation::backward(window, filters);
+constexpr batch_convolution ahead = batch_convolution::forward(window, filters),
+                            back = batch_convolution::backward(window, filters);
 
 static_assert(ahead.output == shape{window.output_rows(), window.output_columns(), filters});
 static_assert(ahead.spacing == extent{1} && ahead.stride == window.stride && ahead.top == 1 &&

@@ -44,16 +44,3 @@ TEST_CASE_TEMPLATE("lane_product: against plain loops, the matrix as it is and t
     check_product<280, 22, matrix_layout{1, 280}, T>();
     check_product<25, 3, matrix_layout{1, 25}, T>();
 }
-
-TEST_CASE_TEMPLATE("turn_lanes: features and samples change places, zeros behind the last feature", T, float,
-                   double) {
-    constexpr std::size_t width = lanes<T>;
-    const aligned_vector<T> from = support::whole_numbers<T>(width * width, 7919);
-    for (std::size_t features = 1; features <= width; ++features) {
-        aligned_vector<T> to(width * width, T{99});
-        turn_lanes(from.data(), features, to.data());
-        for (std::size_t sample = 0; sample < width; ++sample)
-            for (std::size_t f = 0; f < width; ++f)
-                CHECK(to[sample * width + f] == (f < features ? from[f * width + sample] : T{}));
-    }
-}

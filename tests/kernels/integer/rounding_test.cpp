@@ -16,7 +16,7 @@ using namespace tactnet;
 
 namespace {
 
-constexpr std::size_t lanes = kernels::most_integer_lanes;
+constexpr std::size_t lanes = kernels::max_integer_lanes;
 
 /// Of the bytes, and the one that stands for zero.
 struct limits {
@@ -26,8 +26,8 @@ struct limits {
 /// One sum by a vector of every lane count at once: all must be the same byte.
 template <std::size_t Lanes>
 int by_lanes(std::int32_t sum, float factor, const limits& range) {
-    kernels::integers<Lanes> sums{};
-    kernels::numbers<Lanes> factors{};
+    kernels::int32_vec<Lanes> sums{};
+    kernels::float_vec<Lanes> factors{};
     for (std::size_t l = 0; l < Lanes; ++l)
         sums[l] = sum, factors[l] = factor;
     std::array<std::uint8_t, Lanes + 8> bytes;
@@ -95,7 +95,7 @@ TEST_CASE("store_rounded: drawn sums and factors give the nearest byte") {
 
 TEST_CASE("nearest: ties go to the even number up to 2^22") {
     const auto check = [](float value) {
-        return kernels::nearest<1>(kernels::numbers<1>{value})[0] ==
+        return kernels::nearest<1>(kernels::float_vec<1>{value})[0] ==
                std::nearbyint(static_cast<double>(value));
     };
     for (float whole = -2000; whole <= 2000; ++whole)

@@ -33,8 +33,8 @@ TEST_CASE(
     CHECK_FALSE(large::suits(step({10, 18, 64}, 2, 128)));
     CHECK_FALSE(large::suits(step({6, 12, 128}, 3, 128)));
     // Filters that fill no vector are not, whatever the map.
-    if (kernels::lanes < float >> kernels::fewest_lanes<float>)
-        CHECK_FALSE(large::suits(step({200, 200, 3}, 3, kernels::fewest_lanes<float>)));
+    if (kernels::lanes < float >> kernels::min_lanes<float>)
+        CHECK_FALSE(large::suits(step({200, 200, 3}, 3, kernels::min_lanes<float>)));
 }
 
 TEST_CASE("convolve_large: frames and threads leave the same bits as one frame on one thread") {

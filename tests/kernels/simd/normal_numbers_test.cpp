@@ -16,7 +16,7 @@ using namespace tactnet::kernels;
 
 namespace {
 
-constexpr std::size_t group = normal_numbers::group_size;
+constexpr std::size_t group = normal_numbers::chunk_size;
 constexpr random_purpose purpose{8};
 
 std::vector<double> drawn(const random_stream& random, std::size_t count) {
@@ -71,7 +71,7 @@ TEST_CASE("normal_numbers: Box and Muller's transform of the stream's own words"
     std::array<float, group> numbers;
     for (const std::uint32_t index : {0u, 1u, 1000u}) {
         alignas(64) std::array<float, group> aligned;
-        normal_numbers(random_stream(seed, purpose, 5, 6)).group(index, aligned.data());
+        normal_numbers(random_stream(seed, purpose, 5, 6)).chunk(index, aligned.data());
         numbers = aligned;
         for (std::uint32_t block = 0; block < 16; ++block) {
             const auto words = philox({16 * index + block, purpose.number(), 5, 6}, {0x89abcdef, 0x01234567});
@@ -98,7 +98,7 @@ TEST_CASE("normal_numbers: the same bits with every instruction set") {
     std::uint64_t hash = 0xcbf29ce484222325; // Fowler, Noll and Vo's
     for (std::uint32_t index = 0; index < 1000; ++index) {
         alignas(64) std::array<float, group> numbers;
-        normal_numbers(random_stream(7, purpose, 3, 2)).group(index, numbers.data());
+        normal_numbers(random_stream(7, purpose, 3, 2)).chunk(index, numbers.data());
         for (const float number : numbers)
             hash = (hash ^ std::bit_cast<std::uint32_t>(number)) * 0x100000001b3;
     }

@@ -39,20 +39,20 @@ std::array<float, size_of<Vector>> elements(const Vector& v) {
 } // namespace
 
 TEST_CASE_TEMPLATE("row_vector: every operation, lane by lane", Width, width<lanes<float>>,
-                   width<fewest_lanes<float>>) {
+                   width<min_lanes<float>>) {
     constexpr std::size_t n = Width::value;
     using wide = sized_vector<float, n>;
     constexpr float infinity = std::numeric_limits<float>::infinity(),
                     not_a_number = std::numeric_limits<float>::quiet_NaN();
     const wide a = counting<wide>(-2.25f);
-    const auto kept = elements(kept_within(a, wide(-1.5f), wide(0.5f))), whole = elements(truncated(a)),
-               zeros = elements(where_zero(counting<wide>(-1), wide(7), a));
+    const auto kept = elements(clamp(a, wide(-1.5f), wide(0.5f))), whole = elements(truncate(a)),
+               zeros = elements(select_if_zero(counting<wide>(-1), wide(7), a));
     std::array<std::int32_t, n + 1> numbers{};
-    store_whole(numbers.data() + 1, a);
+    store_int32(numbers.data() + 1, a);
     std::array<std::uint8_t, n + 1> bytes;
     for (std::size_t i = 0; i <= n; ++i)
         bytes[i] = static_cast<std::uint8_t>(256 - i);
-    const auto of_bytes = elements(load_numbers<wide>(bytes.data() + 1));
+    const auto of_bytes = elements(load_floats<wide>(bytes.data() + 1));
     for (std::size_t i = 0; i < n; ++i) {
         CHECK(of_bytes[i] == 255 - static_cast<float>(i));
         const float value = -2.25f + static_cast<float>(i);
@@ -62,8 +62,8 @@ TEST_CASE_TEMPLATE("row_vector: every operation, lane by lane", Width, width<lan
         CHECK(numbers[i + 1] == static_cast<std::int32_t>(value));
         CHECK(zeros[i] == (i == 1 ? 7 : value));
     }
-    CHECK(elements(kept_within(wide(not_a_number), wide(1), wide(2)))[0] == 1);
-    CHECK(elements(kept_within(wide(infinity), wide(1), wide(2)))[0] == 2);
+    CHECK(elements(clamp(wide(not_a_number), wide(1), wide(2)))[0] == 1);
+    CHECK(elements(clamp(wide(infinity), wide(1), wide(2)))[0] == 2);
     CHECK(all_finite(a));
     for (const float broken : {infinity, -infinity, not_a_number}) {
         std::array<float, n> values{};
@@ -72,17 +72,17 @@ TEST_CASE_TEMPLATE("row_vector: every operation, lane by lane", Width, width<lan
     }
 }
 
-TEST_CASE_TEMPLATE("row_vector: zipped, unzipped and spread", Width, width<lanes<float>>,
-                   width<fewest_lanes<float>>) {
+TEST_CASE_TEMPLATE("row_vector: interleave, deinterleave and spread", Width, width<lanes<float>>,
+                   width<min_lanes<float>>) {
     constexpr std::size_t n = Width::value;
     using wide = sized_vector<float, n>;
     std::array<wide, 8> sequence;
     for (std::size_t v = 0; v < 8; ++v)
         sequence[v] = counting<wide>(static_cast<float>(v * n));
-    const auto eight = unzipped(sequence);
-    const auto two = unzipped(std::array{sequence[0], sequence[1]});
-    const auto both = zipped(sequence[0], sequence[1]);
-    const auto three = thrice(sequence[1]);
+    const auto eight = deinterleave(sequence);
+    const auto two = deinterleave(std::array{sequence[0], sequence[1]});
+    const auto both = interleave(sequence[0], sequence[1]);
+    const auto three = repeat_three(sequence[1]);
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t way = 0; way < 8; ++way)
             CHECK(elements(eight[way])[i] == static_cast<float>(8 * i + way));
@@ -108,16 +108,16 @@ TEST_CASE("row_vector: cover a row, and nothing beyond it where it is long enoug
             }
             CHECK(covered >= count);
         }
-    CHECK(row_lanes<float>(1) == fewest_lanes<float>);
+    CHECK(row_lanes<float>(1) == min_lanes<float>);
     CHECK(row_lanes<float>(16 * lanes<float>) == lanes<float>);
 }
 
 TEST_CASE("store_in_row: no more than the row holds") {
     std::array<float, 3 + 4> row;
     row.fill(-1);
-    using wide = sized_vector<float, fewest_lanes<float>>;
-    constexpr std::size_t count = fewest_lanes<float> == 1 ? 1 : 3;
-    store_in_row<count, fewest_lanes<float>>(row.data(), counting<wide>(5));
+    using wide = sized_vector<float, min_lanes<float>>;
+    constexpr std::size_t count = min_lanes<float> == 1 ? 1 : 3;
+    store_in_row<count, min_lanes<float>>(row.data(), counting<wide>(5));
     for (std::size_t i = 0; i < row.size(); ++i)
         CHECK(row[i] == (i < count ? 5 + static_cast<float>(i) : -1));
 }

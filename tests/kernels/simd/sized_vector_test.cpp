@@ -31,7 +31,7 @@ void check_order() {
 } // namespace
 
 TEST_CASE("add_lanes: one after the other") {
-    check_order<fewest_lanes<float>>();
+    check_order<min_lanes<float>>();
     check_order<lanes<float>>();
 }
 

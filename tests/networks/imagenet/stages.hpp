@@ -172,7 +172,7 @@ private:
     void expect_tiles() {
         tactnet::sliding_window window = Convolution::window;
         window.input.channels = Convolution::channels;
-        const auto c = tactnet::kernels::correlation::forward(window, Convolution::filters);
+        const auto c = tactnet::kernels::batch_convolution::forward(window, Convolution::filters);
         const tactnet::extent tile = tactnet::kernels::best_group_tile(c);
         if (tile != tactnet::extent(0))
             factor_ = std::max(factor_, tile_deviation(Convolution::channels, window.kernel.rows,

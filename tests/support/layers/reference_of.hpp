@@ -31,10 +31,10 @@ struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> 
             tactnet::sliding_window::over({in.rows, in.columns, in.channels}, Kernel, Stride, Padding);
         window.input.channels /= Options.groups;
         constexpr std::size_t filters = Filters / Options.groups;
-        using tactnet::kernels::correlation;
-        const auto ahead = correlation::forward(window, filters),
-                   back = correlation::backward(window, filters);
-        const auto tile_of = [](const correlation& c) {
+        using tactnet::kernels::batch_convolution;
+        const auto ahead = batch_convolution::forward(window, filters),
+                   back = batch_convolution::backward(window, filters);
+        const auto tile_of = [](const batch_convolution& c) {
             const tactnet::extent tile = tactnet::kernels::best_group_tile(c);
             return tile_size{tile.rows, tile.columns};
         };

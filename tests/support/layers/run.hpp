@@ -17,13 +17,13 @@ void run_forward(const tactnet::pass& p, const value_of<Layer>* values, value_of
     if constexpr (tactnet::part_layer<Layer>) {
         if constexpr (Layer::observes)
             tactnet::for_each_part<Layer::by_parts>(
-                p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+                p, in.lane_blocks(), [&](const auto& part, std::size_t first, std::size_t last) {
                     Layer::observe_forward(part, memory, in.part(first, last));
                 });
         Layer::begin_forward(p, running, memory, in.samples());
     }
     tactnet::for_each_part<Layer::by_parts>(
-        p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+        p, in.lane_blocks(), [&](const auto& part, std::size_t first, std::size_t last) {
             Layer::forward(part, values, running, memory, in.part(first, last), out.part(first, last));
         });
 }
@@ -39,14 +39,14 @@ void run_backward(const tactnet::pass& p, const value_of<Layer>* values, typenam
     if constexpr (tactnet::part_layer<Layer>) {
         if constexpr (Layer::observes)
             tactnet::for_each_part<Layer::by_parts>(
-                p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+                p, in.lane_blocks(), [&](const auto& part, std::size_t first, std::size_t last) {
                     Layer::observe_backward(part, memory, in.part(first, last), out.part(first, last),
                                             out_gradient.part(first, last));
                 });
         Layer::begin_backward(p, values, memory, in.samples());
     }
     tactnet::for_each_part<Layer::by_parts>(
-        p, in.groups(), [&](const auto& part, std::size_t first, std::size_t last) {
+        p, in.lane_blocks(), [&](const auto& part, std::size_t first, std::size_t last) {
             Layer::backward(part, values, memory, in.part(first, last), out.part(first, last),
                             out_gradient.part(first, last), in_gradient.part(first, last), gradients);
         });

@@ -32,9 +32,9 @@ TEST_CASE("sample_batch: lies in memory as a batch of the same size") {
             }
         }
         const auto view = expected.as_const();
-        CHECK(std::equal(view.data(), view.data() + view.groups() * view.group_size, found.data()));
+        CHECK(std::equal(view.data(), view.data() + view.lane_blocks() * view.lane_block_size, found.data()));
         found.resize(samples); // zero again
-        CHECK(std::all_of(found.data(), found.data() + view.groups() * view.group_size,
+        CHECK(std::all_of(found.data(), found.data() + view.lane_blocks() * view.lane_block_size,
                           [](float v) { return v == 0; }));
     }
 }

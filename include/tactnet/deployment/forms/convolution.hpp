@@ -100,7 +100,7 @@ private:
     /// pixels than a register block holds.
     static constexpr bool side_by_side(const sliding_window& w) {
         return w.kernel == w.stride && w.top == 0 && w.left == 0 &&
-               2 * w.kernel.area() <= kernels::most_block_sums;
+               2 * w.kernel.area() <= kernels::max_block_sums;
     }
     static constexpr convolution_epilogue with_pool(const sliding_window& pool) {
         convolution_epilogue more = Behind;

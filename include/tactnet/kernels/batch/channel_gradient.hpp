@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/batch/lane_products.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/transpose.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -35,7 +35,7 @@ struct channel_gradient_plan {
     /// Registers of a block: vectors of channels × filters.
     static constexpr std::size_t block_vectors = vectors > 1 && row_bytes(2) <= cache_bytes ? 2 : 1;
     static constexpr std::size_t block_filters =
-        std::min<std::size_t>(most_block_sums / block_vectors, Filters);
+        std::min<std::size_t>(max_block_sums / block_vectors, Filters);
     /// Rows of the turned input that stay in half of the cache, but at least one.
     static constexpr std::size_t tile_rows =
         std::clamp<std::size_t>(cache_bytes / 2 / row_bytes(block_vectors), 1, W.input.rows);
@@ -124,9 +124,10 @@ void add_channel_gradient(const T* input, const T* gradient, double* totals, T* 
             const std::size_t end_row = std::min(y + plan::tile_rows, W.input.rows);
             for (std::size_t pixel = y * W.input.columns; pixel < end_row * W.input.columns; ++pixel)
                 for (std::size_t v = 0; v < vectors; ++v)
-                    turn_lanes(input + ((first_vector + v) * width * W.input.area() + pixel) * width, width,
-                               scratch + ((pixel - y * W.input.columns) * width * vectors + v) * width,
-                               W.input.area() * width, vectors * width);
+                    transpose(input + ((first_vector + v) * width * W.input.area() + pixel) * width,
+                              W.input.area() * width,
+                              scratch + ((pixel - y * W.input.columns) * width * vectors + v) * width,
+                              vectors * width);
             blocked<Filters, plan::block_filters>([&](auto filters, std::size_t first_filter) {
                 const std::size_t piece = first_piece + first_filter / plan::block_filters;
                 if (piece < begin || piece >= end)

@@ -19,7 +19,7 @@ namespace kernels {
 
 /// What a convolution reads and writes. `spacing` > 1 reads the input as if spacing − 1 zeros stood between
 /// its pixels: with it, the gradient of a strided convolution is a convolution again.
-struct correlation {
+struct batch_convolution {
     shape input;
     shape output;
     extent kernel;
@@ -28,7 +28,7 @@ struct correlation {
     std::ptrdiff_t top;
     std::ptrdiff_t left;
 
-    [[nodiscard]] static constexpr correlation forward(const sliding_window& w, std::size_t filters) {
+    [[nodiscard]] static constexpr batch_convolution forward(const sliding_window& w, std::size_t filters) {
         return {w.input,
                 {w.output_rows(), w.output_columns(), filters},
                 w.kernel,
@@ -39,7 +39,7 @@ struct correlation {
     }
     /// The gradient with respect to the input, from that of the output: kernel turned by 180°, channels
     /// exchanged.
-    [[nodiscard]] static constexpr correlation backward(const sliding_window& w, std::size_t filters) {
+    [[nodiscard]] static constexpr batch_convolution backward(const sliding_window& w, std::size_t filters) {
         return {{w.output_rows(), w.output_columns(), filters},
                 w.input,
                 w.kernel,
@@ -48,7 +48,7 @@ struct correlation {
                 static_cast<std::ptrdiff_t>(w.kernel.rows) - 1 - static_cast<std::ptrdiff_t>(w.top),
                 static_cast<std::ptrdiff_t>(w.kernel.columns) - 1 - static_cast<std::ptrdiff_t>(w.left)};
     }
-    friend constexpr bool operator==(const correlation&, const correlation&) = default;
+    friend constexpr bool operator==(const batch_convolution&, const batch_convolution&) = default;
 };
 
 /// The outputs of one direction (rows or columns) that share a phase: index = phase + spacing × i. Tap t of
@@ -107,7 +107,7 @@ inline constexpr std::size_t block_outputs = 3;
 
 /// Weights in the order of use: blocks of output channels, then [input channel][kernel row][kernel
 /// column][channel of the block]. `weight(output, input, row, column)` tells each value.
-template <correlation C, class T, class Weight>
+template <batch_convolution C, class T, class Weight>
 void pack_weights(T* packed, Weight&& weight) {
     for (std::size_t first = 0; first < C.output.channels; first += block_channels) {
         const std::size_t count = std::min(block_channels, C.output.channels - first);
@@ -120,7 +120,7 @@ void pack_weights(T* packed, Weight&& weight) {
 }
 
 /// Adds one tap to a register block.
-template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Channels, class T>
+template <batch_convolution C, tap_line Columns, std::size_t Outputs, std::size_t Channels, class T>
 [[gnu::always_inline]] inline void add_tap(std::array<std::array<vector<T>, Outputs>, Channels>& sums,
                                            const T* input, const T* weights, std::size_t tap) {
     std::array<vector<T>, Outputs> x;
@@ -137,7 +137,7 @@ template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Chan
 }
 
 /// Adds the taps [first_tap, last_tap) of `Outputs` neighbouring outputs × `Channels` channels.
-template <correlation C, tap_line Columns, std::size_t Outputs, std::size_t Channels, class T>
+template <batch_convolution C, tap_line Columns, std::size_t Outputs, std::size_t Channels, class T>
 [[gnu::always_inline]] inline void
 correlate_block(const T* input, const T* weights, const T* bias, T* output, std::ptrdiff_t row_position,
                 std::size_t first_row, std::size_t last_row, std::size_t row_kernel_first, std::size_t index,
@@ -182,8 +182,8 @@ correlate_block(const T* input, const T* weights, const T* bias, T* output, std:
     }
 }
 
-/// output = bias + correlation of input and weights, for one group. `bias` may be null.
-template <correlation C, class T>
+/// output = bias + convolution of input and weights, for one group. `bias` may be null.
+template <batch_convolution C, class T>
 [[gnu::flatten]] void correlate(const T* input, const T* packed_weights, const T* bias, T* output) {
     constexpr std::size_t width = lanes<T>;
     blocked<C.output.channels, block_channels>([&](auto channels, std::size_t first_channel) {

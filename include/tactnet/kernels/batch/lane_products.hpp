@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/kernels/simd/transpose.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
@@ -48,22 +47,6 @@ template <std::size_t Rows, std::size_t Columns, matrix_layout Layout, class T, 
         for (std::size_t r = 0; r < rows; ++r)
             put(first + r, sums[r]);
     });
-}
-
-/// Up to `lanes<T>` features of one group, turned: to[sample][feature] = from[feature][sample], with zeros
-/// behind the last feature. From one feature, or one sample, to the next it is a stride.
-template <class T>
-void turn_lanes(const T* from, std::size_t features, T* to, std::size_t from_stride = lanes<T>,
-                std::size_t to_stride = lanes<T>) {
-    constexpr std::size_t width = lanes<T>;
-    if (features == width)
-        return transpose(from, from_stride, to, to_stride);
-    for (std::size_t f = 0; f < features; ++f)
-        for (std::size_t sample = 0; sample < width; ++sample)
-            to[sample * to_stride + f] = from[f * from_stride + sample];
-    for (std::size_t f = features; f < width; ++f)
-        for (std::size_t sample = 0; sample < width; ++sample)
-            to[sample * to_stride + f] = T{};
 }
 
 } // namespace kernels

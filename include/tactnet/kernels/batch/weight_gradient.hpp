@@ -14,7 +14,7 @@ namespace kernels {
 /// tap where channels fill vectors, else by sums across the lanes.
 template <sliding_window W, std::size_t Filters, class T>
 class weight_gradient {
-    static constexpr correlation ahead = correlation::forward(W, Filters);
+    static constexpr batch_convolution ahead = batch_convolution::forward(W, Filters);
     using across_channels = channel_gradient_plan<W, Filters, T>;
     using across_samples = weight_gradient_plan<W, Filters, T>;
     static constexpr std::size_t weights = Filters * W.input.channels * W.kernel.area();

@@ -25,15 +25,15 @@ struct frame_convolution {
     std::size_t groups = 1;     ///< filters of a group see the channels of that group only
     std::size_t map_stride = 0; ///< elements from one pixel to the next of a wider map that holds the output
     std::size_t map_offset = 0; ///< channels of that map in front of the output
-    std::size_t map_offset_multiple = 0; ///< of one of several groups: in place of the offset, what all of
-                                         ///< theirs are multiples of
+    std::size_t map_offset_multiple = 0;   ///< of one of several groups: in place of the offset, what all of
+                                           ///< theirs are multiples of
     std::size_t input_offset_multiple = 0; ///< the same for the first channels of their inputs
 
     /// In a wider map vectors must begin where vectors of that width may lie, and hold no lane but the
     /// filters'.
     [[nodiscard]] constexpr std::size_t width() const {
         std::size_t w = lanes_for<float>(filters);
-        while (w > fewest_lanes<float> && map_stride > 0 && !fills_vectors_of(w))
+        while (w > min_lanes<float> && map_stride > 0 && !fills_vectors_of(w))
             w /= 2;
         return w;
     }
@@ -99,7 +99,7 @@ struct frame_convolution {
     [[nodiscard]] constexpr std::size_t block_columns() const {
         const std::size_t step = pool.columns;
         const std::size_t most =
-            std::max(most_block_sums / (block_rows() * block_vectors()) / step * step, step);
+            std::max(max_block_sums / (block_rows() * block_vectors()) / step * step, step);
         const std::size_t blocks = (columns() + most - 1) / most;
         const std::size_t even = (columns() + blocks - 1) / blocks;
         return (even + step - 1) / step * step;

@@ -27,7 +27,7 @@ struct frame_dense {
     /// The widest vectors that leave the fewest lanes empty: what counts are the weights read from memory.
     [[nodiscard]] constexpr std::size_t width() const {
         std::size_t best = lanes_for<float>(outputs);
-        for (std::size_t w = best; w >= fewest_lanes<float>; w /= 2)
+        for (std::size_t w = best; w >= min_lanes<float>; w /= 2)
             if ((outputs + w - 1) / w * w < (outputs + best - 1) / best * best)
                 best = w;
         return best;
@@ -58,7 +58,7 @@ inline constexpr std::size_t dense_parts = std::max<std::size_t>(8 / Vectors, 1)
 /// Frames whose sums fit the registers, so that they share each weight that is read.
 template <frame_dense D>
 inline constexpr std::size_t
-    dense_frames = std::max<std::size_t>(most_block_sums / (dense_parts<D> * D.block_vectors()), 1);
+    dense_frames = std::max<std::size_t>(max_block_sums / (dense_parts<D> * D.block_vectors()), 1);
 
 /// output = bias + weights · input, for frames whose inputs and outputs lie so many elements apart; the bits
 /// do not depend on their number.

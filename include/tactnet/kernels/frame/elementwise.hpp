@@ -38,12 +38,12 @@ template <std::size_t Size, class Count>
         for (std::size_t v = 0; v < row_vectors(Size, width); ++v) {
             const std::size_t at = row_vector_begin(v, Size, width);
             const wide number =
-                (load_numbers<wide>(counts + at) - load_anywhere<wide>(mean + at)) * wide(scale);
+                (load_floats<wide>(counts + at) - load_anywhere<wide>(mean + at)) * wide(scale);
             store_anywhere(to + at, number);
             // The difference is 0 within the limits, infinite for an infinity and NaN for NaN.
             if constexpr (!always_usual)
-                beyond = where_zero(kept_within(number, wide(-limit), wide(limit)) - number, beyond,
-                                    wide(std::numeric_limits<float>::infinity()));
+                beyond = select_if_zero(clamp(number, wide(-limit), wide(limit)) - number, beyond,
+                                        wide(std::numeric_limits<float>::infinity()));
         }
         return all_finite(beyond);
     }

@@ -18,7 +18,7 @@ namespace kernels {
 /// The widest vector that divides the elements of a pixel; a number by itself where none does.
 template <std::size_t Stride>
 [[nodiscard]] constexpr auto pixel_vector() {
-    if constexpr (Stride % fewest_lanes<float> != 0) {
+    if constexpr (Stride % min_lanes<float> != 0) {
         return std::type_identity<float>{};
     } else {
         constexpr std::size_t width = [] {
@@ -62,7 +62,7 @@ template <sliding_window W, std::size_t Stride>
             }
         });
     };
-    if constexpr (Stride % fewest_lanes<float> == 0) {
+    if constexpr (Stride % min_lanes<float> == 0) {
         constexpr std::size_t width = [] {
             std::size_t w = lanes<float>;
             while (Stride % w != 0)

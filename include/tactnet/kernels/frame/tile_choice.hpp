@@ -26,11 +26,11 @@ namespace kernels {
 }
 /// Vectors of filters in a register block of tiles × vectors: more where there are few tiles to fill it.
 [[nodiscard]] constexpr std::size_t tile_block_vectors(const frame_convolution& c, std::size_t tiles) {
-    return tiles * 4 < most_block_sums && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
+    return tiles * 4 < max_block_sums && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
 }
 /// As many tiles as registers allow, evenly spread.
 [[nodiscard]] constexpr std::size_t tiles_of_block(std::size_t tiles, std::size_t vectors) {
-    const std::size_t most = std::max<std::size_t>(most_block_sums / vectors, 1);
+    const std::size_t most = std::max<std::size_t>(max_block_sums / vectors, 1);
     const std::size_t blocks = (tiles + most - 1) / most;
     return (tiles + blocks - 1) / blocks;
 }

@@ -29,16 +29,16 @@ struct byte_products<4> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m128i>(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
     }
-    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
-                                                  const inputs& x) {
+    [[gnu::always_inline]] static int32_vec<4> add(const int32_vec<4>& sums, const weights& w,
+                                                   const inputs& x) {
         const auto s = reinterpret_cast<__m128i>(sums);
 #ifdef __AVX512VNNI__
-        return reinterpret_cast<integers<4>>(_mm_dpbusd_epi32(s, x, w));
+        return reinterpret_cast<int32_vec<4>>(_mm_dpbusd_epi32(s, x, w));
 #else
-        return reinterpret_cast<integers<4>>(_mm_dpbusd_avx_epi32(s, x, w));
+        return reinterpret_cast<int32_vec<4>>(_mm_dpbusd_avx_epi32(s, x, w));
 #endif
     }
 };
@@ -52,16 +52,16 @@ struct byte_products<8> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m256i>(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
     }
-    [[gnu::always_inline]] static integers<8> add(const integers<8>& sums, const weights& w,
-                                                  const inputs& x) {
+    [[gnu::always_inline]] static int32_vec<8> add(const int32_vec<8>& sums, const weights& w,
+                                                   const inputs& x) {
         const auto s = reinterpret_cast<__m256i>(sums);
 #ifdef __AVX512VNNI__
-        return reinterpret_cast<integers<8>>(_mm256_dpbusd_epi32(s, x, w));
+        return reinterpret_cast<int32_vec<8>>(_mm256_dpbusd_epi32(s, x, w));
 #else
-        return reinterpret_cast<integers<8>>(_mm256_dpbusd_avx_epi32(s, x, w));
+        return reinterpret_cast<int32_vec<8>>(_mm256_dpbusd_avx_epi32(s, x, w));
 #endif
     }
 };
@@ -76,12 +76,12 @@ struct byte_products<16> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m512i>(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
     }
-    [[gnu::always_inline]] static integers<16> add(const integers<16>& sums, const weights& w,
-                                                   const inputs& x) {
-        return reinterpret_cast<integers<16>>(_mm512_dpbusd_epi32(reinterpret_cast<__m512i>(sums), x, w));
+    [[gnu::always_inline]] static int32_vec<16> add(const int32_vec<16>& sums, const weights& w,
+                                                    const inputs& x) {
+        return reinterpret_cast<int32_vec<16>>(_mm512_dpbusd_epi32(reinterpret_cast<__m512i>(sums), x, w));
     }
 };
 #endif
@@ -98,11 +98,11 @@ struct byte_products<4> {
     static constexpr int offset = 128; // this instruction knows no bytes without a sign times bytes with one
 
     [[gnu::always_inline]] static weights load(const std::int8_t* from) { return vld1q_s8(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return vreinterpretq_s8_s32(vdupq_n_s32(detail::group_at<std::int32_t>(from)));
     }
-    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
-                                                  const inputs& x) {
+    [[gnu::always_inline]] static int32_vec<4> add(const int32_vec<4>& sums, const weights& w,
+                                                   const inputs& x) {
         return vdotq_s32(sums, w, x);
     }
 };
@@ -132,12 +132,12 @@ struct byte_products<1> {
         asm("sxtb16 %0, %1, ror #8" : "=r"(second) : "r"(bytes));
         return {__sxtb16(bytes), second};
     }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return {detail::group_at<int16x2_t>(from), detail::group_at<int16x2_t>(from + 2)};
     }
-    [[gnu::always_inline]] static integers<1> add(const integers<1>& sums, const weights& w,
-                                                  const inputs& x) {
-        return integers<1>{__smlad(w.second, x.second, __smlad(w.first, x.first, sums[0]))};
+    [[gnu::always_inline]] static int32_vec<1> add(const int32_vec<1>& sums, const weights& w,
+                                                   const inputs& x) {
+        return int32_vec<1>{__smlad(w.second, x.second, __smlad(w.first, x.first, sums[0]))};
     }
 };
 

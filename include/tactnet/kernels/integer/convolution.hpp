@@ -49,7 +49,7 @@ template <class Plan, frame_convolution C, std::size_t Vectors, std::size_t Rows
 convolve_integer_block(const typename Plan::staged* input, const typename Plan::weight* weights,
                        const integer_epilogue& epilogue, Output* output, rows_under_taps multiplied) {
     constexpr std::size_t width = Plan::width;
-    using sum = integers<width>;
+    using sum = int32_vec<width>;
     register_block<sum, Rows * Columns, Vectors> sums;
 #pragma GCC unroll 64
     for (std::size_t v = 0; v < Vectors; ++v) {
@@ -58,7 +58,7 @@ convolve_integer_block(const typename Plan::staged* input, const typename Plan::
         for (std::size_t p = 0; p < Rows * Columns; ++p) {
             sums[p][v] = start;
             if constexpr (C.adds) {
-                const auto other = load_any<typename integer_lanes<width>::bytes>(
+                const auto other = load_any<uint8_vec<width>>(
                     output + (p / Columns * C.output_columns() + p % Columns) * C.output_stride() +
                     v * width);
                 sums[p][v] += __builtin_convertvector(other, sum) *
@@ -80,7 +80,7 @@ convolve_integer_block(const typename Plan::staged* input, const typename Plan::
             typename Plan::products::inputs x[under_columns];
 #pragma GCC unroll 64
             for (std::size_t c = 0; c < under_columns; ++c)
-                x[c] = Plan::products::spread(input + r * Plan::pitch + c * Plan::stride);
+                x[c] = Plan::products::broadcast(input + r * Plan::pitch + c * Plan::stride);
 #pragma GCC unroll 64
             for (std::size_t y = 0; y < Rows; ++y) {
                 const std::size_t above = y * C.window.stride.rows;
@@ -106,7 +106,7 @@ convolve_integer_block(const typename Plan::staged* input, const typename Plan::
     constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
 #pragma GCC unroll 64
     for (std::size_t v = 0; v < Vectors; ++v) {
-        const auto factors = load_any<numbers<width>>(epilogue.factors + v * width * sizeof(float));
+        const auto factors = load_any<float_vec<width>>(epilogue.factors + v * width * sizeof(float));
 #pragma GCC unroll 64
         for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
             const std::size_t top = o / pooled_columns * C.pool.rows,
@@ -125,7 +125,7 @@ convolve_integer_block(const typename Plan::staged* input, const typename Plan::
             if constexpr (std::is_same_v<Output, float>) {
                 if constexpr (C.rectified)
                     largest = largest > 0 ? largest : sum{};
-                store_any(to, __builtin_convertvector(largest, numbers<width>) * factors);
+                store_any(to, __builtin_convertvector(largest, float_vec<width>) * factors);
             } else {
                 store_rounded<width>(to, largest, factors, epilogue.range);
             }

@@ -18,25 +18,24 @@ namespace detail {
 /// words = nearest(counts × steps) − mean, for `Lanes` counts. Lanes of the result are zero but for counts
 /// farther than `most` steps from their mean, and for those that are no number; what they give is any word.
 template <std::size_t Lanes, class Count>
-[[gnu::always_inline]] inline integers<Lanes> some_counts_to_words(const Count* counts,
-                                                                   const std::int16_t* mean, float steps,
-                                                                   float most, std::int16_t* words) {
-    using lanes = integer_lanes<Lanes>;
-    const auto middle = __builtin_convertvector(load_any<typename lanes::words>(mean), integers<Lanes>);
-    numbers<Lanes> scaled;
-    integers<Lanes> beyond{};
+[[gnu::always_inline]] inline int32_vec<Lanes> some_counts_to_words(const Count* counts,
+                                                                    const std::int16_t* mean, float steps,
+                                                                    float most, std::int16_t* words) {
+    const auto middle = __builtin_convertvector(load_any<int16_vec<Lanes>>(mean), int32_vec<Lanes>);
+    float_vec<Lanes> scaled;
+    int32_vec<Lanes> beyond{};
     if constexpr (std::is_same_v<Count, float>) {
-        scaled = load_any<numbers<Lanes>>(counts) * steps;
-        const auto centre = __builtin_convertvector(middle, numbers<Lanes>);
+        scaled = load_any<float_vec<Lanes>>(counts) * steps;
+        const auto centre = __builtin_convertvector(middle, float_vec<Lanes>);
         // Comparisons that NaN fails.
-        const integers<Lanes> fits = (scaled <= centre + most) & (scaled >= centre - most);
+        const int32_vec<Lanes> fits = (scaled <= centre + most) & (scaled >= centre - most);
         beyond = ~fits;
-        scaled = fits ? scaled : numbers<Lanes>{};
+        scaled = fits ? scaled : float_vec<Lanes>{};
     } else {
-        const integers<Lanes> whole = whole_of_bytes<Lanes>(load_any<typename lanes::bytes>(counts));
-        scaled = __builtin_convertvector(whole, numbers<Lanes>) * steps;
+        const int32_vec<Lanes> whole = to_int32<Lanes>(load_any<uint8_vec<Lanes>>(counts));
+        scaled = __builtin_convertvector(whole, float_vec<Lanes>) * steps;
     }
-    store_any(words, __builtin_convertvector(nearest<Lanes>(scaled) - middle, typename lanes::words));
+    store_any(words, __builtin_convertvector(nearest<Lanes>(scaled) - middle, int16_vec<Lanes>));
     return beyond;
 }
 
@@ -47,9 +46,9 @@ template <std::size_t Lanes, class Count>
 template <class Count>
 [[nodiscard]] inline bool counts_to_words(const Count* counts, std::size_t count, const std::int16_t* mean,
                                           float steps, float most, std::int16_t* words) {
-    constexpr std::size_t width = most_integer_lanes;
+    constexpr std::size_t width = max_integer_lanes;
     const std::size_t in_vectors = count / width * width;
-    integers<width> beyond{};
+    int32_vec<width> beyond{};
     for (std::size_t at = 0; at < in_vectors; at += width)
         beyond |= detail::some_counts_to_words<width>(counts + at, mean + at, steps, most, words + at);
     std::int32_t any = 0;

@@ -22,9 +22,9 @@ void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, fl
                     const byte_range& range, std::uint8_t* to) noexcept {
     constexpr float parts = 1024, largest_root = 4095; // a product of both is below 2²²
     const auto whole = [&](float root) {
-        return nearest<1>(numbers<1>{(root < largest_root ? root : largest_root) * parts});
+        return nearest<1>(float_vec<1>{(root < largest_root ? root : largest_root) * parts});
     };
-    const integers<1> of_zero = whole(std::sqrt(offset));
+    const int32_vec<1> of_zero = whole(std::sqrt(offset));
     alignas(alignment) std::array<float, lanes<float>> some{};
     for (std::size_t first = 0; first < count; first += lanes<float>) {
         const std::size_t left = std::min(lanes<float>, count - first);
@@ -32,7 +32,7 @@ void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, fl
             some[i] = static_cast<float>(std::max<std::int32_t>(from[first + i] - zero, 0));
         store(some.data(), square_root<float>(load<float>(some.data()) + vector<float>(offset)));
         for (std::size_t i = 0; i < left; ++i)
-            store_rounded<1>(to + first + i, whole(some[i]) - of_zero, numbers<1>{factor}, range);
+            store_rounded<1>(to + first + i, whole(some[i]) - of_zero, float_vec<1>{factor}, range);
     }
 }
 

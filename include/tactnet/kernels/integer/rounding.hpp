@@ -34,16 +34,16 @@ namespace detail {
 /// last 23 bits. Above them, these.
 inline constexpr std::int32_t above_nearest = 0x4B400000;
 template <std::size_t Lanes>
-[[nodiscard]] [[gnu::always_inline]] inline integers<Lanes> with_nearest(const numbers<Lanes>& values) {
-    const numbers<Lanes> shifted = values + 0x1.8p23f;
-    return load_any<integers<Lanes>>(&shifted);
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> with_nearest(const float_vec<Lanes>& values) {
+    const float_vec<Lanes> shifted = values + 0x1.8p23f;
+    return load_any<int32_vec<Lanes>>(&shifted);
 }
 
 } // namespace detail
 
 /// The nearest whole number, ties to the even one, for magnitudes up to 2²².
 template <std::size_t Lanes>
-[[nodiscard]] [[gnu::always_inline]] inline integers<Lanes> nearest(const numbers<Lanes>& values) {
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> nearest(const float_vec<Lanes>& values) {
     return detail::with_nearest<Lanes>(values) - detail::above_nearest;
 }
 
@@ -51,12 +51,11 @@ namespace detail {
 
 /// The last 8 bits of each.
 template <std::size_t Lanes>
-[[nodiscard]] [[gnu::always_inline]] inline typename integer_lanes<Lanes>::bytes
-last_bytes(const integers<Lanes>& whole) {
-    using bytes = typename integer_lanes<Lanes>::bytes;
+[[nodiscard]] [[gnu::always_inline]] inline uint8_vec<Lanes> last_bytes(const int32_vec<Lanes>& whole) {
+    using bytes = uint8_vec<Lanes>;
 #if !defined(TACTNET_NO_SIMD) && ((defined(__SSSE3__) && !defined(__AVX512VL__)) || defined(__aarch64__))
     // By a table: GCC 12 would convert them one by one.
-    const auto all = load_any<typename byte_lanes<4 * Lanes>::bytes>(&whole);
+    const auto all = load_any<uint8_vec<4 * Lanes>>(&whole);
     if constexpr (Lanes == 4)
         return __builtin_shufflevector(all, all, 0, 4, 8, 12);
     else if constexpr (Lanes == 8)
@@ -70,10 +69,11 @@ last_bytes(const integers<Lanes>& whole) {
 
 /// One byte for each sum: sum × factor + zero, rounded, within the range.
 template <std::size_t Lanes>
-[[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const integers<Lanes>& sums,
-                                                 const numbers<Lanes>& factors, const byte_range& range) {
-    const numbers<Lanes> least = range.least() - numbers<Lanes>{}, most = range.most() - numbers<Lanes>{};
-    numbers<Lanes> values = __builtin_convertvector(sums, numbers<Lanes>) * factors;
+[[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const int32_vec<Lanes>& sums,
+                                                 const float_vec<Lanes>& factors, const byte_range& range) {
+    const float_vec<Lanes> least = range.least() - float_vec<Lanes>{},
+                           most = range.most() - float_vec<Lanes>{};
+    float_vec<Lanes> values = __builtin_convertvector(sums, float_vec<Lanes>) * factors;
     values = values > least ? values : least;
     values = values < most ? values : most;
     store_any(to, detail::last_bytes<Lanes>(detail::with_nearest<Lanes>(values) + range.zero()));

@@ -26,7 +26,7 @@ namespace kernels {
 template <frame_convolution C, class Input>
 struct integer_convolution {
     static_assert(C.groups == 1, "integer_convolution: groups of filters must have been joined");
-    static constexpr std::size_t width = std::min(C.width(), most_integer_lanes);
+    static constexpr std::size_t width = std::min(C.width(), max_integer_lanes);
     using products =
         std::conditional_t<std::is_same_v<Input, std::uint8_t>, byte_products<width>, word_products<width>>;
     using staged = typename products::staged;

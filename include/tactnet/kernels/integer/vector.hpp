@@ -1,13 +1,13 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/kernels/simd/lane_types.hpp>
+#include <tactnet/kernels/simd/compiler_vector.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
-// How wide vectors of whole numbers are, and their memory. Their types: simd/lane_types.hpp.
+// How wide vectors of whole numbers are, and their memory. Their types: simd/compiler_vector.hpp.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -15,22 +15,18 @@ namespace kernels {
 
 /// Lanes of the widest vector of whole numbers that the instruction set multiplies.
 #if defined(TACTNET_NO_SIMD)
-inline constexpr std::size_t most_integer_lanes = 1;
+inline constexpr std::size_t max_integer_lanes = 1;
 #elif defined(__AVX512BW__)
-inline constexpr std::size_t most_integer_lanes = 16;
+inline constexpr std::size_t max_integer_lanes = 16;
 #elif defined(__AVX2__)
-inline constexpr std::size_t most_integer_lanes = 8;
+inline constexpr std::size_t max_integer_lanes = 8;
 #else
-inline constexpr std::size_t most_integer_lanes = 4;
+inline constexpr std::size_t max_integer_lanes = 4;
 #endif
 
-template <std::size_t Lanes>
-struct byte_lanes {
-    using bytes [[gnu::vector_size(Lanes)]] = std::uint8_t;
-};
 /// Lanes of the widest vector of bytes that divides `count`.
 [[nodiscard]] constexpr std::size_t widest_bytes(std::size_t count) {
-    std::size_t width = 4 * most_integer_lanes;
+    std::size_t width = 4 * max_integer_lanes;
     while (count % width != 0)
         width /= 2;
     return width;

@@ -47,8 +47,8 @@ template <frame_convolution C, class Pixel>
 [[gnu::always_inline]] inline void transform_integer_tile(const Pixel& pixel, std::int16_t* to,
                                                           std::uint8_t padding) {
     using tiles = integer_tiles<C>;
-    using words = typename integer_lanes<tiles::input_width>::words;
-    using bytes = typename integer_lanes<tiles::input_width>::bytes;
+    using words = int16_vec<tiles::input_width>;
+    using bytes = uint8_vec<tiles::input_width>;
     constexpr std::size_t side = tiles::side;
     const words outside = words{} + static_cast<std::int16_t>(padding);
     for (std::size_t channel = 0; channel < tiles::channels; channel += tiles::input_width) {
@@ -125,7 +125,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Tiles>
 multiply_integer_tiles(const std::int16_t* input, const std::int16_t* weights, std::int32_t* products) {
     using tiles = integer_tiles<C>;
     using words = typename tiles::products;
-    using sum = integers<tiles::width>;
+    using sum = int32_vec<tiles::width>;
     register_block<sum, Tiles, Vectors> sums{};
     for (std::size_t g = 0; g < tiles::groups; ++g) {
         typename words::weights w[Vectors];
@@ -134,7 +134,7 @@ multiply_integer_tiles(const std::int16_t* input, const std::int16_t* weights, s
             w[v] = words::load(weights + (g * Vectors + v) * tiles::width * tiles::group);
 #pragma GCC unroll 64
         for (std::size_t t = 0; t < Tiles; ++t) {
-            const auto x = words::spread(input + t * tiles::channels + g * tiles::group);
+            const auto x = words::broadcast(input + t * tiles::channels + g * tiles::group);
 #pragma GCC unroll 64
             for (std::size_t v = 0; v < Vectors; ++v)
                 sums[t][v] = words::add(sums[t][v], w[v], x);
@@ -152,12 +152,12 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                          std::size_t first, std::size_t last) {
     using tiles = integer_tiles<C>;
     constexpr std::size_t width = tiles::width, side = tiles::side;
-    using sum = integers<width>;
+    using sum = int32_vec<width>;
     const auto finish = [&](Output * to, const sum& value, std::size_t v) __attribute__((always_inline)) {
-        const auto factors = load_any<numbers<width>>(epilogue.factors + v * width * sizeof(float));
+        const auto factors = load_any<float_vec<width>>(epilogue.factors + v * width * sizeof(float));
         if constexpr (std::is_same_v<Output, float>)
             store_any(to, __builtin_convertvector(C.rectified ? sum(value > 0 ? value : sum{}) : value,
-                                                  numbers<width>) *
+                                                  float_vec<width>) *
                               factors);
         else
             store_rounded<width>(to, value, factors, epilogue.range);
@@ -203,7 +203,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                         output + ((top + i / 2) * C.output_columns() + left + i % 2) * C.output_stride() +
                         v * width;
                     if constexpr (C.adds) {
-                        const auto other = load_any<typename integer_lanes<width>::bytes>(to);
+                        const auto other = load_any<uint8_vec<width>>(to);
                         y[i] += __builtin_convertvector(other, sum) *
                                 load_any<sum>(epilogue.added + v * width * sizeof(std::int32_t));
                     }

@@ -23,7 +23,7 @@ namespace kernels {
 /// How a convolution of bytes is cut into tiles.
 template <frame_convolution C>
 struct integer_tiles {
-    static constexpr std::size_t width = std::min(C.width(), most_integer_lanes);
+    static constexpr std::size_t width = std::min(C.width(), max_integer_lanes);
     using products = word_products<width>;
     static constexpr std::size_t group = products::group;
     static constexpr std::size_t vectors = C.padded_filters() / width, block_vectors = C.block_vectors();
@@ -37,7 +37,7 @@ struct integer_tiles {
 
     /// Channels of the transformed input, and how many of them a vector of words takes.
     static constexpr std::size_t input_width = [] {
-        std::size_t w = std::max<std::size_t>(2 * most_integer_lanes, group);
+        std::size_t w = std::max<std::size_t>(2 * max_integer_lanes, group);
         while (C.input_stride % w != 0)
             w /= 2;
         return w;
@@ -60,7 +60,7 @@ struct integer_tiles {
     }();
     /// Tiles in a register block, of so many in all: as many as registers allow, evenly spread.
     static constexpr std::size_t block_of(std::size_t tiles) {
-        constexpr std::size_t most = std::max<std::size_t>(most_block_sums / block_vectors, 1);
+        constexpr std::size_t most = std::max<std::size_t>(max_block_sums / block_vectors, 1);
         return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
     }
     /// The same in a band.
@@ -83,7 +83,7 @@ struct integer_tiles {
     /// Whether fewer operations are needed than with taps. A product counts twice, since its sum is another
     /// operation; transforms count with their loads and stores.
     static constexpr bool pays = [] {
-        if (!possible || most_integer_lanes == 1 || block_of(count) * block_vectors < 8)
+        if (!possible || max_integer_lanes == 1 || block_of(count) * block_vectors < 8)
             return false;
         const std::size_t direct = 2 * C.rows() * C.columns() * C.window.kernel.area() * groups * vectors;
         const std::size_t tiled = 2 * elements * count * groups * vectors +

@@ -78,7 +78,7 @@ template <std::size_t Lanes>
 struct word_products {
     using staged = std::int16_t;
     using weight = std::int8_t;
-    using weights = integers<Lanes>;
+    using weights = int32_vec<Lanes>;
     using inputs = std::int32_t;
     static constexpr std::size_t group = 1;
     static constexpr int offset = 0;
@@ -89,9 +89,9 @@ struct word_products {
             w[lane] = from[lane];
         return w;
     }
-    [[gnu::always_inline]] static inputs spread(const staged* from) { return *from; }
-    [[gnu::always_inline]] static integers<Lanes> add(const integers<Lanes>& sums, const weights& w,
-                                                      const inputs& x) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) { return *from; }
+    [[gnu::always_inline]] static int32_vec<Lanes> add(const int32_vec<Lanes>& sums, const weights& w,
+                                                       const inputs& x) {
         return sums + w * x;
     }
 };
@@ -108,15 +108,15 @@ struct word_products<4> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m128i>(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
     }
-    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
-                                                  const inputs& x) {
+    [[gnu::always_inline]] static int32_vec<4> add(const int32_vec<4>& sums, const weights& w,
+                                                   const inputs& x) {
 #if defined(__AVX512VNNI__) && defined(__AVX512VL__)
-        return reinterpret_cast<integers<4>>(_mm_dpwssd_epi32(reinterpret_cast<__m128i>(sums), w, x));
+        return reinterpret_cast<int32_vec<4>>(_mm_dpwssd_epi32(reinterpret_cast<__m128i>(sums), w, x));
 #elif defined(__AVXVNNI__)
-        return reinterpret_cast<integers<4>>(_mm_dpwssd_avx_epi32(reinterpret_cast<__m128i>(sums), w, x));
+        return reinterpret_cast<int32_vec<4>>(_mm_dpwssd_avx_epi32(reinterpret_cast<__m128i>(sums), w, x));
 #else
         return detail::add_products(sums, w, x);
 #endif
@@ -134,15 +134,15 @@ struct word_products<8> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m256i>(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
     }
-    [[gnu::always_inline]] static integers<8> add(const integers<8>& sums, const weights& w,
-                                                  const inputs& x) {
+    [[gnu::always_inline]] static int32_vec<8> add(const int32_vec<8>& sums, const weights& w,
+                                                   const inputs& x) {
 #if defined(__AVX512VNNI__) && defined(__AVX512VL__)
-        return reinterpret_cast<integers<8>>(_mm256_dpwssd_epi32(reinterpret_cast<__m256i>(sums), w, x));
+        return reinterpret_cast<int32_vec<8>>(_mm256_dpwssd_epi32(reinterpret_cast<__m256i>(sums), w, x));
 #elif defined(__AVXVNNI__)
-        return reinterpret_cast<integers<8>>(_mm256_dpwssd_avx_epi32(reinterpret_cast<__m256i>(sums), w, x));
+        return reinterpret_cast<int32_vec<8>>(_mm256_dpwssd_avx_epi32(reinterpret_cast<__m256i>(sums), w, x));
 #else
         return detail::add_products(sums, w, x);
 #endif
@@ -161,13 +161,13 @@ struct word_products<16> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m512i>(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
     }
-    [[gnu::always_inline]] static integers<16> add(const integers<16>& sums, const weights& w,
-                                                   const inputs& x) {
+    [[gnu::always_inline]] static int32_vec<16> add(const int32_vec<16>& sums, const weights& w,
+                                                    const inputs& x) {
 #ifdef __AVX512VNNI__
-        return reinterpret_cast<integers<16>>(_mm512_dpwssd_epi32(reinterpret_cast<__m512i>(sums), w, x));
+        return reinterpret_cast<int32_vec<16>>(_mm512_dpwssd_epi32(reinterpret_cast<__m512i>(sums), w, x));
 #else
         return detail::add_products(sums, w, x);
 #endif
@@ -193,10 +193,12 @@ struct word_products<1> {
     [[gnu::always_inline]] static weights load(const std::int16_t* from) {
         return detail::group_at<weights>(from);
     }
-    [[gnu::always_inline]] static inputs spread(const staged* from) { return detail::group_at<inputs>(from); }
-    [[gnu::always_inline]] static integers<1> add(const integers<1>& sums, const weights& w,
-                                                  const inputs& x) {
-        return integers<1>{__smlad(w, x, sums[0])};
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
+        return detail::group_at<inputs>(from);
+    }
+    [[gnu::always_inline]] static int32_vec<1> add(const int32_vec<1>& sums, const weights& w,
+                                                   const inputs& x) {
+        return int32_vec<1>{__smlad(w, x, sums[0])};
     }
 };
 
@@ -212,9 +214,9 @@ struct word_products<4> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int16_t* from) { return vld1_s16(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) { return *from; }
-    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
-                                                  const inputs& x) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) { return *from; }
+    [[gnu::always_inline]] static int32_vec<4> add(const int32_vec<4>& sums, const weights& w,
+                                                   const inputs& x) {
         return detail::in_order(vmlal_n_s16(sums, w, x));
     }
 };
@@ -231,12 +233,12 @@ struct word_products<4> {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int16_t* from) { return wasm_v128_load(from); }
-    [[gnu::always_inline]] static inputs spread(const staged* from) {
+    [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return wasm_i32x4_splat(detail::group_at<std::int32_t>(from));
     }
-    [[gnu::always_inline]] static integers<4> add(const integers<4>& sums, const weights& w,
-                                                  const inputs& x) {
-        return sums + reinterpret_cast<integers<4>>(wasm_i32x4_dot_i16x8(w, x));
+    [[gnu::always_inline]] static int32_vec<4> add(const int32_vec<4>& sums, const weights& w,
+                                                   const inputs& x) {
+        return sums + reinterpret_cast<int32_vec<4>>(wasm_i32x4_dot_i16x8(w, x));
     }
 };
 

@@ -43,7 +43,7 @@ public:
         static_assert(2 * padded_rows * stride < (1u << 24),
                       "positions are whole numbers in single precision");
         buffers memory;
-        if constexpr (Rows * Columns < fewest_lanes<float>) // vectors read on behind the last position
+        if constexpr (Rows * Columns < min_lanes<float>) // vectors read on behind the last position
             memory = {};
         pair_rows(padded, memory.pairs.data());
         blocked<Rows, rows_at_once>([&](auto rows, std::size_t first) {
@@ -84,17 +84,17 @@ private:
             const wide position = fused_multiply_add(wide(static_cast<float>(by_column)),
                                                      load_anywhere<wide>(&from_centre[begin]),
                                                      wide(static_cast<float>(start + by_row * v + reach)));
-            return kept_within(position, wide(0), wide(static_cast<float>(size - 1 + 2 * reach)));
+            return clamp(position, wide(0), wide(static_cast<float>(size - 1 + 2 * reach)));
         };
         for (std::size_t i = 0; i < row_vectors(Columns, width); ++i) {
             const std::size_t begin = row_vector_begin(i, Columns, width);
             const wide row = along(map.row_start, map.row_by_row, map.row_by_column, Rows, begin);
             const wide column =
                 along(map.column_start, map.column_by_row, map.column_by_column, Columns, begin);
-            const wide top = truncated(row), left = truncated(column);
+            const wide top = truncate(row), left = truncate(column);
             store_anywhere(&memory.row_rest[at + begin], row - top);
             store_anywhere(&memory.column_rest[at + begin], column - left);
-            store_whole(&memory.first[at + begin],
+            store_int32(&memory.first[at + begin],
                         fused_multiply_add(top, wide(static_cast<float>(2 * stride)), left + left));
         }
     }
@@ -106,7 +106,7 @@ private:
         for (std::size_t v = 0; v < row_vectors(count, width); ++v) {
             const std::size_t begin = row_vector_begin(v, count, width);
             const auto both =
-                zipped(load_anywhere<wide>(padded + begin), load_anywhere<wide>(padded + begin + stride));
+                interleave(load_anywhere<wide>(padded + begin), load_anywhere<wide>(padded + begin + stride));
             store_anywhere(pairs + 2 * begin, both[0]);
             store_anywhere(pairs + 2 * begin + width, both[1]);
         }
@@ -142,7 +142,7 @@ private:
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < 2 * Taps; ++i)
                     pixels[i] = load_anywhere<wide>(&memory.pixels[pair][2 * Taps * begin + i * width]);
-                pixels = unzipped(pixels);
+                pixels = deinterleave(pixels);
                 std::array<wide, Taps> upper, lower;
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < Taps; ++i)
@@ -170,14 +170,14 @@ private:
         }
         [[nodiscard]] Vector operator()(const std::array<Vector, Taps>& pixels) const {
             if constexpr (Taps == 2) {
-                return where_zero(rest, pixels[0],
-                                  fused_multiply_add(rest, pixels[1] - pixels[0], pixels[0]));
+                return select_if_zero(rest, pixels[0],
+                                      fused_multiply_add(rest, pixels[1] - pixels[0], pixels[0]));
             } else {
                 Vector sum(0);
 #pragma GCC unroll 4
                 for (std::size_t i = 0; i < 4; ++i)
                     sum = fused_multiply_add(pixels[i], of[i], sum);
-                return where_zero(rest, pixels[1], sum);
+                return select_if_zero(rest, pixels[1], sum);
             }
         }
     };

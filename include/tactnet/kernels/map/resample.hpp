@@ -26,7 +26,7 @@ namespace kernels {
 /// Whether all of `Count` elements are numbers of which 64 can be added in any order.
 template <std::size_t Count>
 [[nodiscard]] [[gnu::flatten]] bool all_addable(const float* from) {
-    if constexpr (Count < fewest_lanes<float>) {
+    if constexpr (Count < min_lanes<float>) {
         return std::all_of(from, from + Count, [](float x) { return x * 64 - x * 64 == 0; });
     } else {
         constexpr std::size_t width = lanes_for<float>(Count);
@@ -168,7 +168,7 @@ struct weight_bands {
 namespace detail {
 template <class Axis, std::size_t Lanes>
 constexpr auto narrowed_bands() {
-    if constexpr (Lanes > fewest_lanes<float>) {
+    if constexpr (Lanes > min_lanes<float>) {
         using narrower = decltype(narrowed_bands<Axis, Lanes / 2>());
         if constexpr (narrower::type::cost < weight_bands<Axis, Lanes>::cost)
             return narrower{};
@@ -206,7 +206,7 @@ template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToSt
                 for (std::size_t r = 0; r < rows; ++r) {
                     const wide sum = fused_multiply_add(wide(source[r * FromStride + i]), weight, sums[r]);
                     if constexpr (Guarded)
-                        sums[r] = where_zero(weight, sums[r], sum);
+                        sums[r] = select_if_zero(weight, sums[r], sum);
                     else
                         sums[r] = sum;
                 }

@@ -26,8 +26,8 @@ template <class Vector, std::size_t Lanes>
 inline void copy_line(const float* from, float* to, std::size_t count) {
     if (count >= lanes<float>)
         copy_vectors<vector<float>, lanes<float>>(from, to, count);
-    else if (count >= fewest_lanes<float>)
-        copy_vectors<sized_vector<float, fewest_lanes<float>>, fewest_lanes<float>>(from, to, count);
+    else if (count >= min_lanes<float>)
+        copy_vectors<sized_vector<float, min_lanes<float>>, min_lanes<float>>(from, to, count);
     else
         std::copy_n(from, count, to);
 }

@@ -28,13 +28,13 @@ class normal_numbers {
     using words = std::array<std::uint32_t, blocks>;
 
 public:
-    static constexpr std::size_t group_size = 4 * blocks;
+    static constexpr std::size_t chunk_size = 4 * blocks;
 
     explicit normal_numbers(const random_stream& random)
         : key_(random.key()), counter_(random.next_counter()) {}
 
-    /// The numbers index · group_size … of the stream, to aligned memory. None is beyond ±6.7.
-    void group(std::uint32_t index, float* to) const {
+    /// The numbers index · chunk_size … of the stream, to aligned memory. None is beyond ±6.7.
+    void chunk(std::uint32_t index, float* to) const {
         alignas(64) std::array<words, 4> random;
         philox_blocks(index * static_cast<std::uint32_t>(blocks), random);
         box_muller(random[0], random[1], to);
@@ -43,10 +43,10 @@ public:
     /// The first `count` numbers of the stream, one call of use(i, number) each.
     template <class Use>
     void each(std::size_t count, const Use& use) const {
-        alignas(64) std::array<float, group_size> numbers;
-        for (std::size_t first = 0; first < count; first += group_size) {
-            group(static_cast<std::uint32_t>(first / group_size), numbers.data());
-            const std::size_t here = count - first < group_size ? count - first : group_size;
+        alignas(64) std::array<float, chunk_size> numbers;
+        for (std::size_t first = 0; first < count; first += chunk_size) {
+            chunk(static_cast<std::uint32_t>(first / chunk_size), numbers.data());
+            const std::size_t here = count - first < chunk_size ? count - first : chunk_size;
             for (std::size_t i = 0; i < here; ++i)
                 use(first + i, numbers[i]);
         }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/simd/lane_types.hpp>
+#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -28,26 +28,26 @@ template <class Vector, class T>
 }
 /// Bytes as floats.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector load_numbers(const std::uint8_t* from) {
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_floats(const std::uint8_t* from) {
     constexpr std::size_t size = Vector::size;
-    typename integer_lanes<size>::bytes values;
+    uint8_vec<size> values;
     std::memcpy(&values, from, sizeof(values));
-    return Vector(__builtin_convertvector(whole_of_bytes<size>(values), numbers<size>));
+    return Vector(__builtin_convertvector(to_int32<size>(values), float_vec<size>));
 }
 /// Kept within low … high; NaN is `low`. In the compilers' own terms, which become two instructions; as
 /// floats, since a register may say that it holds whole numbers (WebAssembly's does).
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector kept_within(const Vector& a, const Vector& low,
-                                                               const Vector& high) {
-    using floats = numbers<Vector::size>;
+[[nodiscard]] [[gnu::always_inline]] inline Vector clamp(const Vector& a, const Vector& low,
+                                                         const Vector& high) {
+    using floats = float_vec<Vector::size>;
     const auto least = (floats)low.data, most = (floats)high.data, value = (floats)a.data;
     const floats above = value > least ? value : least;
     return Vector(above < most ? above : most);
 }
 /// `yes` where a is zero, else `no`.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector where_zero(const Vector& a, const Vector& yes,
-                                                              const Vector& no) {
+[[nodiscard]] [[gnu::always_inline]] inline Vector select_if_zero(const Vector& a, const Vector& yes,
+                                                                  const Vector& no) {
     return xsimd::select(a == Vector(0), yes, no);
 }
 /// Whether all are numbers: no NaN and no infinity.
@@ -57,17 +57,18 @@ template <class Vector>
 }
 /// Towards zero; for magnitudes below 2³¹.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector truncated(const Vector& a) {
+[[nodiscard]] [[gnu::always_inline]] inline Vector truncate(const Vector& a) {
     return xsimd::to_float(xsimd::to_int(a));
 }
 /// Whole numbers, as such.
 template <class Vector>
-[[gnu::always_inline]] inline void store_whole(std::int32_t* to, const Vector& a) {
+[[gnu::always_inline]] inline void store_int32(std::int32_t* to, const Vector& a) {
     xsimd::to_int(a).store_unaligned(to);
 }
 /// The elements of even and those of odd number of two vectors that stand for one sequence.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> unzipped(const Vector& a, const Vector& b) {
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> deinterleave(const Vector& a,
+                                                                               const Vector& b) {
     return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
         return std::array{Vector(__builtin_shufflevector(a.data, b.data, (2 * I)...)),
                           Vector(__builtin_shufflevector(a.data, b.data, (2 * I + 1)...))};
@@ -76,7 +77,8 @@ template <class Vector>
 }
 /// The other way round: elements of `a` and `b` in turns.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> zipped(const Vector& a, const Vector& b) {
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> interleave(const Vector& a,
+                                                                             const Vector& b) {
     constexpr int size = static_cast<int>(Vector::size);
     return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
         return std::array{
@@ -87,7 +89,7 @@ template <class Vector>
 }
 /// Each element of a vector three times, as three vectors.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 3> thrice(const Vector& a) {
+[[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 3> repeat_three(const Vector& a) {
     constexpr int size = static_cast<int>(Vector::size);
     return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
         return std::array{Vector(__builtin_shufflevector(a.data, a.data, (I / 3)...)),
@@ -109,15 +111,15 @@ inline void store_anywhere(T* to, const Vector& values) {
 }
 /// A byte as a float.
 template <class Vector>
-[[nodiscard]] inline Vector load_numbers(const std::uint8_t* from) {
+[[nodiscard]] inline Vector load_floats(const std::uint8_t* from) {
     return static_cast<float>(*from);
 }
 template <class Vector>
-[[nodiscard]] inline Vector kept_within(const Vector& a, const Vector& low, const Vector& high) {
+[[nodiscard]] inline Vector clamp(const Vector& a, const Vector& low, const Vector& high) {
     return a > low ? (a < high ? a : high) : low;
 }
 template <class Vector>
-[[nodiscard]] inline Vector where_zero(const Vector& a, const Vector& yes, const Vector& no) {
+[[nodiscard]] inline Vector select_if_zero(const Vector& a, const Vector& yes, const Vector& no) {
     return a == Vector(0) ? yes : no;
 }
 template <class Vector>
@@ -125,23 +127,23 @@ template <class Vector>
     return a - a == Vector(0);
 }
 template <class Vector>
-[[nodiscard]] inline Vector truncated(const Vector& a) {
+[[nodiscard]] inline Vector truncate(const Vector& a) {
     return static_cast<float>(static_cast<std::int32_t>(a.value));
 }
 template <class Vector>
-inline void store_whole(std::int32_t* to, const Vector& a) {
+inline void store_int32(std::int32_t* to, const Vector& a) {
     *to = static_cast<std::int32_t>(a.value);
 }
 template <class Vector>
-[[nodiscard]] inline std::array<Vector, 2> unzipped(const Vector& a, const Vector& b) {
+[[nodiscard]] inline std::array<Vector, 2> deinterleave(const Vector& a, const Vector& b) {
     return {a, b};
 }
 template <class Vector>
-[[nodiscard]] inline std::array<Vector, 2> zipped(const Vector& a, const Vector& b) {
+[[nodiscard]] inline std::array<Vector, 2> interleave(const Vector& a, const Vector& b) {
     return {a, b};
 }
 template <class Vector>
-[[nodiscard]] inline std::array<Vector, 3> thrice(const Vector& a) {
+[[nodiscard]] inline std::array<Vector, 3> repeat_three(const Vector& a) {
     return {a, a, a};
 }
 
@@ -151,16 +153,16 @@ template <class Vector>
 /// sequence. `Ways` is a power of two.
 template <class Vector, std::size_t Ways>
 [[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, Ways>
-unzipped(const std::array<Vector, Ways>& sequence) {
+deinterleave(const std::array<Vector, Ways>& sequence) {
     if constexpr (Ways == 1) {
         return sequence;
     } else {
         std::array<Vector, Ways / 2> even, odd;
         unroll<Ways / 2>([&](auto i) {
-            const auto halves = unzipped(sequence[2 * i], sequence[2 * i + 1]);
+            const auto halves = deinterleave(sequence[2 * i], sequence[2 * i + 1]);
             even[i] = halves[0], odd[i] = halves[1];
         });
-        even = unzipped(even), odd = unzipped(odd);
+        even = deinterleave(even), odd = deinterleave(odd);
         std::array<Vector, Ways> result;
         unroll<Ways / 2>([&](auto i) { result[2 * i] = even[i], result[2 * i + 1] = odd[i]; });
         return result;
@@ -169,7 +171,7 @@ unzipped(const std::array<Vector, Ways>& sequence) {
 
 /// Floats, of any alignment.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector load_numbers(const float* from) {
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_floats(const float* from) {
     return load_anywhere<Vector>(from);
 }
 

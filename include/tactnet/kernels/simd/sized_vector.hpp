@@ -20,7 +20,7 @@ using sized_vector = xsimd::make_sized_batch_t<T, Lanes>;
 
 /// The narrowest vector of this instruction set: 16 bytes.
 template <class T>
-inline constexpr std::size_t fewest_lanes = 16 / sizeof(T);
+inline constexpr std::size_t min_lanes = 16 / sizeof(T);
 
 template <class Vector, class T>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_as(const T* from) {
@@ -41,7 +41,7 @@ template <class Vector>
 template <class T, std::size_t>
 using sized_vector = vector<T>;
 template <class T>
-inline constexpr std::size_t fewest_lanes = 1;
+inline constexpr std::size_t min_lanes = 1;
 
 template <class Vector, class T>
 [[nodiscard]] inline Vector load_as(const T* from) {
@@ -62,7 +62,7 @@ template <class Vector>
 template <class T>
 [[nodiscard]] constexpr std::size_t lanes_for(std::size_t count) {
     std::size_t width = lanes<T>;
-    while (width > count && width > fewest_lanes<T>)
+    while (width > count && width > min_lanes<T>)
         width /= 2;
     return width;
 }

@@ -41,17 +41,17 @@ inline constexpr double root_of_two = 1.41421356237309504880;
 
 /// A number in all lanes.
 template <class Vector>
-[[gnu::always_inline]] inline Vector in_all_lanes(double number) {
+[[gnu::always_inline]] inline Vector broadcast(double number) {
     return Vector(static_cast<typename Vector::value_type>(number));
 }
 template <class Vector>
 [[gnu::always_inline]] inline Vector times(double factor, const Vector& x) {
-    return in_all_lanes<Vector>(factor) * x;
+    return broadcast<Vector>(factor) * x;
 }
 /// factor · x + y, rounded once.
 template <class Vector>
 [[gnu::always_inline]] inline Vector times_and(double factor, const Vector& x, const Vector& y) {
-    return fused_multiply_add(in_all_lanes<Vector>(factor), x, y);
+    return fused_multiply_add(broadcast<Vector>(factor), x, y);
 }
 
 /// Bᵀ times a column of d, or a row of d times B.
@@ -65,11 +65,11 @@ template <class Vector, std::size_t N>
     } else {
         // No array in between: GCC 12 would copy it through memory by other vectors than those it holds.
         constexpr std::size_t first = N - 5;
-        const auto half_root = in_all_lanes<Vector>(root_of_two / 2);
+        const auto half_root = broadcast<Vector>(root_of_two / 2);
         const Vector &d0 = d[first], &d1 = d[first + 1], &d2 = d[first + 2], &d3 = d[first + 3];
         const Vector odd1 = times_and(-2.0, d1, d3), even1 = times_and(-root_of_two, d0, half_root * d2);
         const Vector odd2 = times_and(-0.5, d1, d3),
-                     even2 = times_and(root_of_two, d2, half_root * (in_all_lanes<Vector>(0) - d0));
+                     even2 = times_and(root_of_two, d2, half_root * (broadcast<Vector>(0) - d0));
         const Vector last = times_and(-2.5, d2, d0 + d[N - 1]);
         if constexpr (N == 5)
             return {odd1 + even1, odd1 - even1, odd2 + even2, odd2 - even2, last};
@@ -121,7 +121,7 @@ template <std::size_t Outputs, class Vector, std::size_t N>
 /// way.
 template <std::size_t N, class Vector, std::size_t Outputs>
 [[gnu::always_inline]] inline std::array<Vector, N> tile_gradient_line(const std::array<Vector, Outputs>& y) {
-    const auto none = in_all_lanes<Vector>(0);
+    const auto none = broadcast<Vector>(0);
     if constexpr (N == 3) {
         static_assert(Outputs == 2);
         return {y[0], y[0] + y[1], none - y[1]};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <array>
@@ -12,12 +13,6 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 namespace detail {
-
-/// As many numbers as a vector has lanes, as the compiler has them: xsimd 8 exchanges no lanes.
-template <class T>
-struct lanes_of {
-    using type [[gnu::vector_size(sizeof(T) * lanes<T>)]] = T;
-};
 
 /// One pair of rows of a step of transpose: exchanges the lanes of `a` whose number has the bit `Distance`
 /// with those of `b` that have not.
@@ -48,7 +43,7 @@ template <std::size_t Distance, class Vector, std::size_t Count>
 template <class T>
 [[gnu::always_inline]] inline void transpose(const T* from, std::size_t from_stride, T* to,
                                              std::size_t to_stride) {
-    using row = typename detail::lanes_of<T>::type;
+    using row = typename detail::compiler_vector<T, lanes<T>>::type;
     std::array<row, lanes<T>> rows;
 #pragma GCC unroll 64
     for (std::size_t i = 0; i < lanes<T>; ++i)
@@ -57,6 +52,18 @@ template <class T>
 #pragma GCC unroll 64
     for (std::size_t i = 0; i < lanes<T>; ++i)
         std::memcpy(to + i * to_stride, &rows[i], sizeof(row));
+}
+
+/// Transposes up to `lanes<T>` features of a lane block: to[sample][feature] = from[feature][sample], with
+/// zeros after the last feature.
+template <class T>
+void transpose(const T* from, std::size_t features, T* to) {
+    constexpr std::size_t width = lanes<T>;
+    if (features == width)
+        return transpose(from, width, to, width);
+    for (std::size_t sample = 0; sample < width; ++sample)
+        for (std::size_t f = 0; f < width; ++f)
+            to[sample * width + f] = f < features ? from[f * width + sample] : T{};
 }
 
 } // namespace kernels

@@ -258,7 +258,7 @@ inline constexpr std::size_t vector_registers = 16;
 #endif
 /// Of these, sums that a register block may hold: as many as leave room for inputs and weights, since each
 /// block also costs what does not depend on its size.
-inline constexpr std::size_t most_block_sums = vector_registers == 32 ? 24 : 12;
+inline constexpr std::size_t max_block_sums = vector_registers == 32 ? 24 : 12;
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

@@ -144,7 +144,7 @@ struct concatenation {
                 const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
                 at<i>::infer(at_depth(p, i), values + positions[i].parameters,
                              running + positions[i].statistics, detail::get<i>(m.inner), in, own);
-                copy<at<i>::output, true>(p, own.data(), out.data(), in.groups(), positions[i].channels);
+                copy<at<i>::output, true>(p, own.data(), out.data(), in.lane_blocks(), positions[i].channels);
             });
         }
         static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
@@ -153,17 +153,17 @@ struct concatenation {
                 const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
                 at<i>::forward(at_depth(p, i), values + positions[i].parameters,
                                running + positions[i].statistics, detail::get<i>(m.inner), in, own);
-                copy<at<i>::output, true>(p, own.data(), out.data(), in.groups(), positions[i].channels);
+                copy<at<i>::output, true>(p, own.data(), out.data(), in.lane_blocks(), positions[i].channels);
             });
         }
         static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
-            grow(m.in_gradient, in.groups() * in.group_size);
+            grow(m.in_gradient, in.lane_blocks() * in.lane_block_size);
             kernels::unroll<size>([&](auto i) {
                 constexpr shape own = at<i>::output;
-                grow(m.out_gradient, in.groups() * kernels::lanes<T> * own.size());
-                copy<own, false>(p, m.out_gradient.data(), out_gradient.data(), in.groups(),
+                grow(m.out_gradient, in.lane_blocks() * kernels::lanes<T> * own.size());
+                copy<own, false>(p, m.out_gradient.data(), out_gradient.data(), in.lane_blocks(),
                                  positions[i].channels);
                 // The first branch sets the input's gradient, the others add to it.
                 T* const to =
@@ -172,9 +172,9 @@ struct concatenation {
                                 {m.outputs[i].data(), in.samples()}, {m.out_gradient.data(), in.samples()},
                                 {to, in.samples()}, gradients + positions[i].parameters);
                 if (i > 0 && to != nullptr)
-                    p.threads.for_each(in.groups(), [&](std::size_t g) {
-                        T* const sum = in_gradient.group(g);
-                        kernels::add(sum, to + g * in.group_size, sum, in.group_size);
+                    p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+                        T* const sum = in_gradient.lane_block(g);
+                        kernels::add(sum, to + g * in.lane_block_size, sum, in.lane_block_size);
                     });
             });
         }

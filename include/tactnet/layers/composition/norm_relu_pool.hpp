@@ -52,19 +52,19 @@ struct norm_relu_pool {
         static void infer(const pass& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             norm::use_running(p, running, m);
-            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                kernels::normalised_pool_forward<window>(norm::rule(values, m, c), in.group(g) + c * plane,
-                                                         out.group(g) + c * pooled);
+            each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
+                kernels::normalised_pool_forward<window>(
+                    norm::rule(values, m, c), in.lane_block(g) + c * plane, out.lane_block(g) + c * pooled);
             });
         }
 
         /// Windows choose here, while the map is still in the caches: of a large batch it is in memory when
         /// the moments are known.
         static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
-            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+            each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
                 norm::observe_input(m, in, p.first_group, g, c);
                 if constexpr (pools)
-                    kernels::choose_for_pool<window>(m.sign[c], in.group(g) + c * plane,
+                    kernels::choose_for_pool<window>(m.sign[c], in.lane_block(g) + c * plane,
                                                      chosen_by(p, m, g, c));
             });
         }
@@ -73,18 +73,18 @@ struct norm_relu_pool {
         }
         static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
                             output_view<T, output> out) {
-            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+            each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
                 kernels::normalise_and_rectify(norm::rule(values, m, c), inputs_behind(p, m, in, g, c),
-                                               out.group(g) + c * pooled, pooled);
+                                               out.lane_block(g) + c * pooled, pooled);
             });
         }
 
         static void observe_backward(const pass& p, memory& m, input_view<T, Input> in,
                                      input_view<T, output> out, input_view<T, output> out_gradient) {
             const kernels::vector<T> zero(T{});
-            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
-                const T *x = inputs_behind(p, m, in, g, c), *y = out.group(g) + c * pooled,
-                        *dy = out_gradient.group(g) + c * pooled;
+            each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
+                const T *x = inputs_behind(p, m, in, g, c), *y = out.lane_block(g) + c * pooled,
+                        *dy = out_gradient.lane_block(g) + c * pooled;
                 norm::observe_channel(m, p.first_group + g, c, output.area(), [&](std::size_t i) {
                     const kernels::vector<T> passed =
                         kernels::choose<T>(kernels::load(y + i) > zero, kernels::load(dy + i), zero);
@@ -100,11 +100,12 @@ struct norm_relu_pool {
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            each_channel(p, in.groups(), [&](std::size_t g, std::size_t c) {
+            each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
                 kernels::normalised_pool_backward<window>(
                     norm::gradient_rule(values, m, c), kernels::lanes_in_use<T>(in.samples_in(g)),
-                    in.group(g) + c * plane, out.group(g) + c * pooled, inputs_behind(p, m, in, g, c),
-                    out_gradient.group(g) + c * pooled, in_gradient.group(g) + c * plane);
+                    in.lane_block(g) + c * plane, out.lane_block(g) + c * pooled,
+                    inputs_behind(p, m, in, g, c), out_gradient.lane_block(g) + c * pooled,
+                    in_gradient.lane_block(g) + c * plane);
             });
         }
         static void end_backward(memory& m, T* gradients) { norm::end_backward(m, gradients); }
@@ -131,7 +132,7 @@ struct norm_relu_pool {
             if constexpr (pools)
                 return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
             else
-                return in.group(g) + c * plane;
+                return in.lane_block(g) + c * plane;
         }
     };
 };

@@ -172,8 +172,8 @@ struct residual {
         template <shape Shape>
         static void sum(const pass& p, input_view<T, Shape> a, input_view<T, Shape> b,
                         output_view<T, Shape> to) {
-            p.threads.for_each(to.groups(), [&](std::size_t g) {
-                kernels::add(a.group(g), b.group(g), to.group(g), to.group_size);
+            p.threads.for_each(to.lane_blocks(), [&](std::size_t g) {
+                kernels::add(a.lane_block(g), b.lane_block(g), to.lane_block(g), to.lane_block_size);
             });
         }
     };

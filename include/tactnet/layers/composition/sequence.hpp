@@ -102,7 +102,7 @@ struct sequence {
         static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
-            m.make_room_for_gradients(in.groups(), p.threads.threads());
+            m.make_room_for_gradients(in.lane_blocks(), p.threads.threads());
             const T* from = out_gradient.data();
             if constexpr (size == 0) {
                 if (in_gradient.data() != nullptr)
@@ -141,7 +141,7 @@ struct sequence {
                                      in.samples());
             });
             for_each_part<at<Begin>::by_parts>(
-                p, in.groups(), [&](const pass& part, std::size_t first, std::size_t last) {
+                p, in.lane_blocks(), [&](const pass& part, std::size_t first, std::size_t last) {
                     kernels::unroll<End - Begin>([&](auto offset) {
                         constexpr std::size_t i = Begin + offset;
                         at<i>::forward(at_depth(part, i), values + list::template parameter_offset<i>,
@@ -165,7 +165,7 @@ struct sequence {
                                       in.samples());
             });
             for_each_part<at<End - 1>::by_parts>(
-                p, in.groups(), [&](const pass& part, std::size_t first, std::size_t last) {
+                p, in.lane_blocks(), [&](const pass& part, std::size_t first, std::size_t last) {
                     input_view<T, at<End - 1>::output> whole(from, in.samples());
                     const std::size_t samples = whole.part(first, last).samples();
                     const T* above = whole.part(first, last).data();
@@ -195,8 +195,8 @@ struct sequence {
 
         template <shape Shape>
         static void copy(const pass& p, input_view<T, Shape> from, output_view<T, Shape> to) {
-            p.threads.for_each(from.groups(), [&](std::size_t g) {
-                std::copy_n(from.group(g), from.group_size, to.group(g));
+            p.threads.for_each(from.lane_blocks(), [&](std::size_t g) {
+                std::copy_n(from.lane_block(g), from.lane_block_size, to.lane_block(g));
             });
         }
         static pass at_depth(const pass& p, std::size_t index) {

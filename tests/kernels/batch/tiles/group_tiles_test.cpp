@@ -1,4 +1,4 @@
-#include <tactnet/kernels/batch/group_convolution.hpp>
+#include <tactnet/kernels/batch/lane_convolution.hpp>
 
 #include <doctest/doctest.h>
 
@@ -7,13 +7,13 @@ using namespace tactnet::kernels;
 
 namespace {
 
-constexpr correlation ahead(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
-                            padding around = same) {
-    return correlation::forward(sliding_window::over(in, kernel, stride, around), filters);
+constexpr batch_convolution ahead(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
+                                  padding around = same) {
+    return batch_convolution::forward(sliding_window::over(in, kernel, stride, around), filters);
 }
-constexpr correlation back(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
-                           padding around = same) {
-    return correlation::backward(sliding_window::over(in, kernel, stride, around), filters);
+constexpr batch_convolution back(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
+                                 padding around = same) {
+    return batch_convolution::backward(sliding_window::over(in, kernel, stride, around), filters);
 }
 
 } // namespace
@@ -56,8 +56,8 @@ TEST_CASE("group_tiles: taps on padding are not counted") {
     const auto same_as_window = [](shape in, extent kernel, padding around) {
         const auto window = sliding_window::over(in, kernel, 1, around);
         const std::size_t expected = 2 * window.taps_on_pixels() * in.channels * 5;
-        CHECK(cost_by_taps(correlation::forward(window, 5)) == expected);
-        CHECK(cost_by_taps(correlation::backward(window, 5)) == expected);
+        CHECK(cost_by_taps(batch_convolution::forward(window, 5)) == expected);
+        CHECK(cost_by_taps(batch_convolution::backward(window, 5)) == expected);
     };
     same_as_window({7, 13, 16}, 3, same);
     same_as_window({1, 2, 3}, 3, same);
@@ -74,6 +74,6 @@ TEST_CASE("group_tiles: large tiles where they save products, none where transfo
     CHECK(best_group_tile(ahead({28, 50, 1}, 8)) == extent(0));  // one channel
     CHECK(best_group_tile(ahead({1, 1, 64}, 64)) == extent(0));  // one tap
     // The way does not depend on the instruction set nor on the precision.
-    CHECK(group_convolution<ahead({4, 7, 32}, 64), float>::tile == extent(4));
-    CHECK(group_convolution<ahead({4, 7, 32}, 64), double>::tile == extent(4));
+    CHECK(lane_convolution<ahead({4, 7, 32}, 64), float>::tile == extent(4));
+    CHECK(lane_convolution<ahead({4, 7, 32}, 64), double>::tile == extent(4));
 }

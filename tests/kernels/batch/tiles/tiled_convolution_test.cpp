@@ -25,7 +25,7 @@ namespace {
 
 template <class T, sliding_window W, std::size_t Filters, extent Outputs>
 void compare(bool biased = true) {
-    constexpr correlation c = correlation::forward(W, Filters);
+    constexpr batch_convolution c = batch_convolution::forward(W, Filters);
     using plan = tiled_convolution<c, Outputs, T>;
     constexpr std::size_t width = lanes<T>, channels = W.input.channels, taps = W.kernel.area(),
                           pixels = W.input.area(), outputs = c.output.area();
@@ -116,7 +116,7 @@ TEST_CASE_TEMPLATE(
 }
 TEST_CASE("tiled_convolution: maps in several bands") {
     constexpr auto window = sliding_window::over({30, 30, 32}, 3, 1, same);
-    using plan = tiled_convolution<correlation::forward(window, 8), extent(4), float>;
+    using plan = tiled_convolution<batch_convolution::forward(window, 8), extent(4), float>;
     if constexpr (lanes<float> >= 8) // else all that is transformed stays near
         static_assert(plan::band < plan::tiles.count() && plan::tiles.count() % plan::band != 0);
     compare<float, window, 8, extent(4)>();

@@ -24,7 +24,7 @@ namespace {
 /// Two groups one after the other, all pieces and then one by one.
 template <class T, sliding_window W, std::size_t Filters, extent Outputs>
 void compare() {
-    if constexpr (tiled_gradient_possible<T>(correlation::forward(W, Filters), Outputs)) {
+    if constexpr (tiled_gradient_possible<T>(batch_convolution::forward(W, Filters), Outputs)) {
         using plan = tiled_gradient_plan<W, Filters, Outputs, T>;
         constexpr std::size_t width = lanes<T>, channels = W.input.channels, taps = W.kernel.area(),
                               pixels = W.input.area(), outputs = W.output_rows() * W.output_columns(),
@@ -117,12 +117,12 @@ TEST_CASE_TEMPLATE("tiled_gradient: every tile of a 2 × 2 kernel", T, float, do
 TEST_CASE_TEMPLATE("tiled_gradient: blocks of channels and of filters that are not full, maps in bands", T,
                    float, double) {
     constexpr std::size_t three = 3 * lanes<T>; // vectors: a block of two and one of one
-    compare<T, sliding_window::over({4, 3, three}, 3, 1, same), most_block_sums / 2 + 1, extent(2)>();
+    compare<T, sliding_window::over({4, 3, three}, 3, 1, same), max_block_sums / 2 + 1, extent(2)>();
     compare<T, sliding_window::over({1, 1, three}, 3, 1, same), 2, extent(4)>();
     compare<T, sliding_window::over({4, 5, lanes<T>}, 3, 1, pad(2, 0, 1, 2)), 1, extent(2)>();
     // Filters in lanes.
     compare<T, sliding_window::over({4, 5, 3}, 3, 1, pad(2, 0, 1, 2)), three, extent(2, 4)>();
-    compare<T, sliding_window::over({7, 3, most_block_sums / 2 + 1}, 2, 1, same), three, extent(3)>();
+    compare<T, sliding_window::over({7, 3, max_block_sums / 2 + 1}, 2, 1, same), three, extent(3)>();
     compare<T, sliding_window::over({11, 40, 12}, 3, 1, valid), 2 * lanes<T>, extent(2)>();
     constexpr auto wide = sliding_window::over({11, 40, 2 * lanes<T>}, 3, 1, valid);
     if constexpr (lanes < T >> 4) {
@@ -135,9 +135,9 @@ TEST_CASE_TEMPLATE("tiled_gradient: blocks of channels and of filters that are n
 TEST_CASE("tiled_gradient: channels that fill no vector, and maps that no near cache holds, have none") {
     if constexpr (lanes < float >> 1)
         CHECK_FALSE(tiled_gradient_possible<float>(
-            correlation::forward(sliding_window::over({4, 4, lanes<float> + 1}, 3, 1, same),
-                                 2 * lanes<float> - 1),
+            batch_convolution::forward(sliding_window::over({4, 4, lanes<float> + 1}, 3, 1, same),
+                                       2 * lanes<float> - 1),
             2));
     CHECK_FALSE(tiled_gradient_possible<float>(
-        correlation::forward(sliding_window::over({4, 40000, 64}, 3, 1, same), 8), 2));
+        batch_convolution::forward(sliding_window::over({4, 40000, 64}, 3, 1, same), 8), 2));
 }

@@ -67,8 +67,8 @@ public:
                 const float scale = factor / static_cast<float>(divisor);
                 for (std::size_t c = 0; c < Stride; ++c) {
                     if constexpr (writes_bytes)
-                        kernels::store_rounded<1>(out + o * Stride + c, kernels::integers<1>{sums[c]},
-                                                  kernels::numbers<1>{scale}, range);
+                        kernels::store_rounded<1>(out + o * Stride + c, kernels::int32_vec<1>{sums[c]},
+                                                  kernels::float_vec<1>{scale}, range);
                     else
                         reinterpret_cast<Output*>(out)[o * Stride + c] = static_cast<float>(sums[c]) * scale;
                 }

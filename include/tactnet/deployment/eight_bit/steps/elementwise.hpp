@@ -98,8 +98,8 @@ public:
                 const auto times = kernels::load_any<std::int32_t>(packed_values + 4 * c),
                            start = kernels::load_any<std::int32_t>(packed_values + starts + 4 * c);
                 kernels::store_rounded<1>(
-                    out + pixel + c, kernels::integers<1>{from[pixel + c] * times + start},
-                    kernels::load_any<kernels::numbers<1>>(packed_values + factors + 4 * c), range);
+                    out + pixel + c, kernels::int32_vec<1>{from[pixel + c] * times + start},
+                    kernels::load_any<kernels::float_vec<1>>(packed_values + factors + 4 * c), range);
             }
     }
 };

@@ -18,7 +18,7 @@ struct pool_step<eight_bit, Window, Stride>
           eight_bit, shape{Window.output_rows(), Window.output_columns(), Window.input.channels}, Stride> {
     static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
         constexpr std::size_t width = kernels::widest_bytes(Stride);
-        using bytes = typename kernels::byte_lanes<width>::bytes;
+        using bytes = kernels::uint8_vec<width>;
         kernels::for_each_window<Window>([&](std::size_t o, kernels::pixel_range rows,
                                              kernels::pixel_range columns) {
             for (std::size_t channel = 0; channel < Stride; channel += width) {

@@ -24,7 +24,7 @@ struct gradient_block {
     std::size_t vectors, numbers; ///< of a block
 
     /// Of a convolution's weights.
-    [[nodiscard]] static constexpr gradient_block of(const correlation& c) {
+    [[nodiscard]] static constexpr gradient_block of(const batch_convolution& c) {
         const std::size_t channels = c.input.channels, filters = c.output.channels;
         // Two vectors share each number that is spread.
         const auto vectors_of = [](std::size_t count) {
@@ -34,7 +34,7 @@ struct gradient_block {
         const std::size_t in_lanes = by_filters ? filters : channels,
                           others = by_filters ? channels : filters,
                           vectors = std::max<std::size_t>(vectors_of(in_lanes), 1);
-        return {by_filters, in_lanes, others, vectors, std::min(most_block_sums / vectors, others)};
+        return {by_filters, in_lanes, others, vectors, std::min(max_block_sums / vectors, others)};
     }
     /// Whether one of the two is a multiple of the lanes.
     [[nodiscard]] constexpr bool fills_vectors() const { return lanes<T> > 1 && in_lanes % lanes<T> == 0; }
@@ -46,7 +46,7 @@ struct gradient_block {
 
 /// Bytes of one row of tiles, transformed, of one block.
 template <class T>
-[[nodiscard]] constexpr std::size_t bytes_of_tile_row(const correlation& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t bytes_of_tile_row(const batch_convolution& c, extent outputs) {
     const group_tiles tiles = group_tiles::of(c, outputs);
     const auto block = gradient_block<T>::of(c);
     return tiles.elements() * tiles.columns * (block.vectors * lanes<T> + block.numbers) * lanes<T> *
@@ -55,7 +55,7 @@ template <class T>
 /// Rows of tiles from the first transform to the last; their products are added up in the network's
 /// precision. Not by a configured size of a cache: trainings have the same bits on all cores.
 template <class T>
-[[nodiscard]] constexpr std::size_t tile_rows_of_band(const correlation& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t tile_rows_of_band(const batch_convolution& c, extent outputs) {
     return std::clamp<std::size_t>(std::size_t{512} * 1024 / bytes_of_tile_row<T>(c, outputs), 1,
                                    group_tiles::of(c, outputs).rows);
 }
@@ -63,15 +63,15 @@ template <class T>
 /// Whether there is such a way: channels or filters fill whole vectors, and one row of tiles, transformed,
 /// takes a megabyte at most.
 template <class T>
-[[nodiscard]] constexpr bool tiled_gradient_possible(const correlation& c, extent outputs) {
+[[nodiscard]] constexpr bool tiled_gradient_possible(const batch_convolution& c, extent outputs) {
     return gradient_block<T>::of(c).fills_vectors() && group_tile_possible(c, outputs) &&
            bytes_of_tile_row<T>(c, outputs) <= std::size_t{1024} * 1024;
 }
 
-/// What it costs, in halves of a product as a correlation (group_tiles.hpp). A sum that goes to its total, in
+/// What it costs, in halves of a product as a convolution (group_tiles.hpp). A sum that goes to its total, in
 /// double, is counted as a product.
 template <class T>
-[[nodiscard]] constexpr std::size_t gradient_cost_by_tiles(const correlation& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t gradient_cost_by_tiles(const batch_convolution& c, extent outputs) {
     const group_tiles tiles = group_tiles::of(c, outputs);
     const auto block = gradient_block<T>::of(c);
     const std::size_t weights = block.in_lanes * block.others, rows = tile_rows_of_band<T>(c, outputs),
@@ -85,7 +85,7 @@ template <class T>
 template <sliding_window W, std::size_t Filters, extent Outputs, class T>
 struct tiled_gradient_plan {
     /// The convolution itself.
-    static constexpr correlation ahead = correlation::forward(W, Filters);
+    static constexpr batch_convolution ahead = batch_convolution::forward(W, Filters);
     static_assert(tiled_gradient_possible<T>(ahead, Outputs), "tiled_gradient_plan: there is no such way");
     /// Its map, cut.
     static constexpr group_tiles tiles = group_tiles::of(ahead, Outputs);

@@ -20,8 +20,8 @@ struct group_tiles {
     extent side;               ///< rows and columns of an input tile, and of the transformed kernel
     std::size_t rows, columns; ///< of tiles that cover the outputs
 
-    /// Of a correlation.
-    [[nodiscard]] static constexpr group_tiles of(const correlation& c, extent outputs) {
+    /// Of a convolution.
+    [[nodiscard]] static constexpr group_tiles of(const batch_convolution& c, extent outputs) {
         return {{outputs.rows + c.kernel.rows - 1, outputs.columns + c.kernel.columns - 1},
                 (c.output.rows + outputs.rows - 1) / outputs.rows,
                 (c.output.columns + outputs.columns - 1) / outputs.columns};
@@ -41,7 +41,7 @@ template <class T>
 }
 
 /// Of packed kernels, those before an output channel that begins a block.
-template <correlation C, class T>
+template <batch_convolution C, class T>
 [[nodiscard]] constexpr std::size_t tile_weights_before(std::size_t elements, std::size_t channel) {
     const std::size_t rest = channel % block_channels;
     return elements * (channel / block_channels * odd_lines<T>(C.input.channels * block_channels) +
@@ -50,7 +50,7 @@ template <correlation C, class T>
 
 /// Whether there are lines for such a tile, nothing lies between neighbours, and padding above and on the
 /// left is less than the kernel.
-[[nodiscard]] constexpr bool group_tile_possible(const correlation& c, extent outputs) {
+[[nodiscard]] constexpr bool group_tile_possible(const batch_convolution& c, extent outputs) {
     const extent side = group_tiles::of(c, outputs).side;
     const auto less_than = [](std::ptrdiff_t padding, std::size_t kernel) {
         return padding >= 0 && static_cast<std::size_t>(padding) < kernel;
@@ -67,15 +67,15 @@ template <correlation C, class T>
     return 8 + (side.rows > 4 ? 1 : 0) + (side.columns > 4 ? 1 : 0);
 }
 
-/// Of a correlation by such tiles, in halves of a product.
-[[nodiscard]] constexpr std::size_t cost_by_group_tiles(const correlation& c, extent outputs) {
+/// Of a convolution by such tiles, in halves of a product.
+[[nodiscard]] constexpr std::size_t cost_by_group_tiles(const batch_convolution& c, extent outputs) {
     const group_tiles tiles = group_tiles::of(c, outputs);
     const std::size_t channels = c.input.channels, filters = c.output.channels;
     return tiles.elements() * tiles.count() *
            (2 * channels * filters + transform_cost(tiles.side) * (channels + filters));
 }
 /// The same by taps, but those on padding.
-[[nodiscard]] constexpr std::size_t cost_by_taps(const correlation& c) {
+[[nodiscard]] constexpr std::size_t cost_by_taps(const batch_convolution& c) {
     const auto on_pixels = [](std::size_t outputs, std::size_t kernel, std::ptrdiff_t before,
                               std::size_t input) {
         const tap_line line = tap_line::of(outputs, kernel, 1, 1, before, input, 0);
@@ -105,8 +105,8 @@ template <class Possible, class Cost>
         }
     return best;
 }
-/// Of a correlation.
-[[nodiscard]] constexpr extent best_group_tile(const correlation& c) {
+/// Of a convolution.
+[[nodiscard]] constexpr extent best_group_tile(const batch_convolution& c) {
     if (!group_tile_possible(c, 2))
         return 0;
     return cheapest_group_tile(

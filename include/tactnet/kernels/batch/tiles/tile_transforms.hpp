@@ -81,9 +81,9 @@ template <extent Side, class T, class Body>
     }
 }
 
-/// Bᵀ d B of one tile of the input of a correlation, of every plane: element e of plane p to
+/// Bᵀ d B of one tile of the input of a convolution, of every plane: element e of plane p to
 /// to[e · element_distance + p · lanes · step]. `input` begins with row `first_row`.
-template <correlation C, extent Outputs, class T>
+template <batch_convolution C, extent Outputs, class T>
 [[gnu::flatten, gnu::noinline]] void
 transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* to, std::size_t step,
                      std::size_t element_distance, std::size_t first_row = 0) {
@@ -110,7 +110,7 @@ transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* t
 
 /// A δ Aᵀ of one tile of the outputs' gradient, of every plane: element e of plane p to
 /// to[e · element_distance + p · lanes]. `gradient` begins with row `first_row`.
-template <correlation C, extent Outputs, class T>
+template <batch_convolution C, extent Outputs, class T>
 [[gnu::flatten, gnu::noinline]] void
 transform_gradient_tile(const T* gradient, plane_layout layout, std::size_t tile, T* to,
                         std::size_t element_distance, std::size_t first_row = 0) {

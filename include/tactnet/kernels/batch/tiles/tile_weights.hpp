@@ -29,7 +29,7 @@ inline void put_lanes(T* to, const vector<double>& values, std::size_t count) {
 /// Kernels as G g Gᵀ in the order of use: blocks of output channels, then [element][input channel][channel of
 /// the block]. `weight(output, input, row, column)` tells each value. In double, several output channels at
 /// once: they are made anew after each step of a training.
-template <correlation C, extent Outputs, class T, class Weight>
+template <batch_convolution C, extent Outputs, class T, class Weight>
 [[gnu::flatten]] void pack_tile_weights(T* packed, Weight&& weight) {
     constexpr extent side = group_tiles::of(C, Outputs).side;
     constexpr std::size_t kernel = C.kernel.rows, taps = kernel * kernel, width = lanes<double>,

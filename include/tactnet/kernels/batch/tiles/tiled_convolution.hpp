@@ -17,8 +17,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// How a correlation of one group is computed by tiles.
-template <correlation C, extent Outputs, class T>
+/// How a convolution of one group is computed by tiles.
+template <batch_convolution C, extent Outputs, class T>
 struct tiled_convolution {
     static_assert(group_tile_possible(C, Outputs), "tiled_convolution: there are no lines for this tile");
     /// Its map, cut.
@@ -87,7 +87,7 @@ template <std::size_t Channels, std::size_t Filters, std::size_t Tiles, class T>
 }
 
 /// Aᵀ m A + bias of one tile of one output channel. So many rows and columns of the map are left.
-template <correlation C, extent Outputs, class T>
+template <batch_convolution C, extent Outputs, class T>
 [[gnu::always_inline]] inline void transform_output_tile(const T* products, std::size_t element_distance,
                                                          T bias, T* output, std::size_t rows_left,
                                                          std::size_t columns_left) {
@@ -119,7 +119,7 @@ template <correlation C, extent Outputs, class T>
 }
 
 /// The outputs of the tiles [first_tile, last_tile), one band, of `Filters` output channels.
-template <correlation C, extent Outputs, std::size_t Filters, class T>
+template <batch_convolution C, extent Outputs, std::size_t Filters, class T>
 [[gnu::flatten, gnu::noinline]] void transform_output_band(const T* products, const T* bias, T* output,
                                                            std::size_t first_tile, std::size_t last_tile) {
     using plan = tiled_convolution<C, Outputs, T>;
@@ -137,9 +137,9 @@ template <correlation C, extent Outputs, std::size_t Filters, class T>
     }
 }
 
-/// output = bias + correlation of input and weights, for one group. `bias` may be null; `scratch` holds
+/// output = bias + convolution of input and weights, for one group. `bias` may be null; `scratch` holds
 /// tiled_convolution::scratch elements.
-template <correlation C, extent Outputs, class T>
+template <batch_convolution C, extent Outputs, class T>
 [[gnu::flatten]] void correlate_by_tiles(const T* input, const T* packed_weights, const T* bias, T* output,
                                          T* scratch) {
     using plan = tiled_convolution<C, Outputs, T>;

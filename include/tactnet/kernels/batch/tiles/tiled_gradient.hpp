@@ -54,7 +54,7 @@ template <std::size_t Numbers, std::size_t Vectors, class T>
 }
 
 /// One tile of the input, or of the outputs' gradient, of every plane.
-template <correlation C, extent Outputs, bool OfGradient, class T>
+template <batch_convolution C, extent Outputs, bool OfGradient, class T>
 [[gnu::always_inline]] inline void transform_factor(const T* map, plane_layout layout, std::size_t tile,
                                                     T* to, std::size_t element_distance,
                                                     std::size_t first_row = 0) {

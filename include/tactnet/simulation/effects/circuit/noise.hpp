@@ -45,13 +45,13 @@ struct noise {
         void apply(signal<Shape> pressures, const moment& now) const noexcept {
             if (none_)
                 return;
-            constexpr std::size_t group = kernels::normal_numbers::group_size;
+            constexpr std::size_t group = kernels::normal_numbers::chunk_size;
             const kernels::normal_numbers random(now.random(purpose));
             alignas(64) std::array<float, group> numbers, values{};
             for (std::size_t first = 0; first < Shape.size(); first += group) {
                 float* const from = pressures.data() + first;
                 const std::size_t count = std::min(group, Shape.size() - first);
-                random.group(static_cast<std::uint32_t>(first / group), numbers.data());
+                random.chunk(static_cast<std::uint32_t>(first / group), numbers.data());
                 std::copy_n(from, count, values.begin());
                 for (std::size_t i = 0; i < group; i += kernels::lanes<float>)
                     kernels::store<float>(values.data() + i, noisy(kernels::load(values.data() + i),

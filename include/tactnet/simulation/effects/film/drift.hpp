@@ -25,8 +25,8 @@ struct drift {
         bound(const drift& effect, const mounting& where) {
             if (!(effect.deviation > 0))
                 return;
-            alignas(64) std::array<float, kernels::normal_numbers::group_size> numbers;
-            kernels::normal_numbers(where.unit.random(purpose)).group(0, numbers.data());
+            alignas(64) std::array<float, kernels::normal_numbers::chunk_size> numbers;
+            kernels::normal_numbers(where.unit.random(purpose)).chunk(0, numbers.data());
             rate_ = effect.deviation * static_cast<double>(numbers[0]);
         }
         void apply(signal<Shape> pressures, const moment& now) const noexcept {

@@ -11,8 +11,8 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// A convolution of one group of samples in the way that takes least: by tiles, or tap by tap.
-template <correlation C, class T>
-struct group_convolution {
+template <batch_convolution C, class T>
+struct lane_convolution {
     static constexpr extent tile = best_group_tile(C); ///< 0: by taps
     static constexpr bool tiled = tile != extent(0);   ///< whether by tiles
     /// Elements of the packed weights.
@@ -38,7 +38,7 @@ struct group_convolution {
         else
             pack_weights<C>(packed, weight);
     }
-    /// output = bias + correlation of input and weights. `bias` may be null; `beside` holds
+    /// output = bias + convolution of input and weights. `bias` may be null; `beside` holds
     /// `scratch` elements.
     static void run(const T* input, const T* packed, const T* bias, T* output, T* beside) {
         if constexpr (tiled)

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+// The compiler's own vectors. xsimd has neither the products of bytes that networks in 8 bits are made of,
+// nor conversions that give the same result in all its versions, and xsimd 8 exchanges no lanes.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+namespace detail {
+
+template <class T, std::size_t Lanes>
+struct compiler_vector {
+    using type [[gnu::vector_size(sizeof(T) * Lanes)]] = T;
+};
+
+} // namespace detail
+
+template <std::size_t Lanes>
+using float_vec = typename detail::compiler_vector<float, Lanes>::type;
+template <std::size_t Lanes>
+using int32_vec = typename detail::compiler_vector<std::int32_t, Lanes>::type;
+template <std::size_t Lanes>
+using int16_vec = typename detail::compiler_vector<std::int16_t, Lanes>::type;
+template <std::size_t Lanes>
+using uint8_vec = typename detail::compiler_vector<std::uint8_t, Lanes>::type;
+
+/// Converts bytes to 32-bit integers, in two steps: GCC 12 converts lane by lane if the size of an element
+/// more than doubles.
+template <std::size_t Lanes>
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> to_int32(const uint8_vec<Lanes>& values) {
+    return __builtin_convertvector(__builtin_convertvector(values, int16_vec<Lanes>), int32_vec<Lanes>);
+}
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
