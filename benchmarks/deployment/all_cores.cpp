@@ -69,7 +69,7 @@ scaling_case case_of(const char* name) {
                         held->recognise(
                             pool, std::span<const std::uint8_t>(held->frames),
                             std::span<float>(pool.threads() == 1 ? held->on_one : held->on_all)) ==
-                        tactnet::frame_status::recognised;
+                        tactnet::frame_status::ok;
                 },
             .right = [held] { return held->recognised && held->on_one == held->on_all; }};
 }

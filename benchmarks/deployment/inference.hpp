@@ -133,7 +133,7 @@ template <class Network, class Count, class Deployed>
 void time_deployed(State& state, const task<Network, Count>& given, const Deployed& deployed,
                    double tolerance) {
     std::vector<float> logits(given.expected.size());
-    typename Deployed::scratch memory;
+    typename Deployed::workspace memory;
     tactnet::thread_pool one(1);
     time_checked(state, logits, given.expected, tolerance, [&] {
         const auto status =
@@ -141,7 +141,7 @@ void time_deployed(State& state, const task<Network, Count>& given, const Deploy
                 ? deployed(tactnet::tensor_view<const Count, Network::input_shape>(given.frames.data()),
                            std::span(logits).template first<Network::outputs>(), memory)
                 : deployed(one, std::span(given.frames), std::span(logits));
-        if (status != tactnet::frame_status::recognised)
+        if (status != tactnet::frame_status::ok)
             state.SkipWithError("a frame was not recognised");
     });
 }

@@ -47,9 +47,9 @@ int main() {
     for (std::size_t e = 0; e < frame.size(); ++e)
         frame.data()[e] = static_cast<std::uint8_t>(e * 7 % 256);
     const tactnet::tensor_view<const std::uint8_t, network::input_shape> counts(frame);
-    decltype(deployed)::scratch memory;
+    decltype(deployed)::workspace memory;
     std::array<float, network::outputs> logits{}, first{};
-    if (deployed(counts, first, memory) != tactnet::frame_status::recognised)
+    if (deployed(counts, first, memory) != tactnet::frame_status::ok)
         return EXIT_FAILURE;
 
     std::vector<double> ours, machine;
@@ -61,7 +61,7 @@ int main() {
         const double of_network = time([&] { status = deployed(counts, logits, memory); });
         const double of_loop =
             time([&] { check = std::isfinite(benchmark::run_chains(check)) ? 1.0f : 0.0f; });
-        same = same && logits == first && status == tactnet::frame_status::recognised;
+        same = same && logits == first && status == tactnet::frame_status::ok;
         if (call >= warm_up)
             ours.push_back(of_network), machine.push_back(of_loop);
     }

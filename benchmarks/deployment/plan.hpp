@@ -200,7 +200,7 @@ template <class Network>
     const auto deployed = tactnet::deploy(network);
     using view = typename decltype(deployed)::view_type;
     using steps = typename view::steps;
-    using entrance = tactnet::frame_entrance<tactnet::single_precision, Network::input_shape>;
+    using input = tactnet::input_stage<tactnet::single_precision, Network::input_shape>;
 
     std::vector<float> frame(Network::input_shape.size()), expected(Network::outputs);
     tactnet::random_stream random(3, tactnet::draw::order);
@@ -208,17 +208,18 @@ template <class Network>
         count = static_cast<float>(std::max(random.uniform(-100, 255), 0.0));
     const tactnet::tensor_view<const float, Network::input_shape> counts(frame.data());
     const std::span<float, Network::outputs> logits(expected.data(), Network::outputs);
-    typename decltype(deployed)::scratch scratch;
+    typename decltype(deployed)::workspace workspace;
 
     network_report report{.name = name};
-    report.whole = seconds_of([&] { static_cast<void>(deployed(counts, logits, scratch)); });
+    report.whole = seconds_of([&] { static_cast<void>(deployed(counts, logits, workspace)); });
 
-    tactnet::aligned_vector<float> packed(view::packed_elements), in(entrance::map), memory(steps::scratch),
+    tactnet::aligned_vector<float> packed(view::packed_elements), in(input::map),
+        memory(steps::workspace_elements),
         out(tactnet::whole_lines<float>(steps::output.area() * steps::output_stride));
     view::pack(deployed.folded().data(), packed.data());
-    const bool finite = entrance::read(packed.data(), frame.data(), in.data());
+    const bool finite = input::read(packed.data(), frame.data(), in.data());
     const auto walk = [&](auto&& visit) {
-        step_walk<steps>::go(packed.data() + entrance::packed, in.data(), out.data(), memory.data(), visit);
+        step_walk<steps>::go(packed.data() + input::packed, in.data(), out.data(), memory.data(), visit);
     };
     // Once to describe the steps, then again and again with the clock between them. What the clock itself
     // takes is subtracted.

@@ -32,7 +32,7 @@ int main() {
 
     const auto counts = read_tactels();
     std::array<float, gripper::recogniser_type::outputs> logits;
-    if (gripper::recogniser(counts, logits) != tactnet::frame_status::recognised)
+    if (gripper::recogniser(counts, logits) != tactnet::frame_status::ok)
         return 1;
     const auto found = tactnet::likeliest(logits, gripper::classes);
     if (!found)

@@ -73,7 +73,7 @@ int main() {
     std::size_t right = 0;
     for (const std::size_t index : split.test) {
         const tensor_view<const std::uint8_t, extents> frame(views.image<extents>(index));
-        if (recognise(frame, logits) != frame_status::recognised)
+        if (recognise(frame, logits) != frame_status::ok)
             return 1;
         const auto found = likeliest(logits);
         right += found && found->index == data.labels[index];

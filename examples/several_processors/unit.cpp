@@ -20,8 +20,7 @@ void take(const float* folded) noexcept {
 
 bool recognise(const std::uint8_t* counts, float* logits) noexcept {
     return view(weights)(tactnet::tensor_view<const std::uint8_t, net::input_shape>(counts),
-                         std::span<float, net::outputs>(logits, net::outputs)) ==
-           tactnet::frame_status::recognised;
+                         std::span<float, net::outputs>(logits, net::outputs)) == tactnet::frame_status::ok;
 }
 
 } // namespace

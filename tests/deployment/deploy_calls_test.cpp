@@ -40,10 +40,10 @@ static_assert(noexcept(std::declval<const fast_net&>()(std::declval<float_frame>
                                                        std::declval<std::span<float, outputs>>())));
 static_assert(noexcept(std::declval<const fast_net&>()(std::declval<byte_frame>(),
                                                        std::declval<std::span<float, outputs>>(),
-                                                       std::declval<fast_net::scratch&>())));
+                                                       std::declval<fast_net::workspace&>())));
 static_assert(noexcept(std::declval<const fast_net::view_type&>()(
     std::declval<byte_frame>(), std::declval<std::span<float, outputs>>())));
-static_assert(fast_net::scratch_bytes == sizeof(fast_net::scratch) && fast_net::weight_bytes > 0);
+static_assert(fast_net::workspace_bytes == sizeof(fast_net::workspace) && fast_net::weight_bytes > 0);
 
 constexpr float scale = 0.02f;
 
@@ -73,7 +73,7 @@ std::vector<float> as_floats(const std::vector<std::uint8_t>& counts) {
 logits of(const std::vector<std::uint8_t>& counts) {
     logits out;
     out.fill(-1);
-    CHECK(fast()(byte_frame(counts.data()), std::span(out)) == frame_status::recognised);
+    CHECK(fast()(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
     return out;
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("deployed: of a batch with one bad frame too") {
     constexpr std::size_t count = 5;
     std::vector<float> frames(count * pixels, 3), out(count * outputs);
     thread_pool threads(2);
-    CHECK(fast()(threads, std::span<const float>(frames), out) == frame_status::recognised);
+    CHECK(fast()(threads, std::span<const float>(frames), out) == frame_status::ok);
     for (std::size_t i = 0; i < count; ++i) {
         frames[i * pixels + 700] = std::numeric_limits<float>::quiet_NaN();
         CHECK(fast()(threads, std::span<const float>(frames), out) == frame_status::not_finite);
@@ -160,7 +160,7 @@ TEST_CASE("deployed: a sum that overflows on the way is told, though a ReLU woul
         return deploy(n)(frame, out);
     };
     CHECK(run(3e38f) == frame_status::not_finite);
-    CHECK(run(1e30f) == frame_status::recognised);
+    CHECK(run(1e30f) == frame_status::ok);
     CHECK(out[0] == doctest::Approx(0.2e30));
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("deployed: counts of 8 bits are taken wherever a mean makes them large
         const deployed<one> network = deploy(n, std::span<const float, 3>(mean), 1);
         const std::array<float, 3> frame{};
         std::array<float, 1> out{};
-        CHECK(network(frame, out) == frame_status::recognised);
+        CHECK(network(frame, out) == frame_status::ok);
         CHECK(out[0] == doctest::Approx(-1e37));
     }
 }
@@ -192,7 +192,7 @@ TEST_CASE("deployed: counts in bytes give the bits of counts in floats") {
         const std::vector<std::uint8_t> counts = support::make_frame(pixels, seed);
         const std::vector<float> frame = as_floats(counts);
         logits out;
-        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::recognised);
+        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, of(counts)));
     }
 }
@@ -205,7 +205,7 @@ TEST_CASE("deployed: mean and scale give the bits of a frame prepared by hand") 
     for (std::size_t i = 0; i < pixels; ++i)
         frame[i] = (frame[i] - mean[i]) * scale;
     logits out;
-    CHECK(plain(float_frame(frame.data()), std::span(out)) == frame_status::recognised);
+    CHECK(plain(float_frame(frame.data()), std::span(out)) == frame_status::ok);
     CHECK(same_bits(out, of(counts)));
 }
 
@@ -264,11 +264,11 @@ TEST_CASE("deployed: the same bits in batches of any size on any number of threa
             std::vector<float> out(batch * outputs, NAN);
             const std::span<const float> right(expected.data(), out.size());
             CHECK(fast()(threads, std::span<const std::uint8_t>(frames).first(batch * pixels), out) ==
-                  frame_status::recognised);
+                  frame_status::ok);
             CHECK(same_bits(out, right));
             std::fill(out.begin(), out.end(), NAN);
             CHECK(fast()(threads, std::span<const float>(float_frames).first(batch * pixels), out) ==
-                  frame_status::recognised);
+                  frame_status::ok);
             CHECK(same_bits(out, right));
         }
     }
@@ -278,7 +278,7 @@ TEST_CASE("deployed: the same bits wherever the frame and the outputs lie, with 
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 9);
     const std::vector<float> frame = as_floats(counts);
     const logits expected = of(counts);
-    const auto memory = std::make_unique<fast_net::scratch>();
+    const auto memory = std::make_unique<fast_net::workspace>();
     for (std::size_t offset = 0; offset < 16; ++offset) {
         std::vector<std::uint8_t> moved(pixels + 16);
         std::vector<float> moved_floats(pixels + 16), out(outputs + 32, -7);
@@ -288,11 +288,11 @@ TEST_CASE("deployed: the same bits wherever the frame and the outputs lie, with 
         // NaN at first: what is read before it is written shows.
         std::memset(static_cast<void*>(memory.get()), offset == 0 ? 0xff : static_cast<int>(offset * 37),
                     sizeof(*memory));
-        CHECK(fast()(byte_frame(moved.data() + offset), to, *memory) == frame_status::recognised);
+        CHECK(fast()(byte_frame(moved.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         std::memset(static_cast<void*>(memory.get()), 0x7f, sizeof(*memory)); // 3.4e38
         std::fill(to.begin(), to.end(), NAN);
-        CHECK(fast()(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::recognised);
+        CHECK(fast()(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         for (std::size_t i = 0; i < out.size(); ++i)
             if (i <= offset || i > offset + outputs)
@@ -308,7 +308,7 @@ TEST_CASE("deployed: copies and views give the same bits, also when the original
     original.reset();
     for (const fast_net::view_type view : {copy.view(), moved.view()}) {
         logits out;
-        CHECK(view(byte_frame(counts.data()), std::span(out)) == frame_status::recognised);
+        CHECK(view(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, of(counts)));
     }
 }
@@ -329,7 +329,7 @@ TEST_CASE("deployed: the same bits for four threads on one object") {
                 const std::size_t which = (i + t) % frames.size();
                 logits out;
                 const auto status = fast()(byte_frame(frames[which].data()), std::span(out));
-                wrong[t] += status != frame_status::recognised || !same_bits(out, expected[which]);
+                wrong[t] += status != frame_status::ok || !same_bits(out, expected[which]);
             }
         });
     for (std::thread& thread : threads)
@@ -341,7 +341,7 @@ TEST_CASE("deployed: the same bits for four threads on one object") {
 TEST_CASE("deployed: nothing is asked of the heap") {
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 2);
     const std::vector<float> frame = as_floats(counts);
-    const auto memory = std::make_unique<fast_net::scratch>();
+    const auto memory = std::make_unique<fast_net::workspace>();
     logits out;
     const fast_net& network = fast();
     const std::size_t before = support::allocations();
@@ -352,7 +352,7 @@ TEST_CASE("deployed: nothing is asked of the heap") {
     const std::size_t after = support::allocations();
     CHECK(after == before);
     for (const auto status : {a, b, c, d})
-        CHECK(status == frame_status::recognised);
+        CHECK(status == frame_status::ok);
     // The counter counts.
     ::operator delete(::operator new(1)); // in this form the compiler may not leave it out
     CHECK(support::allocations() > after);
@@ -405,9 +405,9 @@ TEST_CASE("deployed: nothing is asked of the system, as real time demands") {
         bool right = true;
         for (std::size_t i = 0; i < 100; ++i) {
             logits out;
-            right = right && network(byte_frame(counts.data()), std::span(out)) == frame_status::recognised &&
+            right = right && network(byte_frame(counts.data()), std::span(out)) == frame_status::ok &&
                     std::memcmp(out.data(), expected.data(), sizeof(out)) == 0;
-            right = right && network(float_frame(frame.data()), std::span(out)) == frame_status::recognised &&
+            right = right && network(float_frame(frame.data()), std::span(out)) == frame_status::ok &&
                     std::memcmp(out.data(), expected.data(), sizeof(out)) == 0;
         }
         return right;

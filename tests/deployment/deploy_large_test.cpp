@@ -28,9 +28,9 @@ TEST_CASE("deployed: squeezenet gives torchvision's logits") {
     const auto fast = deploy(net);
     std::vector<float> image(net_type::input_shape.size()), logits(net_type::outputs);
     support::draw_by_name("input", image);
-    const auto memory = std::make_unique<deployed<net_type>::scratch>();
+    const auto memory = std::make_unique<deployed<net_type>::workspace>();
     CHECK(fast(tensor_view<const float, net_type::input_shape>(image.data()),
-               std::span<float, net_type::outputs>(logits), *memory) == frame_status::recognised);
+               std::span<float, net_type::outputs>(logits), *memory) == frame_status::ok);
     support::golden_stages golden("squeezenet1_1");
     golden.compare(
         "classifier.3", logits.size(), [&](std::size_t e) { return logits[e]; }, 2.4);
@@ -60,17 +60,17 @@ TEST_CASE_TEMPLATE("deployed: maps too large for a stack lie on the heap, one by
     support::fill(trained, 53);
     const auto fast = deploy(trained);
     using fast_net = deployed<net>;
-    static_assert(fast_net::scratch_bytes > fast_net::view_type::most_on_stack);
+    static_assert(fast_net::workspace_bytes > fast_net::view_type::most_on_stack);
     const std::vector<std::uint8_t> counts = support::make_frame(frames * net::input_shape.size(), 54);
-    const auto memory = std::make_unique<typename fast_net::scratch>();
+    const auto memory = std::make_unique<typename fast_net::workspace>();
     std::vector<float> together(frames * net::outputs), alone(net::outputs);
     thread_pool threads(2);
     CHECK(fast(threads, std::span<const std::uint8_t>(counts), std::span<float>(together)) ==
-          frame_status::recognised);
+          frame_status::ok);
     for (std::size_t i = 0; i < frames; ++i) {
         CHECK(fast(tensor_view<const std::uint8_t, net::input_shape>(counts.data() +
                                                                      i * net::input_shape.size()),
-                   std::span<float, net::outputs>(alone), *memory) == frame_status::recognised);
+                   std::span<float, net::outputs>(alone), *memory) == frame_status::ok);
         CHECK(support::same_bits(alone, std::span(together).subspan(i * net::outputs, net::outputs)));
     }
 }

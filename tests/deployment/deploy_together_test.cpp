@@ -56,9 +56,9 @@ inline constexpr bool joins_tiles<step_chain<Steps...>> = (joins_tiles<Steps> ||
 template <kernels::frame_convolution C>
 inline constexpr bool joins_tiles<convolution_step<single_precision, C>> = [] {
     using step = convolution_step<single_precision, C>;
-    using team = frame_team<detail::lone_thread<4>>;
-    return step::frames_together == 4 && requires(float* numbers, const team& four) {
-        step::run_together(numbers, numbers, std::size_t{}, numbers, numbers, four);
+    using executor = batch_executor<detail::inline_executor<4>>;
+    return step::frames_together == 4 && requires(float* numbers, const executor& four) {
+        step::run_batch(numbers, numbers, std::size_t{}, numbers, numbers, four);
     };
 }();
 
@@ -94,12 +94,12 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
     std::vector<float> counts(frames * size), alone(frames * outputs);
     for (float& value : counts)
         value = support::draw(state);
-    const auto memory = std::make_unique<typename form::scratch>();
+    const auto memory = std::make_unique<typename form::workspace>();
     for (std::size_t f = 0; f < frames; ++f)
         CHECK(recognise(tensor_view<const float, form::input_shape>(counts.data() + f * size),
                         std::span<float, outputs>(alone.data() + f * outputs, outputs),
-                        *memory) == frame_status::recognised);
-    [[maybe_unused]] typename form::shared_scratch kept;
+                        *memory) == frame_status::ok);
+    [[maybe_unused]] typename form::batch_workspace kept;
     for (const std::size_t threads : {1U, 2U, 3U}) {
         thread_pool pool(threads);
         for (const std::size_t some : {std::size_t{1}, std::size_t{2}, std::size_t{8}, frames}) {
@@ -107,14 +107,14 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
             CAPTURE(some);
             std::vector<float> together(some * outputs, NAN);
             CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
-                            std::span<float>(together)) == frame_status::recognised);
+                            std::span<float>(together)) == frame_status::ok);
             const std::vector<float> first(alone.begin(),
                                            alone.begin() + static_cast<std::ptrdiff_t>(some * outputs));
             CHECK(support::numbers_that_differ(together, first) == 0);
             if constexpr (form::view_type::large) {
                 std::fill(together.begin(), together.end(), NAN);
                 CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
-                                std::span<float>(together), kept) == frame_status::recognised);
+                                std::span<float>(together), kept) == frame_status::ok);
                 CHECK(support::numbers_that_differ(together, first) == 0);
             }
         }

@@ -28,7 +28,7 @@ using float_frame = tensor_view<const float, size>;
 
 static_assert(noexcept(std::declval<const fast_model&>()(std::declval<byte_frame>())));
 static_assert(noexcept(std::declval<const fast_model&>()(std::declval<float_frame>(),
-                                                         std::declval<fast_model::scratch&>())));
+                                                         std::declval<fast_model::workspace&>())));
 
 /// The name would be gone: a model that ends with the expression recognises nothing.
 template <class Model>
@@ -62,13 +62,13 @@ TEST_CASE("deployed_model: the class of the logits that it gives, and those of t
     const auto m = trained<net>(5);
     const auto recognise = deploy(m);
     const auto bare = deploy(m.network, m.normalise.mean.view().elements(), m.normalise.scale);
-    const auto memory = std::make_unique<fast_model::scratch>();
+    const auto memory = std::make_unique<fast_model::workspace>();
     std::array<std::size_t, 5> seen{};
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         const auto counts = frame(seed);
         std::array<float, net::outputs> logits{}, expected{};
-        REQUIRE(recognise(counts, logits) == frame_status::recognised);
-        REQUIRE(bare(counts, expected) == frame_status::recognised);
+        REQUIRE(recognise(counts, logits) == frame_status::ok);
+        REQUIRE(bare(counts, expected) == frame_status::ok);
         CHECK(std::memcmp(logits.data(), expected.data(), sizeof(logits)) == 0);
 
         const auto right = likeliest(logits, m.classes);
@@ -110,7 +110,7 @@ TEST_CASE("deployed_model: outputs behind the classes are never recognised") {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const auto counts = frame(seed);
         std::array<float, net::outputs> logits{};
-        REQUIRE(recognise(counts, logits) == frame_status::recognised);
+        REQUIRE(recognise(counts, logits) == frame_status::ok);
         const auto found = recognise(counts);
         REQUIRE(found);
         CHECK(found->index == (logits[1] > logits[0]));
@@ -164,8 +164,8 @@ TEST_CASE("deployed_model: it is a deployed network wherever one is asked for") 
     const auto recognise = deploy(m);
     const fast_model::view_type view = recognise;
     std::array<float, net::outputs> out{}, expected{};
-    REQUIRE(view(frame(3), out) == frame_status::recognised);
-    REQUIRE(recognise(frame(3), expected) == frame_status::recognised);
+    REQUIRE(view(frame(3), out) == frame_status::ok);
+    REQUIRE(recognise(frame(3), expected) == frame_status::ok);
     CHECK(out == expected);
     const header_description says{.network = "net", .namespace_name = "own", .classes = m.classes};
     CHECK(deployed_header(recognise, says, frame(3)).find("namespace own") != std::string::npos);

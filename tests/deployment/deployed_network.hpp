@@ -331,7 +331,7 @@ error_shares errors_of(std::uint64_t seed, std::size_t frames, float scale = 1.0
         const auto status =
             fast(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
                  std::span<float, Network::outputs>(out));
-        if (status != tactnet::frame_status::recognised)
+        if (status != tactnet::frame_status::ok)
             return {INFINITY, INFINITY};
         const rounded_map expected =
             bounded_outputs(layers, parameters_of(net), bounded_input(exact, mean, scale));

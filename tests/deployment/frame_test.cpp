@@ -7,16 +7,16 @@
 
 using namespace tactnet;
 
-TEST_CASE("frame_exit: channels come one after the other, without what stands between pixels") {
-    using exit = frame_exit<single_precision, shape{1, 2, 3}, 4>;
+TEST_CASE("output_stage: channels come one after the other, without what stands between pixels") {
+    using exit = output_stage<single_precision, shape{1, 2, 3}, 4>;
     const std::array<float, 8> map{1, 2, 3, -1, 4, 5, 6, -1};
     std::array<float, 6> out{};
     CHECK(exit::write(map.data(), out));
     CHECK(out == std::array<float, 6>{1, 4, 2, 5, 3, 6});
 }
 
-TEST_CASE("frame_exit: a NaN or an infinity at any place is told") {
-    using exit = frame_exit<single_precision, shape{1, 1, 3}, 4>;
+TEST_CASE("output_stage: a NaN or an infinity at any place is told") {
+    using exit = output_stage<single_precision, shape{1, 1, 3}, 4>;
     constexpr float largest = std::numeric_limits<float>::max();
     std::array<float, 3> out{};
     std::array<float, 4> map{largest, -largest, 0, std::numeric_limits<float>::quiet_NaN()};

@@ -29,14 +29,13 @@ bool same_together(const Deployed& fast, std::uint64_t seed) {
         const std::vector<std::uint8_t> counts = support::make_frame(size, seed + frame);
         frames.insert(frames.end(), counts.begin(), counts.end());
         same &= fast(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
-                     std::span<float, outputs>(alone.data() + frame * outputs, outputs)) ==
-                frame_status::recognised;
+                     std::span<float, outputs>(alone.data() + frame * outputs, outputs)) == frame_status::ok;
     }
     for (const std::size_t threads : {1U, 2U}) {
         thread_pool pool(threads);
         std::vector<float> together(many * outputs, NAN);
         same &= fast(pool, std::span<const std::uint8_t>(frames), std::span<float>(together)) ==
-                    frame_status::recognised &&
+                    frame_status::ok &&
                 support::same_bits(together, alone);
     }
     return same;
@@ -60,7 +59,7 @@ void append(reduced_result& result, std::uint64_t seed) {
     support::error_shares errors =
         support::shares_of(out, support::bounded_outputs(layers, support::parameters_of(net),
                                                          support::bounded_input(exact, mean, scale)));
-    if (status != frame_status::recognised)
+    if (status != frame_status::ok)
         errors.of_bound = INFINITY;
     result.same_together = result.same_together && same_together<Network>(fast, seed);
     for (const float o : out)
@@ -102,7 +101,7 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
                                     std::span<float, Network::outputs>(out));
         const std::vector<float> expected =
             support::reference_outputs<view>(folded, std::span<const std::uint8_t>(counts));
-        result.as_reference = result.as_reference && status == frame_status::recognised;
+        result.as_reference = result.as_reference && status == frame_status::ok;
         for (std::size_t o = 0; o < out.size(); ++o) {
             result.whole.push_back(std::bit_cast<std::uint32_t>(out[o]));
             result.as_reference =

@@ -24,7 +24,7 @@ using logits = std::array<float, net::outputs>;
 
 static_assert(noexcept(std::declval<const average&>()(std::declval<tensor_view<const std::uint8_t, size>>(),
                                                       std::declval<std::span<float, net::outputs>>(),
-                                                      std::declval<average::scratch&>())));
+                                                      std::declval<average::workspace&>())));
 
 deployed<net> some_network() {
     net network;
@@ -39,7 +39,7 @@ template <class Count>
 void check_average() {
     const deployed<net> network = some_network();
     const average both_ways(network.view());
-    const auto memory = std::make_unique<average::scratch>();
+    const auto memory = std::make_unique<average::workspace>();
     const auto counts = support::make_frame(size.size(), 3);
     std::array<Count, size.size()> frame{}, turned{};
     for (std::size_t e = 0; e < size.size(); ++e)
@@ -47,15 +47,12 @@ void check_average() {
 
     std::array<logits, 4> of_each;
     logits found, again;
-    REQUIRE(both_ways(tensor_view<const Count, size>(frame.data()), found, *memory) ==
-            frame_status::recognised);
+    REQUIRE(both_ways(tensor_view<const Count, size>(frame.data()), found, *memory) == frame_status::ok);
     for (std::size_t i = 0; i < 4; ++i) {
         reflect_image(size, all_reflections[i], frame.data(), turned.data());
-        REQUIRE(network(tensor_view<const Count, size>(turned.data()), of_each[i]) ==
-                frame_status::recognised);
+        REQUIRE(network(tensor_view<const Count, size>(turned.data()), of_each[i]) == frame_status::ok);
         // What comes the other way round is the same touch, to the bit.
-        REQUIRE(both_ways(tensor_view<const Count, size>(turned.data()), again, *memory) ==
-                frame_status::recognised);
+        REQUIRE(both_ways(tensor_view<const Count, size>(turned.data()), again, *memory) == frame_status::ok);
         CHECK(again == found);
     }
     CHECK(of_each[0] != of_each[1]);
@@ -73,12 +70,12 @@ TEST_CASE("reflection_average: the mean of four calls, the same bits whichever w
 TEST_CASE("reflection_average: a broken frame is told, and no heap is used") {
     const deployed<net> network = some_network();
     const average both_ways(network.view());
-    const auto memory = std::make_unique<average::scratch>();
+    const auto memory = std::make_unique<average::workspace>();
     std::array<float, size.size()> frame{};
     logits found;
     const tensor_view<const float, size> view(frame.data());
     const std::size_t before = support::allocations();
-    CHECK(both_ways(view, found, *memory) == frame_status::recognised);
+    CHECK(both_ways(view, found, *memory) == frame_status::ok);
     CHECK(support::allocations() == before);
     frame[17] = std::numeric_limits<float>::quiet_NaN();
     CHECK(both_ways(view, found, *memory) == frame_status::not_finite);

@@ -105,8 +105,8 @@ TEST_CASE("own_layer: the program's weight file and header are the same network"
         const auto counts = support::make_frame(own::network::input_shape.size(), i);
         const tactnet::tensor_view<const std::uint8_t, own::network::input_shape> frame(counts.data());
         std::array<float, 3> expected{}, found{};
-        REQUIRE(recognise(frame, expected) == tactnet::frame_status::recognised);
-        REQUIRE(bars::recogniser(frame, found) == tactnet::frame_status::recognised);
+        REQUIRE(recognise(frame, expected) == tactnet::frame_status::ok);
+        REQUIRE(bars::recogniser(frame, found) == tactnet::frame_status::ok);
         CHECK(expected == found);
     }
 }

@@ -139,7 +139,7 @@ void check_softmax(const std::string& name, float size) {
         values[c] = std::exp(logit), sum += values[c];
     }
     CHECK(deploy(net)(tensor_view<const float, two_layers::input_shape>(in.data()),
-                      std::span<float, classes>(deployed_values)) == frame_status::recognised);
+                      std::span<float, classes>(deployed_values)) == frame_status::ok);
     thread_pool threads(1);
     two_layers::workspace space;
     two_layers::input_batch batch_in(1);

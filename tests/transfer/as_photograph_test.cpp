@@ -191,8 +191,10 @@ TEST_CASE("as_photograph: deployed within the derived bound") {
 TEST_CASE("as_photograph: memory in whole cache lines, so that the next frame's is aligned") {
     using step = as_photograph_step<single_precision, extent(28, 50), 1, extent(227, 227)>;
     using joining = as_photograph_step<single_precision, extent(28, 50), 16, extent(227, 227)>;
-    static_assert(step::scratch == whole_lines(step::scratch) && step::packed == whole_lines(step::packed));
-    static_assert(joining::scratch == whole_lines(joining::scratch) && joining::scratch > step::scratch);
+    static_assert(step::workspace_elements == whole_lines(step::workspace_elements) &&
+                  step::packed == whole_lines(step::packed));
+    static_assert(joining::workspace_elements == whole_lines(joining::workspace_elements) &&
+                  joining::workspace_elements > step::workspace_elements);
 }
 
 TEST_CASE("as_photograph: its arrays are those of a norm without scale and shift") {
@@ -236,7 +238,7 @@ TEST_CASE("as_photograph: its step tells how large its outputs can be, by mean a
 TEST_CASE("as_photograph: its step joins the pixels of its input, and no number behind them") {
     using step = as_photograph_step<single_precision, extent(4, 4), 16, extent(4, 4)>;
     std::vector<float> in(17 * 16, 7.0f);
-    aligned_vector<float> out(3 * 16 + 1), memory(step::scratch + 1);
+    aligned_vector<float> out(3 * 16 + 1), memory(step::workspace_elements + 1);
     out.back() = memory.back() = -9;
     const std::array<float, 6> numbers{0, 0, 0, 1, 1, 1};
     step::run(numbers.data(), in.data(), out.data(), memory.data());

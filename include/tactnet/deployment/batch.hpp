@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/frame_status.hpp>
-#include <tactnet/deployment/steps/team.hpp>
+#include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/runtime/work_share.hpp>
@@ -27,12 +27,12 @@ namespace detail {
 
 /// Memory that grows to what a call needs, and is kept for the next. It serves one call at a time.
 template <class T>
-class kept_memory {
+class workspace_buffer {
 public:
-    kept_memory() = default;
-    kept_memory(const kept_memory&) = delete;
-    kept_memory& operator=(const kept_memory&) = delete;
-    ~kept_memory() { release(); }
+    workspace_buffer() = default;
+    workspace_buffer(const workspace_buffer&) = delete;
+    workspace_buffer& operator=(const workspace_buffer&) = delete;
+    ~workspace_buffer() { release(); }
 
     /// Not written to: pages that no call touches cost nothing.
     T* hold(std::size_t elements) {
@@ -54,7 +54,7 @@ private:
 
 /// A pool that is the thread which asks, for at most so many frames.
 template <std::size_t MostFrames>
-struct lone_thread {
+struct inline_executor {
     static constexpr std::size_t most_frames = MostFrames;
     static constexpr std::size_t threads() { return 1; }
     template <class Body>
@@ -71,14 +71,14 @@ struct lone_thread {
 /// How many frames of such a network go through it. `View` is a deployed_view.
 template <class View>
 struct frame_batch {
-    using memory_type = kept_memory<typename View::activation>;
+    using memory_type = workspace_buffer<typename View::activation>;
     static constexpr std::size_t pixels = View::input_shape.size(), outputs = View::outputs;
 
     /// Frames of a large network that pass together at most, beyond one for each thread. Weights are read
     /// once for all of them, but their maps drive each other out of the caches: so many that the weights'
     /// share of a frame takes no more than its maps do, and no more than 16.
-    static constexpr std::size_t most_on_all_threads =
-        std::clamp<std::size_t>((View::weight_bytes + View::scratch_bytes - 1) / View::scratch_bytes, 1, 16);
+    static constexpr std::size_t most_on_all_threads = std::clamp<std::size_t>(
+        (View::weight_bytes + View::workspace_bytes - 1) / View::workspace_bytes, 1, 16);
     /// Frames of a smaller one that pass together on one thread, layer by layer, so that weights which are
     /// read for each frame by itself come from nearer, or once for all of them: up to four, whose memory fits
     /// the stack. A quarter of a megabyte of it, which threads have on most systems and which stays in a
@@ -86,7 +86,7 @@ struct frame_batch {
     static constexpr std::size_t most_memory =
         View::weight_bytes > kernels::l2_cache_bytes ? View::most_on_stack : std::size_t{256} * 1024;
     static constexpr std::size_t on_one_thread = std::clamp<std::size_t>(
-        most_memory / (View::elements_together * sizeof(typename View::activation)), 1, 4);
+        most_memory / (View::workspace_elements * sizeof(typename View::activation)), 1, 4);
 
     /// Frames, if there is a row of outputs for each; else throws std::invalid_argument.
     static std::size_t checked_count(std::size_t counts, std::size_t numbers) {
@@ -105,7 +105,7 @@ struct frame_batch {
         if constexpr (View::large) {
             memory_type memory;
             return recognise(view, threads, frames, to, memory);
-        } else if constexpr (View::scratch_bytes <= View::most_on_stack) {
+        } else if constexpr (View::workspace_bytes <= View::most_on_stack) {
             return a_few_together(view, threads, frames, to);
         } else {
             return from_the_heap(view, threads, frames, to);
@@ -116,12 +116,12 @@ struct frame_batch {
                                   std::span<float> to, memory_type& memory) requires View::large {
         const std::size_t count = checked_count(frames.size(), to.size());
         const std::size_t group = std::max(most_on_all_threads, threads.threads());
-        frame_status status = frame_status::recognised;
+        frame_status status = frame_status::ok;
         for (std::size_t first = 0; first < count; first += group) {
-            const frame_team<thread_pool> team{threads, std::min(group, count - first)};
-            if (view.recognise_together(frames.data() + first * pixels, to.data() + first * outputs,
-                                        memory.hold(team.copies() * View::elements_together),
-                                        team) != frame_status::recognised)
+            const batch_executor<thread_pool> executor{threads, std::min(group, count - first)};
+            if (view.infer_batch(frames.data() + first * pixels, to.data() + first * outputs,
+                                 memory.hold(executor.copies() * View::workspace_elements),
+                                 executor) != frame_status::ok)
                 status = frame_status::not_finite;
         }
         return status;
@@ -136,37 +136,38 @@ private:
         std::atomic<bool> usual = true;
         threads.for_each(shares, [&](std::size_t index) {
             const work_share share{index, shares};
-            alignas(alignment) std::array<typename View::activation, on_one_thread * View::elements_together>
+            alignas(alignment) std::array<typename View::activation, on_one_thread * View::workspace_elements>
                 memory; // not zeroed
-            lone_thread<on_one_thread> here;
+            inline_executor<on_one_thread> here;
             const std::size_t end = share.end(count);
             for (std::size_t first = share.begin(count); first < end; first += on_one_thread) {
-                const frame_team<lone_thread<on_one_thread>> team{here, std::min(on_one_thread, end - first)};
-                if (view.recognise_together(frames.data() + first * pixels, to.data() + first * outputs,
-                                            memory.data(), team) != frame_status::recognised)
+                const batch_executor<inline_executor<on_one_thread>> executor{
+                    here, std::min(on_one_thread, end - first)};
+                if (view.infer_batch(frames.data() + first * pixels, to.data() + first * outputs,
+                                     memory.data(), executor) != frame_status::ok)
                     usual = false;
             }
         });
-        return usual ? frame_status::recognised : frame_status::not_finite;
+        return usual ? frame_status::ok : frame_status::not_finite;
     }
     template <class Count>
     static frame_status from_the_heap(const View& view, thread_pool& threads, std::span<const Count> frames,
                                       std::span<float> to) {
         const std::size_t count = checked_count(frames.size(), to.size());
         std::atomic<bool> usual = true;
-        using scratch = typename View::scratch;
-        std::vector<std::unique_ptr<scratch>> memories(threads.threads());
-        for (std::unique_ptr<scratch>& memory : memories)
-            memory.reset(new scratch); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
+        using workspace = typename View::workspace;
+        std::vector<std::unique_ptr<workspace>> memories(threads.threads());
+        for (std::unique_ptr<workspace>& memory : memories)
+            memory.reset(new workspace); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
         threads.on_each_thread([&](work_share share) {
             for (std::size_t i = share.begin(count); i < share.end(count); ++i) {
                 const tensor_view<const Count, View::input_shape> frame(frames.data() + i * pixels);
                 if (view(frame, to.subspan(i * outputs).template first<outputs>(), *memories[share.index]) !=
-                    frame_status::recognised)
+                    frame_status::ok)
                     usual = false;
             }
         });
-        return usual ? frame_status::recognised : frame_status::not_finite;
+        return usual ? frame_status::ok : frame_status::not_finite;
     }
 };
 

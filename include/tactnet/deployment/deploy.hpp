@@ -50,11 +50,11 @@ private:
 
 public:
     using activation = typename Format::activation;
-    using scratch = typename view_type::scratch;
+    using workspace = typename view_type::workspace;
     static constexpr shape input_shape = Network::input_shape;
     static constexpr std::size_t outputs = view_type::outputs;
     static constexpr std::size_t weight_bytes = view_type::weight_bytes;
-    static constexpr std::size_t scratch_bytes = view_type::scratch_bytes;
+    static constexpr std::size_t workspace_bytes = view_type::workspace_bytes;
     static_assert(std::is_same_v<typename Network::value_type, float>,
                   "deploy: networks are deployed in single precision; this one has another number type");
 
@@ -104,11 +104,11 @@ public:
 
     using detail::refused_calls<input_shape, outputs>::operator();
     frame_status operator()(tensor_view<const std::uint8_t, input_shape> counts, std::span<float, outputs> to,
-                            scratch& memory) const noexcept {
+                            workspace& memory) const noexcept {
         return view()(counts, to, memory);
     }
     frame_status operator()(tensor_view<const float, input_shape> counts, std::span<float, outputs> to,
-                            scratch& memory) const noexcept {
+                            workspace& memory) const noexcept {
         return view()(counts, to, memory);
     }
     frame_status operator()(tensor_view<const std::uint8_t, input_shape> counts,
@@ -134,13 +134,13 @@ public:
     }
     /// Memory for such calls: it grows to what a call needs, and is kept for the next. It serves one call at
     /// a time.
-    using shared_scratch = detail::kept_memory<activation>;
+    using batch_workspace = detail::workspace_buffer<activation>;
     frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames, std::span<float> to,
-                            shared_scratch& memory) const requires view_type::large {
+                            batch_workspace& memory) const requires view_type::large {
         return batch::recognise(view(), threads, frames, to, memory);
     }
     frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to,
-                            shared_scratch& memory) const requires view_type::large {
+                            batch_workspace& memory) const requires view_type::large {
         return batch::recognise(view(), threads, frames, to, memory);
     }
 

@@ -32,7 +32,7 @@ class deployed_model : public deployed<Network, Format> {
 
 public:
     using base::input_shape, base::outputs;
-    using typename base::scratch;
+    using typename base::workspace;
     using counts_view = tensor_view<const std::uint8_t, input_shape>;
     using numbers_view = tensor_view<const float, input_shape>;
 
@@ -56,16 +56,17 @@ public:
 
     using base::operator();
     /// The class that a frame of counts, or of numbers that are not whole, most likely shows. Nothing for a
-    /// broken frame, one that is not `frame_status::recognised`: it is never taken for a class. The name is
+    /// broken frame, one that is not `frame_status::ok`: it is never taken for a class. The name is
     /// a view of one of `classes()`.
-    [[nodiscard]] std::optional<recognition> operator()(counts_view counts, scratch& memory) const& noexcept {
+    [[nodiscard]] std::optional<recognition> operator()(counts_view counts,
+                                                        workspace& memory) const& noexcept {
         return recognise(counts, memory);
     }
     [[nodiscard]] std::optional<recognition> operator()(numbers_view counts,
-                                                        scratch& memory) const& noexcept {
+                                                        workspace& memory) const& noexcept {
         return recognise(counts, memory);
     }
-    /// With scratch memory on the stack: scratch_bytes of it.
+    /// With workspace on the stack: workspace_bytes of it.
     [[nodiscard]] std::optional<recognition> operator()(counts_view counts) const& noexcept {
         return recognise(counts);
     }
@@ -82,13 +83,13 @@ public:
     /// A frame of another size or type is refused by a sentence, not by a list of candidates.
     template <class Frame>
     requires base::template refuses_frame<Frame> std::optional<recognition>
-    operator()(Frame&&, scratch&) const noexcept {
+    operator()(Frame&&, workspace&) const noexcept {
         detail::refuse_frame<Frame, input_shape>();
         return std::nullopt;
     }
     // The name would be gone with the classes.
-    std::optional<recognition> operator()(counts_view, scratch&) const&& = delete;
-    std::optional<recognition> operator()(numbers_view, scratch&) const&& = delete;
+    std::optional<recognition> operator()(counts_view, workspace&) const&& = delete;
+    std::optional<recognition> operator()(numbers_view, workspace&) const&& = delete;
     std::optional<recognition> operator()(counts_view) const&& = delete;
     std::optional<recognition> operator()(numbers_view) const&& = delete;
 
@@ -96,7 +97,7 @@ private:
     template <class View, class... Memory>
     [[nodiscard]] std::optional<recognition> recognise(View counts, Memory&... memory) const noexcept {
         std::array<float, outputs> found;
-        if (base::operator()(counts, std::span<float, outputs>(found), memory...) != frame_status::recognised)
+        if (base::operator()(counts, std::span<float, outputs>(found), memory...) != frame_status::ok)
             return std::nullopt;
         if constexpr (Network::ends_in_softmax)
             return most_probable(found, classes_);

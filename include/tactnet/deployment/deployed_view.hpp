@@ -36,8 +36,8 @@ class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
         "deployed_view: the last step writes among the channels of a wider map, which nobody reads");
     using format = typename Steps::format;
     using packed_number = typename format::packed;
-    using entrance = frame_entrance<format, Input>;
-    using exit = frame_exit<format, Steps::output, Steps::output_stride>;
+    using input = input_stage<format, Input>;
+    using exit = output_stage<format, Steps::output, Steps::output_stride>;
     static constexpr std::size_t output_elements = exit::map;
 
 public:
@@ -48,21 +48,22 @@ public:
 
     /// The mean image, the scale of the input and its largest magnitude (see `not_finite`), then what remains
     /// of the parameters once batch norms are folded in: the same on every machine.
-    static constexpr std::size_t steps_folded = entrance::folded,
-                                 folded_elements = steps_folded + Steps::folded;
+    static constexpr std::size_t steps_folded = input::folded, folded_elements = steps_folded + Steps::folded;
     /// The same in the order of use, for one instruction set.
-    static constexpr std::size_t packed_elements = entrance::packed + Steps::packed;
+    static constexpr std::size_t packed_elements = input::packed + Steps::packed;
     static constexpr std::size_t weight_bytes = packed_elements * sizeof(packed_number);
 
     /// Memory for one call, on the stack or wherever the caller likes. Nothing in it outlives the call.
-    struct scratch {
-        alignas(alignment) std::array<activation, entrance::map + output_elements + Steps::scratch> elements;
+    struct workspace {
+        alignas(alignment)
+            std::array<activation, input::map + output_elements + Steps::workspace_elements> elements;
     };
-    static constexpr std::size_t scratch_bytes = sizeof(scratch);
+    static constexpr std::size_t workspace_bytes = sizeof(workspace);
     /// Networks that need more take their memory from the caller: stacks end at a few megabytes.
     static constexpr std::size_t most_on_stack = std::size_t{1} << 20;
     /// Elements of memory for each of the frames or threads, whichever are more, that pass together.
-    static constexpr std::size_t elements_together = entrance::map + output_elements + Steps::scratch;
+    static constexpr std::size_t workspace_elements =
+        input::map + output_elements + Steps::workspace_elements;
     /// Whether frames had better pass together, and one frame occupy all threads.
     static constexpr bool large = Steps::large;
 
@@ -72,8 +73,8 @@ public:
     };
     /// `folded` holds folded_elements numbers, `packed` packed_elements zeros. Usable when compiling.
     static constexpr void pack(const float* folded, packed_number* packed) {
-        entrance::pack(folded, packed);
-        Steps::pack(folded + entrance::folded, packed + entrance::packed);
+        input::pack(folded, packed);
+        Steps::pack(folded + input::folded, packed + input::packed);
     }
     [[nodiscard]] static constexpr packed_weights pack(const std::array<float, folded_elements>& folded) {
         packed_weights result;
@@ -91,14 +92,14 @@ public:
     /// filtering: [row][column], for several channels one after the other. `to` gets what the trained network
     /// gives, logits or whatever its last layer makes.
     frame_status operator()(tensor_view<const std::uint8_t, Input> counts, std::span<float, outputs> to,
-                            scratch& memory) const noexcept {
+                            workspace& memory) const noexcept {
         return recognise(counts.data(), to, memory);
     }
     frame_status operator()(tensor_view<const float, Input> counts, std::span<float, outputs> to,
-                            scratch& memory) const noexcept {
+                            workspace& memory) const noexcept {
         return recognise(counts.data(), to, memory);
     }
-    /// With scratch memory on the stack: scratch_bytes of it, up to `most_on_stack`.
+    /// With workspace on the stack: workspace_bytes of it, up to `most_on_stack`.
     frame_status operator()(tensor_view<const std::uint8_t, Input> counts,
                             std::span<float, outputs> to) const noexcept {
         return on_stack(counts.data(), to);
@@ -107,46 +108,46 @@ public:
                             std::span<float, outputs> to) const noexcept {
         return on_stack(counts.data(), to);
     }
-    /// Frames and outputs one behind the other, on all threads of the team (deployment/steps/team.hpp);
-    /// `memory` holds elements_together for each of team.copies(). The same bits as frame by frame.
-    template <class Count, class Team>
-    frame_status recognise_together(const Count* counts, float* to, activation* memory,
-                                    const Team& team) const {
+    /// Frames and outputs one behind the other, on all threads of the executor
+    /// (deployment/steps/batch_executor.hpp); `memory` holds workspace_elements for each of
+    /// executor.copies(). The same bits as frame by frame.
+    template <class Count, class Executor>
+    frame_status infer_batch(const Count* counts, float* to, activation* memory,
+                             const Executor& executor) const {
         activation* const in = memory;
-        activation* const out = in + team.copies() * entrance::map;
+        activation* const out = in + executor.copies() * input::map;
         std::atomic<bool> usual = true;
-        team.for_each_frame([&](std::size_t frame) {
-            if (!entrance::read(packed_, counts + frame * Input.size(), in + frame * entrance::map))
+        executor.for_each_frame([&](std::size_t frame) {
+            if (!input::read(packed_, counts + frame * Input.size(), in + frame * input::map))
                 usual = false;
         });
-        Steps::run_together(packed_ + entrance::packed, in, entrance::map, out,
-                            out + team.copies() * output_elements, team);
-        team.for_each_frame([&](std::size_t frame) {
+        Steps::run_batch(packed_ + input::packed, in, input::map, out,
+                         out + executor.copies() * output_elements, executor);
+        executor.for_each_frame([&](std::size_t frame) {
             if (!exit::write(out + frame * output_elements,
                              std::span<float, outputs>(to + frame * outputs, outputs)))
                 usual = false;
         });
-        return usual ? frame_status::recognised : frame_status::not_finite;
+        return usual ? frame_status::ok : frame_status::not_finite;
     }
 
 private:
     template <class Count>
     frame_status on_stack(const Count* counts, std::span<float, outputs> to) const noexcept {
-        static_assert(
-            fits_stack<scratch_bytes, most_on_stack>,
-            "deployed: this network needs more scratch memory than a stack should hold: give it some "
-            "from the heap; fits_stack shows bytes needed, bytes at most");
-        scratch memory;
+        static_assert(fits_stack<workspace_bytes, most_on_stack>,
+                      "deployed: this network needs more workspace than a stack should hold: give it some "
+                      "from the heap; fits_stack shows bytes needed, bytes at most");
+        workspace memory;
         return recognise(counts, to, memory);
     }
     template <class Count>
     frame_status recognise(const Count* counts, std::span<float, outputs> to,
-                           scratch& memory) const noexcept {
+                           workspace& memory) const noexcept {
         activation* const in = memory.elements.data();
-        activation* const out = in + entrance::map;
-        const bool usual = entrance::read(packed_, counts, in);
-        Steps::run(packed_ + entrance::packed, in, out, out + output_elements);
-        return exit::write(out, to) && usual ? frame_status::recognised : frame_status::not_finite;
+        activation* const out = in + input::map;
+        const bool usual = input::read(packed_, counts, in);
+        Steps::run(packed_ + input::packed, in, out, out + output_elements);
+        return exit::write(out, to) && usual ? frame_status::ok : frame_status::not_finite;
     }
 
     const packed_number* packed_;

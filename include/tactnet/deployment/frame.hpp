@@ -22,10 +22,10 @@ inline namespace TACTNET_ARCH {
 /// (count − mean) × scale. Folded numbers, in every format: the mean frame, the scale, the largest magnitude
 /// that the first step may see.
 template <class Format, shape Input>
-struct frame_entrance;
+struct input_stage;
 
 template <shape Input>
-struct frame_entrance<single_precision, Input> {
+struct input_stage<single_precision, Input> {
     static constexpr std::size_t folded = Input.size() + 2;
     static constexpr std::size_t packed = whole_lines(Input.size()) + whole_lines(2);
     static constexpr std::size_t map = whole_lines(Input.size()); ///< elements of the first step's input
@@ -61,10 +61,10 @@ struct frame_entrance<single_precision, Input> {
 /// From the map of the last step, `Stride` elements from one pixel to the next, to outputs
 /// [channel][row][column].
 template <class Format, shape Output, std::size_t Stride>
-struct frame_exit;
+struct output_stage;
 
 template <shape Output, std::size_t Stride>
-struct frame_exit<single_precision, Output, Stride> {
+struct output_stage<single_precision, Output, Stride> {
     static constexpr std::size_t map = whole_lines(Output.area() * Stride); ///< elements of the last map
     /// Whether all outputs are finite.
     static bool write(const float* out, std::span<float, Output.size()> to) noexcept {

@@ -30,7 +30,7 @@ namespace detail {
 template <class Network>
 [[nodiscard]] std::vector<float> logits_of(const Network& network, std::span<const std::uint8_t> images,
                                            std::size_t classes) {
-    const std::unique_ptr<typename Network::scratch> memory(new typename Network::scratch); // not zeroed
+    const std::unique_ptr<typename Network::workspace> memory(new typename Network::workspace); // not zeroed
     constexpr std::size_t size = Network::input_shape.size();
     std::vector<float> logits;
     for (std::size_t first = 0; first + size <= images.size(); first += size) {

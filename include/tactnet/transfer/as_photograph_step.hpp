@@ -27,7 +27,7 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
     static constexpr std::size_t output_stride = 3;
     static constexpr std::size_t folded = 6, packed = whole_lines(folded);
     static constexpr bool joins_pixels = InputStride != 1; ///< which lie apart
-    static constexpr std::size_t scratch =
+    static constexpr std::size_t workspace_elements =
         whole_lines(resized.area()) + (joins_pixels ? whole_lines(grey.area()) : 0);
 
     static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded, to); }

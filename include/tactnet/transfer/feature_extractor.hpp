@@ -62,7 +62,7 @@ private:
     struct memory {
         tensor<float, photograph> picture;
         tensor<float, map> last;
-        typename trunk_type::scratch scratch;
+        typename trunk_type::workspace workspace;
     };
 
     static void check(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen) {
@@ -80,7 +80,7 @@ private:
                  std::span<float> to) const {
         to_photograph(tensor_view<const std::uint8_t, Grey>(image), form_, own.picture.view());
         const tensor_view<const float, photograph> picture(own.picture.view());
-        if (trunk_(picture, own.last.view().elements(), own.scratch) != frame_status::recognised)
+        if (trunk_(picture, own.last.view().elements(), own.workspace) != frame_status::ok)
             throw std::runtime_error("feature_extractor: expected finite features of image " +
                                      std::to_string(index) + ", found some that are not");
         pool_features(pooling_, own.last.view().elements(), map, to);

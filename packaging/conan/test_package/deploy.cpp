@@ -33,8 +33,7 @@ int main() {
     frame[3 * 6 + 0] = 1;
     frame[3 * 6 + 5] = 0.5F;
     std::array<float, 2> outputs{};
-    if (recognise(frame, outputs) != tactnet::frame_status::recognised || outputs[0] != 6 ||
-        outputs[1] != 1) {
+    if (recognise(frame, outputs) != tactnet::frame_status::ok || outputs[0] != 6 || outputs[1] != 1) {
         std::printf("expected 6 and 1, found %g and %g\n", static_cast<double>(outputs[0]),
                     static_cast<double>(outputs[1]));
         return 1;

@@ -7,7 +7,7 @@
 using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
 
 std::size_t recognise(const tactnet::deployed_model<net>& model, const std::vector<float>& frame,
-                      tactnet::deployed<net>::scratch& memory) {
+                      tactnet::deployed<net>::workspace& memory) {
     if (const auto found = model(frame, memory))
         return found->index;
     return 0;

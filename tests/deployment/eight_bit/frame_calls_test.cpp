@@ -34,14 +34,14 @@ static_assert(noexcept(std::declval<const bytes_net&>()(std::declval<float_frame
                                                         std::declval<std::span<float, outputs>>())));
 static_assert(noexcept(std::declval<const bytes_net&>()(std::declval<byte_frame>(),
                                                         std::declval<std::span<float, outputs>>(),
-                                                        std::declval<bytes_net::scratch&>())));
+                                                        std::declval<bytes_net::workspace&>())));
 static_assert(noexcept(std::declval<const bytes_net::view_type&>()(
     std::declval<byte_frame>(), std::declval<std::span<float, outputs>>())));
 // Little memory is what 8 bits are for. Where no instruction multiplies bytes, weights lie in words of 16;
 // and tiles, which may pay in 8 bits where they do not in floats, take memory on the way.
 static_assert(bytes_net::weight_bytes < deployed<net>::weight_bytes * 3 / 4);
-static_assert(bytes_net::weight_bytes + bytes_net::scratch_bytes <
-              deployed<net>::weight_bytes + deployed<net>::scratch_bytes);
+static_assert(bytes_net::weight_bytes + bytes_net::workspace_bytes <
+              deployed<net>::weight_bytes + deployed<net>::workspace_bytes);
 
 const bytes_net& fast() {
     static const bytes_net network = [] {
@@ -57,7 +57,7 @@ std::vector<float> as_floats(const std::vector<std::uint8_t>& counts) {
 logits of(const std::vector<std::uint8_t>& counts) {
     logits out;
     out.fill(-1);
-    CHECK(fast()(byte_frame(counts.data()), std::span(out)) == frame_status::recognised);
+    CHECK(fast()(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
     return out;
 }
 bool told(const std::vector<float>& frame) {
@@ -75,7 +75,7 @@ void check_batches(const Deployed& recognise) {
         const std::vector<std::uint8_t> counts = support::make_frame(size, i);
         CHECK(recognise(tensor_view<const std::uint8_t, Deployed::input_shape>(counts.data()),
                         std::span<float, numbers>(expected.data() + i * numbers, numbers)) ==
-              frame_status::recognised);
+              frame_status::ok);
         frames.insert(frames.end(), counts.begin(), counts.end());
     }
     const std::vector<float> float_frames = as_floats(frames);
@@ -87,11 +87,11 @@ void check_batches(const Deployed& recognise) {
             std::vector<float> out(batch * numbers, NAN);
             const std::span<const float> right(expected.data(), out.size());
             CHECK(recognise(threads, std::span<const std::uint8_t>(frames).first(batch * size), out) ==
-                  frame_status::recognised);
+                  frame_status::ok);
             CHECK(same_bits(out, right));
             std::fill(out.begin(), out.end(), NAN);
             CHECK(recognise(threads, std::span<const float>(float_frames).first(batch * size), out) ==
-                  frame_status::recognised);
+                  frame_status::ok);
             CHECK(same_bits(out, right));
         }
         std::vector<float> broken = float_frames, out(most * numbers);
@@ -107,7 +107,7 @@ TEST_CASE("eight_bit: counts in bytes give the bits of counts in floats") {
         const std::vector<std::uint8_t> counts = support::make_frame(pixels, seed);
         const std::vector<float> frame = as_floats(counts);
         logits out;
-        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::recognised);
+        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, of(counts)));
     }
 }
@@ -122,7 +122,7 @@ TEST_CASE("eight_bit: counts between whole ones, and beside those of 8 bits, giv
                 x = std::round(x * 256) / 256; // ties of steps
         }
         logits out;
-        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::recognised);
+        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, support::reference_outputs<bytes_net::view_type>(
                                  fast().folded(), std::span<const float>(frame))));
     }
@@ -180,7 +180,7 @@ TEST_CASE("eight_bit: the same bits wherever the frame and the outputs lie, with
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 9);
     const std::vector<float> frame = as_floats(counts);
     const logits expected = of(counts);
-    const auto memory = std::make_unique<bytes_net::scratch>();
+    const auto memory = std::make_unique<bytes_net::workspace>();
     for (std::size_t offset = 0; offset < 16; ++offset) {
         std::vector<std::uint8_t> moved(pixels + 16);
         std::vector<float> moved_floats(pixels + 16), out(outputs + 32, -7);
@@ -189,11 +189,11 @@ TEST_CASE("eight_bit: the same bits wherever the frame and the outputs lie, with
         const std::span<float, outputs> to(out.data() + offset + 1, outputs);
         std::memset(static_cast<void*>(memory.get()), offset == 0 ? 0xff : static_cast<int>(offset * 37),
                     sizeof(*memory));
-        CHECK(fast()(byte_frame(moved.data() + offset), to, *memory) == frame_status::recognised);
+        CHECK(fast()(byte_frame(moved.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         std::memset(static_cast<void*>(memory.get()), 0x7f, sizeof(*memory));
         std::fill(to.begin(), to.end(), NAN);
-        CHECK(fast()(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::recognised);
+        CHECK(fast()(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         for (std::size_t i = 0; i < out.size(); ++i)
             if (i <= offset || i > offset + outputs)
@@ -219,7 +219,7 @@ TEST_CASE("eight_bit: copies give the same bits, and so do four threads on one o
                 const bytes_net& network = t % 2 == 0 ? copy : again;
                 logits out;
                 const auto status = network(byte_frame(frames[which].data()), std::span(out));
-                wrong[t] += status != frame_status::recognised || !same_bits(out, expected[which]);
+                wrong[t] += status != frame_status::ok || !same_bits(out, expected[which]);
             }
         });
     for (std::thread& thread : threads)
@@ -231,7 +231,7 @@ TEST_CASE("eight_bit: copies give the same bits, and so do four threads on one o
 TEST_CASE("eight_bit: nothing is asked of the heap") {
     const std::vector<std::uint8_t> counts = support::make_frame(pixels, 2);
     const std::vector<float> frame = as_floats(counts);
-    const auto memory = std::make_unique<bytes_net::scratch>();
+    const auto memory = std::make_unique<bytes_net::workspace>();
     logits out;
     const bytes_net& network = fast();
     const std::size_t before = support::allocations();
@@ -242,7 +242,7 @@ TEST_CASE("eight_bit: nothing is asked of the heap") {
     const std::size_t after = support::allocations();
     CHECK(after == before);
     for (const auto status : {a, b, c, d})
-        CHECK(status == frame_status::recognised);
+        CHECK(status == frame_status::ok);
     // The counter counts.
     ::operator delete(::operator new(1)); // in this form the compiler may not leave it out
     CHECK(support::allocations() > after);

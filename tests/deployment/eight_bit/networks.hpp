@@ -58,15 +58,15 @@ template <class Network>
 std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const std::uint8_t> counts) {
     using view = typename byte_network<Network>::view_type;
     using steps = typename view::steps;
-    using entrance = tactnet::frame_entrance<tactnet::eight_bit, Network::input_shape>;
+    using input = tactnet::input_stage<tactnet::eight_bit, Network::input_shape>;
     const float* folded = all_folded.data() + view::steps_folded;
     whole_map map = reference_entrance<Network::input_shape>(all_folded.data(), counts);
     std::size_t stride = map.channels, element = sizeof(std::int16_t), different = 0;
 
-    tactnet::aligned_vector<std::int8_t> first(entrance::packed);
-    entrance::pack(all_folded.data(), first.data());
-    tactnet::aligned_vector<std::uint8_t> words(entrance::map, std::uint8_t{0xa5});
-    different += !entrance::read(first.data(), counts.data(), words.data());
+    tactnet::aligned_vector<std::int8_t> first(input::packed);
+    input::pack(all_folded.data(), first.data());
+    tactnet::aligned_vector<std::uint8_t> words(input::map, std::uint8_t{0xa5});
+    different += !input::read(first.data(), counts.data(), words.data());
     for (std::size_t i = 0; i < map.whole.size(); ++i) {
         std::int16_t word;
         std::memcpy(&word, words.data() + i * sizeof(word), sizeof(word));
@@ -85,7 +85,7 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
         Step::pack(folded, packed.data());
         const std::size_t elements = Step::output.area() * Step::output_stride;
         tactnet::aligned_vector<std::uint8_t> out(elements * sizeof(float), std::uint8_t{0x5a}),
-            memory(Step::scratch, std::uint8_t{0xff});
+            memory(Step::workspace_elements, std::uint8_t{0xff});
         Step::run(packed.data(), in.data(), out.data(), memory.data());
         map = reference_step<Step>::run(folded, map, whole_map{});
         const bool floats = std::is_same_v<Step, typename steps::template at<steps::size - 1>>;
@@ -133,7 +133,7 @@ std::size_t frames_that_differ(std::uint64_t seed, std::size_t frames, std::size
     fill(*net, seed);
     const tactnet::eight_bit_calibration<Network> calibration = calibrated(*net, seed, images);
     const byte_network<Network> network(calibration.folded());
-    const auto memory = std::make_unique<typename byte_network<Network>::scratch>();
+    const auto memory = std::make_unique<typename byte_network<Network>::workspace>();
     std::memset(static_cast<void*>(memory.get()), 0xff, sizeof(*memory));
     // A file keeps every bit.
     const auto loaded = from_file<Network>(file_of<Network>(network, Network::outputs));
@@ -148,7 +148,7 @@ std::size_t frames_that_differ(std::uint64_t seed, std::size_t frames, std::size
         const auto of_loaded = tactnet::detail::logits_of(loaded, frame, Network::outputs);
         const std::vector<float> expected =
             reference_outputs<typename byte_network<Network>::view_type>(calibration.folded(), frame);
-        different += status != tactnet::frame_status::recognised || !same_bits(out, expected) ||
+        different += status != tactnet::frame_status::ok || !same_bits(out, expected) ||
                      !same_bits(of_loaded, expected) ||
                      (i < 2 && steps_that_differ<Network>(calibration.folded(), frame) > 0);
     }

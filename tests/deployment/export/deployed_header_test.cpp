@@ -34,8 +34,8 @@ void same_as(const Recogniser& recogniser, const Packed& packed) {
         const auto frame = frame_of<Network>(i);
         const tactnet::tensor_view<const std::uint8_t, Network::input_shape> counts(frame);
         std::array<float, Recogniser::outputs> expected, found;
-        REQUIRE(original(counts, expected) == tactnet::frame_status::recognised);
-        REQUIRE(recogniser(counts, found) == tactnet::frame_status::recognised);
+        REQUIRE(original(counts, expected) == tactnet::frame_status::ok);
+        REQUIRE(recogniser(counts, found) == tactnet::frame_status::ok);
         CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
     }
 }
@@ -61,14 +61,14 @@ TEST_CASE("deployed_header: a network that no stack holds takes its memory from 
     using original_type = tactnet::deployed<large_network>;
     static_assert(std::is_same_v<decltype(large::recogniser), const original_type::view_type> ||
                   std::is_same_v<decltype(large::recogniser), original_type::view_type>);
-    const auto memory = std::make_unique<original_type::scratch>();
+    const auto memory = std::make_unique<original_type::workspace>();
     CHECK(large::passes_selftest(*memory));
     for (std::size_t i = 0; i < 5; ++i) {
         const auto frame = frame_of<large_network>(i);
         const tactnet::tensor_view<const std::uint8_t, large_network::input_shape> counts(frame);
         std::array<float, original_type::outputs> expected, found;
-        REQUIRE(original(counts, expected, *memory) == tactnet::frame_status::recognised);
-        REQUIRE(large::recogniser(counts, found, *memory) == tactnet::frame_status::recognised);
+        REQUIRE(original(counts, expected, *memory) == tactnet::frame_status::ok);
+        REQUIRE(large::recogniser(counts, found, *memory) == tactnet::frame_status::ok);
         CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
     }
 }

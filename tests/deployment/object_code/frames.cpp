@@ -17,7 +17,7 @@ using view_of = typename deployed<Network, Format>::view_type;
 
 template <class View, class Count>
 frame_status recognise(const typename View::packed_weights& weights, const Count* counts, float* logits,
-                       typename View::scratch& memory) noexcept {
+                       typename View::workspace& memory) noexcept {
     return View(weights)(tensor_view<const Count, View::input_shape>(counts),
                          std::span<float, View::outputs>(logits, View::outputs), memory);
 }
@@ -29,15 +29,15 @@ using tactresnet_in_floats = view_of<tactresnet<shape{7, 13}, 22>>;
 } // namespace
 
 frame_status frame_of_tactnet4(const tactnet4_in_8_bits::packed_weights& weights, const std::uint8_t* counts,
-                               float* logits, tactnet4_in_8_bits::scratch& memory) noexcept {
+                               float* logits, tactnet4_in_8_bits::workspace& memory) noexcept {
     return recognise<tactnet4_in_8_bits>(weights, counts, logits, memory);
 }
 frame_status frame_of_tactnet6(const tactnet6_in_floats::packed_weights& weights, const float* counts,
-                               float* logits, tactnet6_in_floats::scratch& memory) noexcept {
+                               float* logits, tactnet6_in_floats::workspace& memory) noexcept {
     return recognise<tactnet6_in_floats>(weights, counts, logits, memory);
 }
 frame_status frame_of_tactresnet(const tactresnet_in_floats::packed_weights& weights,
                                  const std::uint8_t* counts, float* logits,
-                                 tactresnet_in_floats::scratch& memory) noexcept {
+                                 tactresnet_in_floats::workspace& memory) noexcept {
     return recognise<tactresnet_in_floats>(weights, counts, logits, memory);
 }

@@ -42,7 +42,7 @@ template <class Step>
 struct numbers_of {
     std::vector<float> folded = std::vector<float>(Step::folded);
     aligned_vector<float> packed = aligned_vector<float>(Step::packed);
-    aligned_vector<float> scratch = aligned_vector<float>(Step::scratch + 1);
+    aligned_vector<float> scratch = aligned_vector<float>(Step::workspace_elements + 1);
 
     explicit numbers_of(std::uint64_t seed) {
         support::numbers draw(seed);

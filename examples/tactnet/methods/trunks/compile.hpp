@@ -26,7 +26,7 @@ public:
 
     bool run(tactnet::thread_pool& threads, std::span<const float> photographs,
              std::span<float> maps) const override {
-        return own_(threads, photographs, maps) == tactnet::frame_status::recognised;
+        return own_(threads, photographs, maps) == tactnet::frame_status::ok;
     }
 
 private:

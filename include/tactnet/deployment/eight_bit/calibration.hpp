@@ -83,11 +83,10 @@ private:
     }
     static bool recognise(std::span<const float> folded, std::span<const float> images, std::span<float> to) {
         const bytes network(folded.template first<view::folded_elements>());
-        const std::unique_ptr<typename bytes::scratch> memory(new typename bytes::scratch); // not zeroed
+        const std::unique_ptr<typename bytes::workspace> memory(new typename bytes::workspace); // not zeroed
         for (std::size_t i = 0; i < images.size() / input_shape.size(); ++i)
             if (network(tensor_view<const float, input_shape>(images.data() + i * input_shape.size()),
-                        to.subspan(i * outputs).template first<outputs>(),
-                        *memory) != frame_status::recognised)
+                        to.subspan(i * outputs).template first<outputs>(), *memory) != frame_status::ok)
                 return false;
         return true;
     }

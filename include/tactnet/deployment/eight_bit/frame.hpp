@@ -20,7 +20,7 @@ inline namespace TACTNET_ARCH {
 /// counts of 8 bits keep every bit and the mean 1/256 of a count. Folded numbers: the mean frame, the steps
 /// of one count (a power of two), the largest |count − mean| that words hold.
 template <shape Input>
-struct frame_entrance<eight_bit, Input> {
+struct input_stage<eight_bit, Input> {
     static constexpr std::size_t folded = Input.size() + 2;
     static constexpr std::size_t map = whole_lines<std::uint8_t>(Input.size() * sizeof(std::int16_t));
     static constexpr std::size_t packed = map + whole_lines<std::int8_t>(2 * sizeof(float));
@@ -58,10 +58,10 @@ struct frame_entrance<eight_bit, Input> {
 
 /// From the floats of the last step to outputs [channel][row][column].
 template <shape Output, std::size_t Stride>
-struct frame_exit<eight_bit, Output, Stride> {
+struct output_stage<eight_bit, Output, Stride> {
     static constexpr std::size_t map = whole_lines<std::uint8_t>(Output.area() * Stride * sizeof(float));
     static bool write(const std::uint8_t* out, std::span<float, Output.size()> to) noexcept {
-        return frame_exit<single_precision, Output, Stride>::write(reinterpret_cast<const float*>(out), to);
+        return output_stage<single_precision, Output, Stride>::write(reinterpret_cast<const float*>(out), to);
     }
 };
 

@@ -27,7 +27,7 @@ inline namespace TACTNET_ARCH {
 ///   classes         names of its first outputs, in order; outputs behind them stand for nothing
 ///   passes_selftest whether `frame`, some counts, still gives the outputs that it gives here, to 1e-4 of the
 ///                   largest
-/// A network that needs more scratch memory than a stack should hold takes it as a last argument, in calls of
+/// A network that needs more workspace than a stack should hold takes it as a last argument, in calls of
 /// both. Throws std::invalid_argument for names that cannot be and for a frame that is not recognised.
 template <class Network, class Format>
 [[nodiscard]] std::string deployed_header(const deployed<Network, Format>& network,
@@ -45,8 +45,8 @@ template <class Network, class Format>
                                     std::to_string(deployed_type::outputs) + " class names, found " +
                                     std::to_string(says.classes.size()));
     std::array<float, deployed_type::outputs> outputs;
-    const auto memory = std::make_unique<typename view::scratch>(); // may be more than a stack holds
-    if (network(tensor_view<const std::uint8_t, input>(frame), outputs, *memory) != frame_status::recognised)
+    const auto memory = std::make_unique<typename view::workspace>(); // may be more than a stack holds
+    if (network(tensor_view<const std::uint8_t, input>(frame), outputs, *memory) != frame_status::ok)
         throw std::invalid_argument("deployed_header: expected a frame that gives finite outputs for the "
                                     "self-test, found one that does not");
 
@@ -60,7 +60,7 @@ template <class Network, class Format>
         includes += "#include <" + header + ">\n";
     for (const std::string& name : says.classes)
         classes += "    " + detail::string_literal(name) + ",\n";
-    const bool on_stack = view::scratch_bytes <= view::most_on_stack;
+    const bool on_stack = view::workspace_bytes <= view::most_on_stack;
     const bool when_compiling =
         says.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling;
     return detail::filled(
@@ -83,7 +83,7 @@ template <class Network, class Format>
          {"count", std::to_string(view::folded_elements)},
          {"packed", std::string(when_compiling ? detail::packed_when_compiling : detail::packed_at_start)},
          {"memory", on_stack ? "" : ", memory"},
-         {"memory parameter", on_stack ? "" : "recogniser_type::scratch& memory"},
+         {"memory parameter", on_stack ? "" : "recogniser_type::workspace& memory"},
          {"frame", detail::number_lines<std::uint8_t>(
                        frame, [](std::uint8_t count) { return std::to_string(count); })},
          {"frame outputs", detail::number_lines<float>(outputs, detail::float_literal)}});

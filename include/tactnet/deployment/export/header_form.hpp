@@ -53,7 +53,7 @@ inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{
 /// Whether compiler and processor still make of the frame what they should.
 inline bool passes_selftest(@memory parameter@) noexcept {
     std::array<float, recogniser_type::outputs> outputs;
-    if (recogniser(selftest_frame, outputs@memory@) != tactnet::frame_status::recognised)
+    if (recogniser(selftest_frame, outputs@memory@) != tactnet::frame_status::ok)
         return false;
     float largest = 0, difference = 0;
     for (std::size_t i = 0; i < outputs.size(); ++i) {

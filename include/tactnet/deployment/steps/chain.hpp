@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/detail/indexed_leaves.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -49,7 +49,8 @@ struct step_chain {
         return most;
     }();
     static constexpr std::size_t buffers = std::min<std::size_t>(size - 1, 2);
-    static constexpr std::size_t scratch = buffers * buffer + std::max({Steps::scratch...});
+    static constexpr std::size_t workspace_elements =
+        buffers * buffer + std::max({Steps::workspace_elements...});
 
     static constexpr bool large = (detail::is_large<Steps> || ...);
 
@@ -73,14 +74,14 @@ struct step_chain {
         });
     }
     /// Frames whose inputs lie `in_distance` elements apart.
-    template <class Team>
-    static void run_together(const packed_number* packed_values, const activation* in,
-                             std::size_t in_distance, activation* out, activation* memory, const Team& team) {
-        const std::size_t turn = buffer * team.copies();
+    template <class Executor>
+    static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
+                          activation* out, activation* memory, const Executor& executor) {
+        const std::size_t turn = buffer * executor.copies();
         activation* const inner = memory + buffers * turn;
         kernels::unroll<size>([&](auto i) {
             activation* const to = i + 1 == size ? out : memory + i % 2 * turn;
-            detail::run_together<at<i>>(packed_values, in, in_distance, to, inner, team);
+            detail::run_batch<at<i>>(packed_values, in, in_distance, to, inner, executor);
             packed_values += at<i>::packed;
             in = to, in_distance = detail::map_distance<at<i>>;
         });

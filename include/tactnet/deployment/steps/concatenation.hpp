@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/deployment/steps/residual.hpp>
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/deployment/steps/team.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -58,7 +58,8 @@ public:
     static constexpr std::size_t output_stride = Stride;
     static constexpr std::size_t folded = (Branches::step::folded + ...),
                                  packed = (Branches::step::packed + ...);
-    static constexpr std::size_t scratch = std::max({(aside<Branches> + Branches::step::scratch)...});
+    static constexpr std::size_t workspace_elements =
+        std::max({(aside<Branches> + Branches::step::workspace_elements)...});
 
     static constexpr void pack(const float* from, packed_number* to) {
         ((Branches::step::pack(from, to), from += Branches::step::folded, to += Branches::step::packed), ...);
@@ -76,14 +77,14 @@ public:
     }
     static constexpr bool large = (detail::is_large<typename Branches::step> || ...);
     /// Where all branches write to their places.
-    template <class Team>
+    template <class Executor>
         requires((aside<Branches> == 0 && !passes_input_on<Branches>)&&...)
-    static void run_together(const packed_number* packed_values, const activation* in,
-                             std::size_t in_distance, activation* out, activation* memory, const Team& team) {
-        ((detail::run_together<typename Branches::step>(packed_values, in, in_distance, out, memory, team),
+    static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
+                          activation* out, activation* memory, const Executor& executor) {
+        ((detail::run_batch<typename Branches::step>(packed_values, in, in_distance, out, memory, executor),
           packed_values += Branches::step::packed),
          ...);
-        team.for_each_frame(
+        executor.for_each_frame(
             [&](std::size_t frame) { clear_rest(out + frame * detail::map_distance<concatenation_step>); });
     }
 

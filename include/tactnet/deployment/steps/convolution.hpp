@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/kernels/frame/direct.hpp>
 #include <tactnet/kernels/frame/packed_pixels.hpp>
 #include <tactnet/kernels/frame/winograd.hpp>
@@ -69,7 +69,7 @@ public:
     static constexpr std::size_t packed_part =
         packed_weights + whole_lines(pixels_of_vector * part.padded_filters());
     static constexpr std::size_t packed = parts * packed_part;
-    static constexpr std::size_t scratch = [] {
+    static constexpr std::size_t workspace_elements = [] {
         if constexpr (large)
             return large_plan.scratch();
         else if constexpr (tiled)
@@ -139,30 +139,32 @@ public:
     }
 
     /// The tiles of several frames as one list, while each thread has so many.
-    template <class Team>
-    static void run_together(const float* packed_values, const float* in, std::size_t in_distance, float* out,
-                             float* memory, const Team& team) requires(frames_together > 1) {
+    template <class Executor>
+    static void run_batch(const float* packed_values, const float* in, std::size_t in_distance, float* out,
+                          float* memory, const Executor& executor) requires(frames_together > 1) {
         constexpr std::size_t some = frames_together, out_distance = detail::map_distance<convolution_step>;
-        static_assert(kernels::winograd_tiles<part, tile_outputs, some>::scratch <= some * scratch);
+        static_assert(kernels::winograd_tiles<part, tile_outputs, some>::scratch <=
+                      some * workspace_elements);
         const auto alone = [&](std::size_t frame) {
             run(packed_values, in + frame * in_distance, out + frame * out_distance,
-                memory + frame * scratch);
+                memory + frame * workspace_elements);
         };
-        if constexpr (Team::most_frames >= some) {
-            const std::size_t groups = team.frames >= some * team.threads() ? team.frames / some : 0;
-            const std::size_t left = team.frames - groups * some;
+        if constexpr (Executor::most_frames >= some) {
+            const std::size_t groups =
+                executor.frames >= some * executor.threads() ? executor.frames / some : 0;
+            const std::size_t left = executor.frames - groups * some;
             if (groups > 0)
-                team.pool.for_each(groups, [&](std::size_t group) {
+                executor.pool.for_each(groups, [&](std::size_t group) {
                     const std::size_t first = group * some;
                     kernels::convolve_frames_by_tiles<part, tile_outputs, some>(
                         in + first * in_distance, in_distance, packed_values, packed_values + packed_weights,
                         out + first * out_distance + Kernel.map_offset, out_distance,
-                        memory + first * scratch);
+                        memory + first * workspace_elements);
                 });
             if (left > 0)
-                team.pool.for_each(left, [&](std::size_t frame) { alone(groups * some + frame); });
+                executor.pool.for_each(left, [&](std::size_t frame) { alone(groups * some + frame); });
         } else {
-            team.for_each_frame(alone);
+            executor.for_each_frame(alone);
         }
     }
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/deployment/steps/team.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
 
@@ -39,7 +39,7 @@ public:
     static constexpr std::size_t packed_weights =
         whole_lines(large ? large_plan.weights() : Kernel.weights());
     static constexpr std::size_t packed = packed_weights + whole_lines(output_stride);
-    static constexpr std::size_t scratch = large ? large_plan.scratch() : 0;
+    static constexpr std::size_t workspace_elements = large ? large_plan.scratch() : 0;
 
     static constexpr void pack(const float* from, float* to) {
         const auto weight = [&](std::size_t o, std::size_t channel, std::size_t pixel) {
@@ -64,13 +64,13 @@ public:
             kernels::multiply_frames<Kernel>(in, 0, packed_values, packed_values + packed_weights, out, 0);
     }
     /// As many frames as registers allow read each weight once.
-    template <class Team>
-    static void run_together(const float* packed_values, const float* in, std::size_t in_distance, float* out,
-                             float*, const Team& team) requires(!large) {
+    template <class Executor>
+    static void run_batch(const float* packed_values, const float* in, std::size_t in_distance, float* out,
+                          float*, const Executor& executor) requires(!large) {
         constexpr std::size_t out_distance = detail::map_distance<dense_step>,
                               most = kernels::dense_frames<Kernel>;
-        team.pool.for_each((team.frames + most - 1) / most, [&](std::size_t group) {
-            const std::size_t first = group * most, count = std::min(most, team.frames - first);
+        executor.pool.for_each((executor.frames + most - 1) / most, [&](std::size_t group) {
+            const std::size_t first = group * most, count = std::min(most, executor.frames - first);
             kernels::unroll<most>([&](auto i) {
                 if (count == i + 1)
                     kernels::multiply_frames<Kernel, i + 1>(in + first * in_distance, in_distance,

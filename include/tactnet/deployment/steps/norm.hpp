@@ -19,7 +19,7 @@ struct norm_step<single_precision, Map, Stride, Rectified> {
     static constexpr shape output = Map;
     static constexpr std::size_t output_stride = Stride;
     static constexpr std::size_t folded = 2 * Map.channels, packed = 2 * whole_lines(Stride);
-    static constexpr std::size_t scratch = 0;
+    static constexpr std::size_t workspace_elements = 0;
 
     static constexpr void pack(const float* from, float* to) {
         std::copy_n(from, Map.channels, to);

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/deployment/steps/team.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@ inline namespace TACTNET_ARCH {
 
 /// The skip of a residual block that passes its input on.
 struct no_step {
-    static constexpr std::size_t folded = 0, packed = 0, scratch = 0;
+    static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
     static constexpr void pack(const float*, auto*) {}
     static double reach(const float*, double input) { return input; }
 };
@@ -36,7 +36,8 @@ struct residual_step {
                        ? 0
                        : whole_lines<activation>(output.area() * Skip::output_stride);
     }();
-    static constexpr std::size_t scratch = std::max(Main::scratch, aside + Skip::scratch);
+    static constexpr std::size_t workspace_elements =
+        std::max(Main::workspace_elements, aside + Skip::workspace_elements);
 
     static constexpr bool large = detail::is_large<Main> || detail::is_large<Skip>;
 
@@ -64,18 +65,18 @@ struct residual_step {
             copy_pixels<Skip::output_stride>(memory, out);
         }
     }
-    template <class Team>
+    template <class Executor>
         requires(aside == 0)
-    static void run_together(const packed_number* packed_values, const activation* in,
-                             std::size_t in_distance, activation* out, activation* memory, const Team& team) {
+    static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
+                          activation* out, activation* memory, const Executor& executor) {
         if constexpr (std::is_same_v<Skip, no_step>)
-            team.for_each_frame([&](std::size_t frame) {
+            executor.for_each_frame([&](std::size_t frame) {
                 copy_pixels<InputStride>(in + frame * in_distance,
                                          out + frame * detail::map_distance<residual_step>);
             });
         else
-            detail::run_together<Skip>(packed_values + Main::packed, in, in_distance, out, memory, team);
-        detail::run_together<Main>(packed_values, in, in_distance, out, memory, team);
+            detail::run_batch<Skip>(packed_values + Main::packed, in, in_distance, out, memory, executor);
+        detail::run_batch<Main>(packed_values, in, in_distance, out, memory, executor);
     }
 
 private:

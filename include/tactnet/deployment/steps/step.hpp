@@ -14,7 +14,7 @@
 //   folded                  numbers that remain of the layers' parameters once batch norms are folded in
 //                           ([output][channel][row][column], then biases), in single precision
 //   packed                  the same in the order of use, padded to whole vectors, in the number format
-//   scratch                 elements of memory it needs while it runs, whole cache lines
+//   workspace_elements                 elements of memory it needs while it runs, whole cache lines
 // and its functions:
 //   pack                    from folded to packed numbers, into zeros; usable when compiling
 //   run                     from one map to the next
@@ -23,9 +23,9 @@
 //   large                   whether frames had better pass it together, and one frame occupy all threads
 //   fills_map               false if it writes only some channels of a map that others write to as well
 //   run_share               the share of one thread in frames that pass together
-//   run_together            how frames pass it together, or the steps inside it, on the threads of a team
+//   run_batch            how frames pass it together, or the steps inside it, on the threads of a executor
 //   number_elements         elements of the map that a number of its output takes, if not one
-// A step that says neither run_share nor run_together takes such frames one by one (team.hpp).
+// A step that says neither run_share nor run_batch takes such frames one by one (executor.hpp).
 // Lanes behind the last channel of a pixel hold zeros in every map.
 //
 // The headers in this folder need neither exceptions nor run-time type information nor files.
@@ -65,7 +65,9 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
                                  const typename Step::format::activation* in,
                                  typename Step::format::activation* out) {
     { Step::output } -> std::convertible_to<shape>;
-    { Step::output_stride + Step::folded + Step::packed + Step::scratch } -> std::convertible_to<std::size_t>;
+    {
+        Step::output_stride + Step::folded + Step::packed + Step::workspace_elements
+        } -> std::convertible_to<std::size_t>;
     Step::pack(folded, to);
     { Step::reach(folded, 1.0) } -> std::same_as<double>;
     { Step::run(packed, in, out, out) }
@@ -79,7 +81,7 @@ struct step_without_parameters {
     using format = Format;
     static constexpr shape output = Output;
     static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t folded = 0, packed = 0, scratch = 0;
+    static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
     static constexpr void pack(const float*, typename Format::packed*) {}
     static double reach(const float*, double input) { return input; }
 };

@@ -110,7 +110,7 @@ TEST_SUITE("program") {
         REQUIRE_MESSAGE(exported.status == 0, exported.error);
         const std::string header = text_of(shop / "net.hpp");
         CHECK(header.find("#include <tactnet/transfer/as_photograph_step.hpp>") != std::string::npos);
-        CHECK(header.find("passes_selftest(recogniser_type::scratch& memory)") != std::string::npos);
+        CHECK(header.find("passes_selftest(recogniser_type::workspace& memory)") != std::string::npos);
     }
 
     TEST_CASE("pretrained_network: stopped and gone on with, the same bits") {

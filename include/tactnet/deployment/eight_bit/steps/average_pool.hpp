@@ -31,7 +31,7 @@ private:
     static constexpr std::size_t input_zero = 0, zero = 1;
 
 public:
-    static constexpr std::size_t packed = whole_lines<std::int8_t>(bytes + 2), scratch = 0;
+    static constexpr std::size_t packed = whole_lines<std::int8_t>(bytes + 2), workspace_elements = 0;
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
         values.input.write(to);

@@ -67,7 +67,7 @@ private:
 
 public:
     static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(3);
-    static constexpr std::size_t scratch =
+    static constexpr std::size_t workspace_elements =
         tiled ? tiles::scratch_bytes
               : whole_lines<std::uint8_t>(plan::staged_elements * sizeof(typename plan::staged));
 

@@ -21,7 +21,8 @@ struct relu_step<eight_bit, Map, Stride> {
     static constexpr std::size_t output_stride = Stride;
     static constexpr std::size_t ranges = 1;
     static constexpr folded_arrays arrays{range_array("input")};
-    static constexpr std::size_t folded = arrays.numbers(), packed = whole_lines<std::int8_t>(1), scratch = 0;
+    static constexpr std::size_t folded = arrays.numbers(), packed = whole_lines<std::int8_t>(1),
+                                 workspace_elements = 0;
 
     static constexpr void set_ranges(float* to, const step_ranges& values) { values.input.write(to); }
     static constexpr void pack(const float* from, std::int8_t* to) {
@@ -56,7 +57,7 @@ private:
     static constexpr std::size_t lowest = 0, zero = 1;
 
 public:
-    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(2), scratch = 0;
+    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(2), workspace_elements = 0;
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
         values.input.write(to + 2 * Map.channels);

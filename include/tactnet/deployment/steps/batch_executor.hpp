@@ -16,10 +16,10 @@ inline namespace TACTNET_ARCH {
 /// one behind the other, each in whole cache lines, and memory for as many frames or threads as there are. No
 /// bit depends on either number.
 ///
-/// A step may say how it is shared: `run_share`, what one thread does of it, or `run_together`, of steps
+/// A step may say how it is shared: `run_share`, what one thread does of it, or `run_batch`, of steps
 /// inside it, or of several frames that it takes at once. Others are run frame by frame.
 template <class Pool>
-struct frame_team {
+struct batch_executor {
     Pool& pool;
     std::size_t frames;
 
@@ -58,24 +58,25 @@ inline constexpr bool is_large = [] {
         return false;
 }();
 
-template <class Step, class Team>
-void run_together(const typename Step::format::packed* packed, const typename Step::format::activation* in,
-                  std::size_t in_distance, typename Step::format::activation* out,
-                  typename Step::format::activation* memory, const Team& team) {
-    static_assert(Step::scratch == whole_lines<typename Step::format::activation>(Step::scratch),
-                  "a step's scratch memory must be whole cache lines, so that the next frame's is aligned");
-    if constexpr (requires { Step::run_together(packed, in, in_distance, out, memory, team); }) {
-        Step::run_together(packed, in, in_distance, out, memory, team);
+template <class Step, class Executor>
+void run_batch(const typename Step::format::packed* packed, const typename Step::format::activation* in,
+               std::size_t in_distance, typename Step::format::activation* out,
+               typename Step::format::activation* memory, const Executor& executor) {
+    static_assert(Step::workspace_elements ==
+                      whole_lines<typename Step::format::activation>(Step::workspace_elements),
+                  "a step's workspace must be whole cache lines, so that the next frame's is aligned");
+    if constexpr (requires { Step::run_batch(packed, in, in_distance, out, memory, executor); }) {
+        Step::run_batch(packed, in, in_distance, out, memory, executor);
     } else if constexpr (requires { Step::run_share(packed, in, out, memory, kernels::large_job{}); }) {
-        const std::size_t scratches = team.copies() / team.threads();
-        team.pool.on_each_thread([&](work_share share) {
-            Step::run_share(packed, in, out, memory + share.index * scratches * Step::scratch,
-                            {team.frames, in_distance, map_distance<Step>, share, scratches});
+        const std::size_t workspaces = executor.copies() / executor.threads();
+        executor.pool.on_each_thread([&](work_share share) {
+            Step::run_share(packed, in, out, memory + share.index * workspaces * Step::workspace_elements,
+                            {executor.frames, in_distance, map_distance<Step>, share, workspaces});
         });
     } else {
-        team.for_each_frame([&](std::size_t frame) {
+        executor.for_each_frame([&](std::size_t frame) {
             Step::run(packed, in + frame * in_distance, out + frame * map_distance<Step>,
-                      memory + frame * Step::scratch);
+                      memory + frame * Step::workspace_elements);
         });
     }
 }
