@@ -2,35 +2,39 @@
 
 #include <doctest/doctest.h>
 
-#include <cstddef>
+#include <string>
 #include <type_traits>
 
-using namespace tactnet;
+using namespace tactnet::kernels;
 
 namespace {
 
-template <std::size_t Cost>
+template <std::size_t Cost, char Letter = 'a'>
 struct method {
+    static constexpr char name[]{Letter, '\0'};
     static constexpr bool applicable = true;
     static constexpr std::size_t cost = Cost;
 };
-template <class T>
-struct inapplicable {
+/// Its cost must not be read.
+template <class Description>
+struct inapplicable_method {
+    static constexpr const char* name = "inapplicable";
     static constexpr bool applicable = false;
-    static constexpr std::size_t cost = T::does_not_exist;
+    static constexpr std::size_t cost = Description::missing;
 };
-
-template <class... Methods>
-using cheapest = typename kernels::method_list<Methods...>::cheapest;
 
 } // namespace
 
-TEST_CASE("method_list: takes the applicable method of least cost, and the first of equals") {
-    static_assert(std::is_same_v<cheapest<method<3>>, method<3>>);
-    static_assert(std::is_same_v<cheapest<method<3>, method<1>, method<2>>, method<1>>);
-    static_assert(std::is_same_v<cheapest<inapplicable<int>, method<9>>, method<9>>);
-    struct second : method<4> {};
-    static_assert(std::is_same_v<cheapest<method<4>, second>, method<4>>);
-    static_assert(std::is_same_v<cheapest<second, method<4>>, second>);
-    CHECK(cheapest<method<7>, method<5>>::cost == 5);
+TEST_CASE("method_list: chooses the cheapest applicable method, the first of equals") {
+    CHECK(std::is_same_v<method_list<method<3>, method<2>, method<4>>::chosen, method<2>>);
+    CHECK(std::is_same_v<method_list<method<2, 'a'>, method<2, 'b'>>::chosen, method<2, 'a'>>);
+    CHECK(std::is_same_v<method_list<inapplicable_method<int>, method<5>>::chosen, method<5>>);
+    CHECK(std::is_same_v<method_list<method<5>, inapplicable_method<int>>::chosen, method<5>>);
+}
+
+TEST_CASE("method_list: for_each_applicable visits methods in the order of the list") {
+    std::string names;
+    method_list<method<3, 'x'>, inapplicable_method<int>, method<1, 'y'>>::for_each_applicable(
+        [&]<class Method>(std::type_identity<Method>) { names += Method::name; });
+    CHECK(names == "xy");
 }

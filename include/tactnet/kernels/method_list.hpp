@@ -2,34 +2,67 @@
 
 #include <tactnet/detail/config.hpp>
 
-#include <algorithm>
-#include <array>
+#include <concepts>
 #include <cstddef>
 #include <limits>
-#include <tuple>
+#include <type_traits>
+
+// How one of several methods for the same computation is chosen at compile time. A method is a struct
+// template on the description of the computation (a convolution, its sizes and its epilogue) with static
+// members:
+//   name                what benchmarks print
+//   applicable          whether it can compute this description and pays for its sizes
+//   cost                estimated work, comparable among the methods of a list; read only if applicable
+//   packed_elements     of weights and biases in the order of use, whole cache lines
+//   workspace_elements  of memory while it runs, whole cache lines
+//   pack, run           from folded to packed weights; from one map to the next
+// A new method is a new file and its name in a list.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// The ways to compute one thing, and which of them is taken. Each method has the constants `applicable` and
-/// `cost`; costs of one list have one unit. The cost of a method that is not applicable is never evaluated.
-template <class... Methods>
-class method_list {
-    template <class Method>
-    static constexpr std::size_t cost_of() {
-        if constexpr (Method::applicable)
-            return Method::cost;
-        else
-            return std::numeric_limits<std::size_t>::max();
-    }
-    static constexpr std::array<std::size_t, sizeof...(Methods)> costs{cost_of<Methods>()...};
-    static constexpr auto least = std::min_element(costs.begin(), costs.end()) - costs.begin();
-    static_assert((Methods::applicable || ...), "method_list: expected at least one applicable method");
+template <class Method>
+concept computation_method = requires {
+    { Method::name } -> std::convertible_to<const char*>;
+    { Method::applicable } -> std::convertible_to<bool>;
+};
 
-public:
-    /// The applicable method of the least cost; of several, the first in the list.
-    using cheapest = std::tuple_element_t<static_cast<std::size_t>(least), std::tuple<Methods...>>;
+namespace detail {
+
+template <class Method>
+[[nodiscard]] constexpr std::size_t cost_of_method() {
+    if constexpr (Method::applicable)
+        return Method::cost;
+    else
+        return std::numeric_limits<std::size_t>::max();
+}
+template <class First, class... Rest>
+struct cheapest_method {
+    using type = First;
+};
+template <class First, class Second, class... Rest>
+struct cheapest_method<First, Second, Rest...>
+    : cheapest_method<std::conditional_t<(cost_of_method<Second>() < cost_of_method<First>()), Second, First>,
+                      Rest...> {};
+
+} // namespace detail
+
+/// The methods for one description.
+template <computation_method... Methods>
+struct method_list {
+    static_assert((Methods::applicable || ...), "method_list: no method computes this description");
+    /// The cheapest applicable method; the first of several that cost the same.
+    using chosen = typename detail::cheapest_method<Methods...>::type;
+    /// Calls visit(std::type_identity<Method>{}) for each applicable method.
+    template <class Visit>
+    static constexpr void for_each_applicable(Visit&& visit) {
+        const auto one = [&]<class Method>(std::type_identity<Method> method) {
+            if constexpr (Method::applicable)
+                visit(method);
+        };
+        (one(std::type_identity<Methods>{}), ...);
+    }
 };
 
 } // namespace kernels
