@@ -1,17 +1,12 @@
 # The target `reference`: every public name on pages that open from reference/html/index.html in the build folder.
 
-# tactnet_add_reference(): does nothing but say so where Doxygen or Python 3 is missing.
+# tactnet_add_reference(): does nothing but say so where Doxygen is missing.
 function(tactnet_add_reference)
     find_package(Doxygen QUIET)
-    find_package(Python3 QUIET COMPONENTS Interpreter)
-    if(NOT DOXYGEN_FOUND OR NOT Python3_Interpreter_FOUND)
-        message(STATUS "tactnet: the target reference is left out (needs doxygen and python3)")
+    if(NOT DOXYGEN_FOUND)
+        message(STATUS "tactnet: the target reference is left out (needs doxygen)")
         return()
     endif()
-    # The interpreter itself, not what picks one: the filter starts for each header.
-    execute_process(
-        COMMAND "${Python3_EXECUTABLE}" -c "import sys; print(sys.executable, end='')" OUTPUT_VARIABLE reference_python
-    )
     # The theme of Debian's package doxygen-awesome-css; without it, Doxygen's own.
     find_file(TACTNET_DOXYGEN_THEME doxygen-awesome.css PATH_SUFFIXES share/doxygen-awesome-css)
     set(reference_stylesheets "\"${PROJECT_SOURCE_DIR}/docs/reference/reference.css\"")
@@ -23,8 +18,7 @@ function(tactnet_add_reference)
     add_custom_target(
         reference
         COMMAND
-            "${CMAKE_COMMAND}" "-DDOXYGEN=${DOXYGEN_EXECUTABLE}" "-DFOLDER=${reference_folder}"
-            "-DKNOWN=${PROJECT_SOURCE_DIR}/docs/reference/without_sentence.txt" -P
+            "${CMAKE_COMMAND}" "-DDOXYGEN=${DOXYGEN_EXECUTABLE}" "-DFOLDER=${reference_folder}" -P
             "${PROJECT_SOURCE_DIR}/docs/reference/make.cmake"
         COMMENT "The reference: ${reference_folder}/html/index.html"
         VERBATIM

@@ -1,7 +1,7 @@
-# Makes the reference, and stops at a warning: cmake -DDOXYGEN=… -DFOLDER=… -DKNOWN=… -P make.cmake
+# Makes the reference and reports its warnings as errors: cmake -DDOXYGEN=… -DFOLDER=… -P make.cmake
 #
-# Doxygen stands in FOLDER with its Doxyfile. A name without a sentence is a warning too. KNOWN lists those of the room
-# kernels that had none when this began: it may only become shorter, so a name in it that has a sentence is an error.
+# Doxygen stands in FOLDER with its Doxyfile. Every type, concept, function and constant needs a sentence; members whose
+# names explain themselves, and the room kernels, do not.
 cmake_minimum_required(VERSION 3.22)
 
 file(REMOVE_RECURSE "${FOLDER}/html")
@@ -14,36 +14,13 @@ if(NOT EXISTS "${FOLDER}/html/index.html" OR NOT EXISTS "${FOLDER}/html/search/a
 endif()
 
 set(problems "")
-set(without "")
 file(READ "${FOLDER}/warnings.txt" text)
 # Brackets and semicolons mean something to CMake's lists, not here.
 string(REGEX REPLACE "[][;]" " " text "${text}")
 string(REPLACE "\n" ";" warnings "${text}")
 foreach(warning IN LISTS warnings)
-    if(warning MATCHES "Member ([^ (]+).* of (struct|class|namespace) (tactnet::kernels[^ ]*).* is not documented")
-        list(APPEND without "${CMAKE_MATCH_3}::${CMAKE_MATCH_1}")
-    elseif(warning MATCHES "Compound (tactnet::kernels[^ ]*).* is not documented")
-        list(APPEND without "${CMAKE_MATCH_1}")
-    elseif(warning)
+    if(warning AND NOT warning MATCHES "(Compound tactnet::kernels|of (struct|class|union) |of namespace tactnet::kernels).*is not documented")
         string(APPEND problems "  ${warning}\n")
-    endif()
-endforeach()
-
-list(SORT without)
-list(REMOVE_DUPLICATES without)
-if(WRITE)
-    string(REPLACE ";" "\n" lines "${without}")
-    file(WRITE "${KNOWN}" "${lines}\n")
-endif()
-file(STRINGS "${KNOWN}" known)
-foreach(name IN LISTS without)
-    if(NOT name IN_LIST known)
-        string(APPEND problems "  ${name}: has no sentence\n")
-    endif()
-endforeach()
-foreach(name IN LISTS known)
-    if(NOT name IN_LIST without)
-        string(APPEND problems "  ${name}: has a sentence now, so it need not stand in ${KNOWN} any more\n")
     endif()
 endforeach()
 if(problems)

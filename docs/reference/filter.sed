@@ -1,0 +1,3 @@
+s/^inline namespace TACTNET_ARCH \{$//
+s/^\} \/\/ namespace TACTNET_ARCH$//
+s/\) (.*)requires ([A-Za-z0-9_:<>, ]+)( :| *\{)/) \1requires (\2)\3/
