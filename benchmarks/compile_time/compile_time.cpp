@@ -64,7 +64,7 @@ std::string deployed(const std::string& network) {
 /// In 8 bits: from folded numbers, as a weight file and a header have them, or calibrated, which runs the
 /// network in single precision too.
 std::string deployed_in_8_bits(const std::string& network, bool calibrated) {
-    return "#include <tactnet/deployment/eight_bit.hpp>\n"
+    return "#include <tactnet/quantisation.hpp>\n"
            "#include <tactnet/tactnet.hpp>\n"
            "using network = " +
            network +

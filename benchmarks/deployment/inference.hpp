@@ -3,7 +3,7 @@
 #include "../peers/peer.hpp"
 #include "../support/described_network.hpp"
 
-#include <tactnet/deployment/eight_bit.hpp>
+#include <tactnet/quantisation.hpp>
 #include <tactnet/training/initialise.hpp>
 
 #include <algorithm>

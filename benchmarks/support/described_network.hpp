@@ -32,7 +32,7 @@ public:
         d.maps_.push_back(Network::input_shape);
         const tactnet::parameter_source source{network.learnable_values().data(),
                                                network.running_statistics().data(), network.epsilon};
-        using plan = tactnet::deployment_plan<Network>;
+        using plan = tactnet::lowered_network<Network>;
         std::vector<float> folded(plan::step::folded);
         plan::fold(source, folded.data());
         d.add(typename plan::step{}, folded.data(), 0);

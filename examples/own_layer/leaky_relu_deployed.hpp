@@ -6,15 +6,15 @@
 #include "leaky_relu_step.hpp"
 
 #include <tactnet/deployment/export/step_text.hpp>
-#include <tactnet/deployment/forms/form.hpp>
+#include <tactnet/deployment/lowering/lowering.hpp>
 
 #include <cstddef>
 #include <string>
 
 template <unsigned Percent>
-struct tactnet::deployed_form<own::leaky_relu<Percent>> {
+struct tactnet::lowering<own::leaky_relu<Percent>> {
     template <class Place>
-    using at = tactnet::form_without_parameters<
+    using at = tactnet::lowered_to<
         own::leaky_relu_step<typename Place::format, Percent, Place::layer::output, Place::input_stride>>;
 };
 

@@ -79,6 +79,6 @@ TEST_CASE("deployed: max pools in ceil mode") {
 
 // A name changes no step, and neither does the place in a list: what repeats is compiled once.
 using repeated_block = sequence<residual<conv2d<16, 3>>, relu>;
-using repeated = deployment_plan<network<shape{6, 6, 16}, conv2d<16, 1>, named<"layer1.0", repeated_block>,
+using repeated = lowered_network<network<shape{6, 6, 16}, conv2d<16, 1>, named<"layer1.0", repeated_block>,
                                          named<"layer1.1", repeated_block>>>::step;
 static_assert(std::is_same_v<repeated::at<1>, repeated::at<2>>);

@@ -269,7 +269,7 @@ template <class Network>
 std::vector<described_layer> describe() {
     auto layers = description<typename Network::specification>::list(Network::input_shape);
     std::vector<tile_size> tiled;
-    append_tiled(std::type_identity<typename tactnet::deployment_plan<Network>::step>{}, tiled);
+    append_tiled(std::type_identity<typename tactnet::lowered_network<Network>::step>{}, tiled);
     std::size_t at = 0;
     mark_tiled(layers, tiled, at);
     return layers;

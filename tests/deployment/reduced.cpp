@@ -6,8 +6,8 @@
 #include "eight_bit/reference.hpp"
 
 #include <tactnet/detail/instruction_set.hpp>
-#include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/quantisation/calibration.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
 #include <array>
@@ -86,7 +86,7 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
     for (std::size_t e = 0; e < size; ++e)
         folded[e] = next(0, 60, 1024);
     folded[size] = 64, folded[size + 1] = 500; // steps of a count, the largest count
-    const detail::plain_network steps = plain_network_of<view>();
+    const detail::calibration_graph steps = calibration_graph_of<view>();
     std::vector<map_range> ranges{{1.0f / 2048, 0}}; // the frame's
     while (ranges.size() < steps.ranges)
         ranges.push_back({next(2, 6, 16) / 128, next(60, 200, 1)});

@@ -4,9 +4,9 @@
 #include "fuzz_target.hpp"
 #include "safetensors_input.hpp"
 
-#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/quantisation.hpp>
 
 #include <array>
 #include <cstddef>

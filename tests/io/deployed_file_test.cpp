@@ -1,6 +1,6 @@
-#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/quantisation.hpp>
 
 #include <doctest/doctest.h>
 

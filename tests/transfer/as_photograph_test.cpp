@@ -224,15 +224,15 @@ TEST_CASE("as_photograph: its step tells how large its outputs can be, by mean a
     using same_size = as_photograph_step<single_precision, extent(3, 4), 1, extent(3, 4)>;
     for (std::size_t channel = 0; channel < 3; ++channel) {
         std::array<float, 6> numbers{0, 0, 0, 1, 1, 1};
-        CHECK(same_size::reach(numbers.data(), 2) == doctest::Approx(2));
+        CHECK(same_size::output_bound(numbers.data(), 2) == doctest::Approx(2));
         numbers[channel] = -5, numbers[3 + channel] = 3;
-        CHECK(same_size::reach(numbers.data(), 2) == doctest::Approx((2 + 5) * 3));
+        CHECK(same_size::output_bound(numbers.data(), 2) == doctest::Approx((2 + 5) * 3));
     }
     // Keys' kernel between two pixels: −1/16, 9/16, 9/16, −1/16.
     using twice = as_photograph_step<single_precision, extent(8, 8), 1, extent(16, 16)>;
     const std::array<float, 6> none{0, 0, 0, 1, 1, 1};
-    CHECK(twice::reach(none.data(), 1) > 1.2);
-    CHECK(twice::reach(none.data(), 1) < 2);
+    CHECK(twice::output_bound(none.data(), 1) > 1.2);
+    CHECK(twice::output_bound(none.data(), 1) < 2);
 }
 
 TEST_CASE("as_photograph: its step joins the pixels of its input, and no number behind them") {

@@ -2,8 +2,8 @@
 
 #include <tactnet/deployment/batch.hpp>
 #include <tactnet/deployment/deployed_view.hpp>
-#include <tactnet/deployment/forms.hpp>
-#include <tactnet/deployment/plan.hpp>
+#include <tactnet/deployment/lowering.hpp>
+#include <tactnet/deployment/lowering/sequence.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
@@ -40,7 +40,7 @@ struct folded_check<single_precision> {
 /// copied and moved. `deployed_view` tells of the calls.
 template <class Network, class Format = single_precision>
 class deployed : protected detail::refused_calls<Network::input_shape, Network::outputs> {
-    using plan = deployment_plan<Network, Format>;
+    using plan = lowered_network<Network, Format>;
 
 public:
     using view_type = deployed_view<Network::input_shape, typename plan::step>;
@@ -159,7 +159,7 @@ private:
                 needed = std::max(needed, std::abs((count - static_cast<double>(folded_[e])) *
                                                    static_cast<double>(folded_[input_shape.size()])));
         while (largest >= needed &&
-               !(plan::step::reach(folded_.data() + view_type::steps_folded, largest) <= most))
+               !(plan::step::output_bound(folded_.data() + view_type::steps_folded, largest) <= most))
             largest /= 10;
         folded_[input_shape.size() + 1] =
             largest >= needed ? static_cast<float>(largest) : std::numeric_limits<float>::max();

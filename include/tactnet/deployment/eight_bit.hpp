@@ -1,6 +1,8 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/deploy.hpp>
+#include <tactnet/deployment/deployed_model.hpp>
+#include <tactnet/deployment/eight_bit/folded_check.hpp>
 #include <tactnet/deployment/eight_bit/spellings.hpp>
 
-// Networks deployed in 8 bits: deploy<eight_bit>(model, training images).
+// The number format of 8 bits: deployed<Network, eight_bit>, its files and its exported headers. To make such
+// a network from a trained one, include tactnet/quantisation.hpp.

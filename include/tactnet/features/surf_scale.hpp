@@ -72,7 +72,7 @@ public:
 private:
     // From the place of a window to its first sample, so that the centre of the window is the centre of a
     // pixel for odd scales and its upper left corner for even ones: wavelets then end between pixels.
-    static constexpr std::size_t reach = (19 * Scale - Scale % 2) / 2;
+    static constexpr std::size_t radius = (19 * Scale - Scale % 2) / 2;
     // Responses that are not zero: corners less than Scale outside of the image.
     static constexpr std::size_t active_rows = Shape.rows + 2 * Scale - 1;
     static constexpr std::size_t active_columns = Shape.columns + 2 * Scale - 1;
@@ -80,7 +80,7 @@ private:
     static constexpr std::size_t response_stride = whole_lines(active_columns * 4);
     // Columns of zeros in front of the responses, for windows that begin outside of the image; behind them
     // too.
-    static constexpr std::size_t margin = whole_lines(reach * 4) / 4;
+    static constexpr std::size_t margin = whole_lines(radius * 4) / 4;
     static constexpr std::size_t band_size =
         margin * 4 +
         std::max(response_stride,
@@ -89,11 +89,11 @@ private:
     /// The first sample of a window, in rows of responses: may be above them.
     [[nodiscard]] static constexpr std::ptrdiff_t top(std::size_t row) {
         return static_cast<std::ptrdiff_t>(rows.first + row * rows.step + Scale - 1) -
-               static_cast<std::ptrdiff_t>(reach);
+               static_cast<std::ptrdiff_t>(radius);
     }
     /// The same in columns of a band.
     [[nodiscard]] static constexpr std::size_t left(std::size_t column) {
-        return margin + columns.first + column * columns.step + Scale - 1 - reach;
+        return margin + columns.first + column * columns.step + Scale - 1 - radius;
     }
 
     /// Brings the responses of real pixels to the middle of what single precision holds.

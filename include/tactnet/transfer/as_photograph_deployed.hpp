@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/export/step_text.hpp>
-#include <tactnet/deployment/forms/form.hpp>
+#include <tactnet/deployment/lowering/lowering.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 #include <tactnet/transfer/as_photograph_step.hpp>
 
@@ -15,7 +15,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 template <extent Size>
-struct deployed_form<as_photograph<Size>> {
+struct lowering<as_photograph<Size>> {
     template <class Place>
     struct at {
         using step = as_photograph_step<typename Place::format,

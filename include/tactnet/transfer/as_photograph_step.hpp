@@ -32,7 +32,7 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
 
     static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded, to); }
     /// A bicubic kernel overshoots.
-    static double reach(const float* numbers, double input) {
+    static double output_bound(const float* numbers, double input) {
         const double most = input * gain<resize_axis<keys<>, From.rows, To.rows>>() *
                             gain<resize_axis<keys<>, From.columns, To.columns>>();
         double largest = most;

@@ -1,8 +1,8 @@
 // expect: in this number format a softmax must be the last layer
 // at-most: 2
-#include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/quantisation/calibration.hpp>
 
 using net =
     tactnet::network<tactnet::shape{8, 8}, tactnet::conv2d<4, 3>, tactnet::softmax, tactnet::dense<2>>;

@@ -1,4 +1,4 @@
-// expect: deploy: a layer of this kind has no deployed form; has_deployed_form shows it
+// expect: deploy: a layer of this kind has no lowering; has_lowering shows it
 // expect: doubling
 // at-most: 1
 #include <tactnet/tactnet.hpp>

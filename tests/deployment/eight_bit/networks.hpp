@@ -5,8 +5,8 @@
 #include "../deployed_network.hpp"
 #include "reference.hpp"
 
-#include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/io/deployed_file.hpp>
+#include <tactnet/quantisation/calibration.hpp>
 
 #include <array>
 #include <cstddef>

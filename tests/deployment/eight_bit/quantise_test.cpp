@@ -1,7 +1,7 @@
 #include "../deployed_network.hpp"
 
-#include <tactnet/deployment/eight_bit/calibration.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/quantisation/calibration.hpp>
 
 #include <doctest/doctest.h>
 

@@ -245,7 +245,7 @@ struct reference_step<tactnet::relu_step<tactnet::eight_bit, Map, Stride>, Produ
 
 /// In double precision, rounded once.
 template <class Step, class Products>
-struct reference_step<tactnet::softmax_behind<Step>, Products> {
+struct reference_step<tactnet::step_with_softmax<Step>, Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
         whole_map map = reference_step<Step, Products>::run(folded, in, other);
         for (std::size_t pixel = 0; pixel < map.floats.size(); pixel += map.channels) {

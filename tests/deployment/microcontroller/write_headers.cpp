@@ -1,10 +1,10 @@
 // Writes TactNet-4 for 14 × 25 tactels as two headers, in single precision and in 8 bits. Its weights are
 // drawn: what a network takes of a microcontroller does not depend on what it has learnt.
 
-#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/file.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/quantisation.hpp>
 #include <tactnet/training/initialise.hpp>
 
 #include <cstdint>

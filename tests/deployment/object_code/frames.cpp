@@ -1,9 +1,9 @@
 // Calls of deployed networks and nothing else: what the compiler makes of them is read by check.cmake.
 
-#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/networks/tactresnet.hpp>
+#include <tactnet/quantisation.hpp>
 
 #include <cstdint>
 #include <span>

@@ -220,5 +220,5 @@ TEST_CASE("convolution_step: where an output would reach into the next pixel it 
                                              .map_offset = 48};
     static_assert(!groups_reach.ungrouped().fits_map());
     using net = network<shape{3, 3}, conv2d<16, 1>, dense<2>>;
-    static_assert(deployed_step<deployment_plan<net>::step>);
+    static_assert(deployed_step<lowered_network<net>::step>);
 }

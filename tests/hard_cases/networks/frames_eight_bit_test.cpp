@@ -7,10 +7,10 @@
 #include "../record.hpp"
 #include "trained_subject.hpp"
 
-#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/networks/tactresnet.hpp>
+#include <tactnet/quantisation.hpp>
 
 #include <doctest/doctest.h>
 

@@ -24,10 +24,10 @@ template <class Input, class Output>
 struct eight_bit_between {
     using activation = std::uint8_t;
     using packed = std::int8_t;
-    using entering = eight_bit_between<std::int16_t, std::uint8_t>;
-    using inner = eight_bit_between<std::uint8_t, std::uint8_t>;
-    using leaving = eight_bit_between<Input, float>;
-    static constexpr bool leaves_apart = true;
+    using input_format = eight_bit_between<std::int16_t, std::uint8_t>;
+    using hidden_format = eight_bit_between<std::uint8_t, std::uint8_t>;
+    using output_format = eight_bit_between<Input, float>;
+    static constexpr bool has_output_format = true;
 };
 using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;
 

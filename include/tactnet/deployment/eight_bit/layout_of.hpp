@@ -27,7 +27,7 @@ struct layout_of_step {
     }
 };
 template <class Step>
-struct layout_of_step<softmax_behind<Step>> : layout_of_step<Step> {};
+struct layout_of_step<step_with_softmax<Step>> : layout_of_step<Step> {};
 template <class... Steps>
 struct layout_of_step<step_chain<Steps...>> {
     static void append(folded_layout& to, const std::string& name) {

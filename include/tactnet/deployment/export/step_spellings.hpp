@@ -167,10 +167,10 @@ struct step_spelling<softmax_step<Format, Map, Stride>> {
     }
 };
 template <class Step>
-struct step_spelling<softmax_behind<Step>> {
+struct step_spelling<step_with_softmax<Step>> {
     static spelled_step of(step_text& text, const shape& input, const std::string& stride) {
         return {"Softmax of what that leaves",
-                "tactnet::softmax_behind<" + text.define<Step>(input, stride) + ">"};
+                "tactnet::step_with_softmax<" + text.define<Step>(input, stride) + ">"};
     }
 };
 template <>

@@ -58,9 +58,10 @@ struct step_chain {
         ((Steps::pack(from, to), from += Steps::folded, to += Steps::packed), ...);
     }
     /// Of all steps, not only the last: maps between them must stay finite as well.
-    static double reach(const float* from, double input) {
+    static double output_bound(const float* from, double input) {
         double most = input;
-        ((input = Steps::reach(from, input), most = std::max(most, input), from += Steps::folded), ...);
+        ((input = Steps::output_bound(from, input), most = std::max(most, input), from += Steps::folded),
+         ...);
         return most;
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,

@@ -23,7 +23,7 @@ struct branch_step {
 /// next, side by side in one map of `Stride` elements a pixel.
 template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
 struct concatenation_step {
-    using format = typename Format::inner;
+    using format = typename Format::hidden_format;
     using activation = typename format::activation;
     using packed_number = typename format::packed;
 
@@ -64,9 +64,10 @@ public:
     static constexpr void pack(const float* from, packed_number* to) {
         ((Branches::step::pack(from, to), from += Branches::step::folded, to += Branches::step::packed), ...);
     }
-    static double reach(const float* from, double input) {
+    static double output_bound(const float* from, double input) {
         double most = 0;
-        ((most = std::max(most, Branches::step::reach(from, input)), from += Branches::step::folded), ...);
+        ((most = std::max(most, Branches::step::output_bound(from, input)), from += Branches::step::folded),
+         ...);
         return most;
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,

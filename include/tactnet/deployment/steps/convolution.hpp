@@ -107,7 +107,7 @@ public:
                 std::copy_n(biases, part.filters, to + packed_weights + pixel * part.padded_filters());
         }
     }
-    static double reach(const float* from, double input) {
+    static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
     }
     static void run(const float* packed_values, const float* in, float* out,

@@ -53,7 +53,7 @@ public:
             kernels::pack_dense_weights<Kernel>(to, weight);
         std::copy_n(from + weights, Kernel.outputs, to + packed_weights);
     }
-    static double reach(const float* from, double input) {
+    static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Kernel.outputs, Kernel.input.size(), input);
     }
     static void run(const float* packed_values, const float* in, float* out,

@@ -18,7 +18,7 @@ template <shape Map, std::size_t Stride, class Rule>
 struct local_response_norm_step<single_precision, Map, Stride, Rule>
     : step_without_parameters<single_precision, Map, Stride> {
     /// Squares must stay finite, and so must x · k^−β.
-    static double reach(const float*, double input) {
+    static double output_bound(const float*, double input) {
         return std::max(
             {input, input * std::pow(Rule::k, -Rule::beta), static_cast<double>(Rule::size) * input * input});
     }

@@ -25,7 +25,7 @@ struct norm_step<single_precision, Map, Stride, Rectified> {
         std::copy_n(from, Map.channels, to);
         std::copy_n(from + Map.channels, Map.channels, to + whole_lines(Stride));
     }
-    static double reach(const float* from, double input) {
+    static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Map.channels, 1, input);
     }
     static void run(const float* factors, const float* in, float* out, float*) noexcept {

@@ -14,7 +14,7 @@ inline namespace TACTNET_ARCH {
 struct no_step {
     static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
     static constexpr void pack(const float*, auto*) {}
-    static double reach(const float*, double input) { return input; }
+    static double output_bound(const float*, double input) { return input; }
 };
 
 /// main(x) + skip(x), with the ReLU behind it. The skip is left in the output, and the main branch's last
@@ -45,8 +45,8 @@ struct residual_step {
         Main::pack(from, to);
         Skip::pack(from + Main::folded, to + Main::packed);
     }
-    static double reach(const float* from, double input) {
-        return Main::reach(from, input) + Skip::reach(from + Main::folded, input);
+    static double output_bound(const float* from, double input) {
+        return Main::output_bound(from, input) + Skip::output_bound(from + Main::folded, input);
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,
                     activation* memory) noexcept {

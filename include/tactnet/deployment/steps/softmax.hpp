@@ -28,7 +28,7 @@ struct softmax_step<single_precision, Map, Stride> : step_without_parameters<sin
 /// A step that writes the outputs of a network as floats, and the softmax of these in their place: for number
 /// formats whose maps hold something else.
 template <class Step>
-struct softmax_behind : Step {
+struct step_with_softmax : Step {
     using activation = typename Step::format::activation;
 
     static void run(const typename Step::format::packed* packed, const activation* in, activation* out,
@@ -43,7 +43,7 @@ struct softmax_behind : Step {
 };
 /// The same step where others follow.
 template <class Step>
-struct softmax_within : Step {
+struct softmax_not_last : Step {
     using activation = typename Step::format::activation;
 
     static void run(const typename Step::format::packed*, const activation*, activation*,

@@ -19,7 +19,7 @@ struct square_root_step<single_precision, Map, Stride, Offset>
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
 
     /// x + offset must stay finite too, and roots of small numbers are larger than they.
-    static double reach(const float*, double input) { return std::max(input, 1.0) + offset; }
+    static double output_bound(const float*, double input) { return std::max(input, 1.0) + offset; }
     static void run(const float*, const float* in, float* out, float*) noexcept {
         kernels::shifted_roots<Map.area() * Stride>(static_cast<float>(offset), in, out);
     }

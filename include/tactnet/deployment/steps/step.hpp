@@ -18,7 +18,7 @@
 // and its functions:
 //   pack                    from folded to packed numbers, into zeros; usable when compiling
 //   run                     from one map to the next
-//   reach                   the largest magnitude that an output can have where inputs have at most `input`
+//   output_bound            the largest magnitude that an output can have where inputs have at most `input`
 // It may say besides:
 //   large                   whether frames had better pass it together, and one frame occupy all threads
 //   fills_map               false if it writes only some channels of a map that others write to as well
@@ -37,12 +37,12 @@ inline namespace TACTNET_ARCH {
 /// number format, defined where it is specialised for one: another format is another set of specialisations,
 /// with the same plan.
 struct single_precision {
-    using activation = float;                   ///< an element of a map
-    using packed = float;                       ///< an element of the packed weights
-    using entering = single_precision;          ///< of the step that reads the frame
-    using inner = single_precision;             ///< of steps that read what another step has written
-    using leaving = single_precision;           ///< of the step that writes the outputs
-    static constexpr bool leaves_apart = false; ///< whether that step is written otherwise than others
+    using activation = float;                        ///< an element of a map
+    using packed = float;                            ///< an element of the packed weights
+    using input_format = single_precision;           ///< of the step that reads the frame
+    using hidden_format = single_precision;          ///< of steps that read what another step has written
+    using output_format = single_precision;          ///< of the step that writes the outputs
+    static constexpr bool has_output_format = false; ///< whether that step is written otherwise than others
 };
 
 namespace detail {
@@ -69,13 +69,13 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
         Step::output_stride + Step::folded + Step::packed + Step::workspace_elements
         } -> std::convertible_to<std::size_t>;
     Step::pack(folded, to);
-    { Step::reach(folded, 1.0) } -> std::same_as<double>;
+    { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
     { Step::run(packed, in, out, out) }
     noexcept;
 };
 
-/// What steps without parameters have in common. They must not enlarge what passes, or say so by a `reach` of
-/// their own.
+/// What steps without parameters have in common. They must not enlarge what passes, or say so by a
+/// `output_bound` of their own.
 template <class Format, shape Output, std::size_t Stride>
 struct step_without_parameters {
     using format = Format;
@@ -83,7 +83,7 @@ struct step_without_parameters {
     static constexpr std::size_t output_stride = Stride;
     static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
     static constexpr void pack(const float*, typename Format::packed*) {}
-    static double reach(const float*, double input) { return input; }
+    static double output_bound(const float*, double input) { return input; }
 };
 
 namespace detail {

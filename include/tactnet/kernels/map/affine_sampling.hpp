@@ -29,7 +29,7 @@ struct affine_positions {
 template <std::size_t Rows, std::size_t Columns, std::size_t Taps>
 class affine_sampling {
     static_assert(Taps == 2 || Taps == 4);
-    static constexpr std::size_t reach = Taps / 2;
+    static constexpr std::size_t radius = Taps / 2;
 
 public:
     /// Pixels before the first and behind the last of the image, in both directions. Positions farther out
@@ -83,8 +83,8 @@ private:
                                std::size_t begin) {
             const wide position = fused_multiply_add(wide(static_cast<float>(by_column)),
                                                      load_anywhere<wide>(&from_centre[begin]),
-                                                     wide(static_cast<float>(start + by_row * v + reach)));
-            return clamp(position, wide(0), wide(static_cast<float>(size - 1 + 2 * reach)));
+                                                     wide(static_cast<float>(start + by_row * v + radius)));
+            return clamp(position, wide(0), wide(static_cast<float>(size - 1 + 2 * radius)));
         };
         for (std::size_t i = 0; i < row_vectors(Columns, width); ++i) {
             const std::size_t begin = row_vector_begin(i, Columns, width);
@@ -120,7 +120,7 @@ private:
             for (std::size_t i = 0; i < some; ++i) {
                 const float* const first = memory.pairs.data() + memory.first[begin + i];
 #pragma GCC unroll 64
-                for (std::size_t pair = 0; pair < reach; ++pair)
+                for (std::size_t pair = 0; pair < radius; ++pair)
                     std::memcpy(&memory.pixels[pair][2 * Taps * (begin + i)], first + 4 * pair * stride,
                                 2 * Taps * sizeof(float));
             }
@@ -137,7 +137,7 @@ private:
                 down(load_anywhere<wide>(&memory.row_rest[begin]));
             std::array<wide, Taps> rows;
 #pragma GCC unroll 64
-            for (std::size_t pair = 0; pair < reach; ++pair) {
+            for (std::size_t pair = 0; pair < radius; ++pair) {
                 std::array<wide, 2 * Taps> pixels;
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < 2 * Taps; ++i)

@@ -15,9 +15,9 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// Convolution of a map with few weights that are even in both directions, in place and written out: faster
-/// than even_convolution for weights that reach some ten cells, and for maps with many empty rows.
+/// than even_convolution for weights that cover some ten cells, and for maps with many empty rows.
 ///
-///     map(y, x) ← max(0, Σ weight(|i|, |j|) map(y + i, x + j)),    |i| ≤ reach.rows, |j| ≤ reach.columns.
+///     map(y, x) ← max(0, Σ weight(|i|, |j|) map(y + i, x + j)),    |i| ≤ radius.rows, |j| ≤ radius.columns.
 ///
 /// Beyond the map there is nothing. Values of the map below zero and NaN count as zero, and infinite ones as
 /// the largest number. The work memory is taken when this is made. One of them serves one thread.
@@ -26,19 +26,20 @@ class even_stencil {
     static constexpr std::size_t width = row_lanes<float>(Shape.columns),
                                  vectors = row_vectors(Shape.columns, width);
     using wide = sized_vector<float, width>;
-    // Rows with room for the longest reach on both sides.
+    // Rows with room for the longest radius on both sides.
     static constexpr std::size_t margin = (Shape.columns + width - 1) / width * width, row_size = 3 * margin;
 
 public:
-    /// `weight(rows, columns)`; a reach beyond the map is cut.
+    /// `weight(rows, columns)`; a radius beyond the map is cut.
     template <class Weight>
-    even_stencil(extent reach, const Weight& weight)
-        : reach_(std::min(reach.rows, Shape.rows - 1), std::min(reach.columns, Shape.columns - 1)),
+    even_stencil(extent radius, const Weight& weight)
+        : radius_(std::min(radius.rows, Shape.rows - 1), std::min(radius.columns, Shape.columns - 1)),
           rows_(Shape.rows * row_size, 0.0f),
           pair_(row_size, 0.0f) {
-        for (std::size_t i = 0; i <= reach_.rows; ++i)
-            for (std::size_t j = 0; j <= 2 * reach_.columns; ++j)
-                weights_.push_back(weight(i, j < reach_.columns ? reach_.columns - j : j - reach_.columns));
+        for (std::size_t i = 0; i <= radius_.rows; ++i)
+            for (std::size_t j = 0; j <= 2 * radius_.columns; ++j)
+                weights_.push_back(
+                    weight(i, j < radius_.columns ? radius_.columns - j : j - radius_.columns));
     }
 
     void operator()(float* map) noexcept {
@@ -60,9 +61,9 @@ public:
 #pragma GCC unroll 64
                 for (std::size_t v = 0; v < count; ++v)
                     sums[v] = wide(0);
-                for (std::size_t i = 0; i <= reach_.rows; ++i)
+                for (std::size_t i = 0; i <= radius_.rows; ++i)
                     if (const float* const row = rows_apart(y, i, empty))
-                        add<count>(row, weights_.data() + i * (2 * reach_.columns + 1), first, sums);
+                        add<count>(row, weights_.data() + i * (2 * radius_.columns + 1), first, sums);
 #pragma GCC unroll 64
                 for (std::size_t v = 0; v < count; ++v)
                     store_in_row<Shape.columns, width>(map + y * Shape.columns +
@@ -85,8 +86,8 @@ private:
     }
     template <std::size_t Count>
     void add(const float* row, const float* weights, std::size_t first, std::array<wide, Count>& sums) const {
-        for (std::size_t j = 0; j <= 2 * reach_.columns; ++j) {
-            const float* const from = row + margin + j - reach_.columns;
+        for (std::size_t j = 0; j <= 2 * radius_.columns; ++j) {
+            const float* const from = row + margin + j - radius_.columns;
             const wide weight(weights[j]);
 #pragma GCC unroll 64
             for (std::size_t v = 0; v < Count; ++v)
@@ -96,7 +97,7 @@ private:
         }
     }
 
-    extent reach_;
+    extent radius_;
     aligned_vector<float> rows_, pair_, weights_;
 };
 

@@ -29,7 +29,7 @@ public:
     /// Metres under 1 Pa on a cell so many cells away, for E / (1 − ν²) = 1 Pa.
     [[nodiscard]] double operator()(std::size_t rows, std::size_t columns) const {
         const double x = static_cast<double>(columns), y = static_cast<double>(rows);
-        if (std::hypot(x, y) > radial_kernel::reach * thickness_ + 1)
+        if (std::hypot(x, y) > radial_kernel::support * thickness_ + 1)
             return 0; // and not the difference of two rounded numbers
         const rectangle square{x - 0.5, x + 0.5, y - 0.5, y + 0.5};
         const double held = integrate(square, 2 * thickness_, [&](double across, double along) {

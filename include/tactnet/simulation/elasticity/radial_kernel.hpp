@@ -104,7 +104,7 @@ public:
                v[2] * (t + 1) * t * (2 - t) / 2 + v[3] * (t + 1) * t * (t - 1) / 6;
     }
     /// Beyond this s nothing but the tail is left.
-    static constexpr double reach = 34;
+    static constexpr double support = 34;
 
 private:
     // Even steps in asinh s: close where f is round, wide where it only falls.

@@ -2,7 +2,7 @@
 
 #include "../networks.hpp"
 
-#include <tactnet/deployment/eight_bit.hpp>
+#include <tactnet/quantisation.hpp>
 
 #include <algorithm>
 #include <cstddef>

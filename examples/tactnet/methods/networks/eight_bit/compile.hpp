@@ -6,7 +6,7 @@
 #include "methods/networks/deployed_network.hpp"
 #include "methods/networks/eight_bit/compiled.hpp"
 
-#include <tactnet/deployment/eight_bit.hpp>
+#include <tactnet/quantisation.hpp>
 
 #include <algorithm>
 #include <memory>

@@ -49,7 +49,7 @@ public:
         to[bytes + input_zero] = as_byte(input.zero);
         to[bytes + zero] = as_byte(result.zero);
     }
-    static double reach(const float*, double input) { return input; }
+    static double output_bound(const float*, double input) { return input; }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
         const auto byte = [&](std::size_t which) {

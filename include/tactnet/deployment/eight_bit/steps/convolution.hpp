@@ -125,7 +125,7 @@ public:
         to[bytes + zero] = as_byte(maps.output.zero);
         to[bytes + padding] = as_byte(maps.input.zero);
     }
-    static double reach(const float* from, double input) {
+    static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,

@@ -28,7 +28,7 @@ struct relu_step<eight_bit, Map, Stride> {
     static constexpr void pack(const float* from, std::int8_t* to) {
         *to = static_cast<std::int8_t>(static_cast<std::uint8_t>(map_range::read(from).zero));
     }
-    static double reach(const float*, double input) { return input; }
+    static double output_bound(const float*, double input) { return input; }
     static void run(const std::int8_t* zero, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
         const auto least = static_cast<std::uint8_t>(*zero);
@@ -84,7 +84,7 @@ public:
         to[bytes + lowest] = Rectified ? as_byte(result.zero) : std::int8_t{0};
         to[bytes + zero] = as_byte(result.zero);
     }
-    static double reach(const float* from, double input) {
+    static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Map.channels, 1, input);
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,

@@ -24,12 +24,12 @@ struct cannot_read_the_frame {
 } // namespace detail
 
 template <sliding_window Window, std::size_t Stride>
-struct pool_step<eight_bit::entering, Window, Stride> : pool_step<eight_bit, Window, Stride>,
-                                                        detail::cannot_read_the_frame<Stride> {};
+struct pool_step<eight_bit::input_format, Window, Stride> : pool_step<eight_bit, Window, Stride>,
+                                                            detail::cannot_read_the_frame<Stride> {};
 
 template <shape Map, std::size_t Stride>
-struct relu_step<eight_bit::entering, Map, Stride> : relu_step<eight_bit, Map, Stride>,
-                                                     detail::cannot_read_the_frame<Stride> {};
+struct relu_step<eight_bit::input_format, Map, Stride> : relu_step<eight_bit, Map, Stride>,
+                                                         detail::cannot_read_the_frame<Stride> {};
 
 template <class Output, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>

@@ -48,7 +48,7 @@ public:
         detail::store_number(to + of_step, input.scale);
         to[bytes] = as_byte(input.zero), to[bytes + 1] = as_byte(result.zero);
     }
-    static double reach(const float*, double input) { return std::max(input, 1.0) + offset; }
+    static double output_bound(const float*, double input) { return std::max(input, 1.0) + offset; }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
         const auto byte = [&](std::size_t which) {

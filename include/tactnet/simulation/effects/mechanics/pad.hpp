@@ -84,21 +84,21 @@ struct elastic_pad {
             std::vector<double> quadrant(side * side);
             double sum = 0;
             bool whole = false;
-            std::size_t reach = 0;
-            for (;; ++reach) { // square around square, until what is left is of no account
+            std::size_t radius = 0;
+            for (;; ++radius) { // square around square, until what is left is of no account
                 double ring = 0;
-                for (std::size_t near = 0; near <= reach; ++near) {
-                    const double share = shares(near, reach);
-                    quadrant[near * side + reach] = quadrant[reach * side + near] = share;
-                    ring += share * (reach == 0 ? 1 : near == 0 || near == reach ? 4 : 8);
+                for (std::size_t near = 0; near <= radius; ++near) {
+                    const double share = shares(near, radius);
+                    quadrant[near * side + radius] = quadrant[radius * side + near] = share;
+                    ring += share * (radius == 0 ? 1 : near == 0 || near == radius ? 4 : 8);
                 }
                 sum += ring;
-                whole = std::abs(1 - sum) <= account && (reach == 0 || std::abs(ring) <= account);
-                if (whole || reach == longest)
+                whole = std::abs(1 - sum) <= account && (radius == 0 || std::abs(ring) <= account);
+                if (whole || radius == longest)
                     break;
             }
             const double scale = whole ? 1 / sum : 1; // else force leaves the array
-            return kernels::even_stencil<Shape>(reach, [&](std::size_t rows, std::size_t columns) {
+            return kernels::even_stencil<Shape>(radius, [&](std::size_t rows, std::size_t columns) {
                 return static_cast<float>(quadrant[rows * side + columns] * scale);
             });
         }

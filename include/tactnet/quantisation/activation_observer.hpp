@@ -1,0 +1,150 @@
+#pragma once
+
+#include <tactnet/quantisation/node_executor.hpp>
+#include <tactnet/quantisation/reference_operators.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+// What a network makes of images in single precision, beside which a network in 8 bits is judged.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace detail {
+
+/// Outputs of the network in 8 bits with these folded numbers, for images one behind the other; false if it
+/// does not recognise one.
+using run_quantised = bool (*)(std::span<const float> folded, std::span<const float> images,
+                               std::span<float> to);
+
+/// Beyond this numbers are refused, as deploy refuses them in single precision: derived from what a float
+/// holds, 3.4 · 10³⁸, with room for sums over inputs that have been scaled.
+inline constexpr float largest_number = 1e30f;
+
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse_calibration_image(std::size_t which) {
+    throw std::invalid_argument(
+        "deploy: expected calibration images that the network recognises, found number " +
+        std::to_string(which) + " of those taken broken");
+}
+
+/// The numbers that each map held, and the outputs, of a network with exact weights.
+///
+/// Where the network ends in a softmax, the outputs are probabilities, as those that it will be asked for. So
+/// an image that is all but certain says little on ranges: what its scores are off by hardly moves its
+/// probabilities, and images whose classes are close decide alone. Who wants scores to be judged calibrates
+/// the list without its softmax: folded numbers are the same.
+class activation_observer {
+public:
+    /// Images beyond these change ranges too little to pay for the time. Chosen, not derived: a range is
+    /// searched with two sweeps of eight runs of all of these for each map, so the time is theirs.
+    static constexpr std::size_t most_observed = 256;
+
+    /// `folded`: the mean frame, two places for what words hold, then the numbers of all steps. The input is
+    /// (count − mean) × scale. Of more images than `most_observed`, some in even distances are observed.
+    [[gnu::cold]] activation_observer(const calibration_graph& net, std::span<const float> folded,
+                                      float scale, std::span<const float> images)
+        : count_(images.size() / net.maps[0].size.size()) {
+        check(net.maps[0].size.size(), images);
+        choose(net.maps[0].size.size(), images);
+        observe(net, folded, scale);
+    }
+    /// Of all maps with this range, and never above 0.
+    [[nodiscard]] double lowest(std::size_t range) const { return static_cast<double>(lowest_[range]); }
+    /// Of all maps with this range, and never below 0.
+    [[nodiscard]] double highest(std::size_t range) const { return static_cast<double>(highest_[range]); }
+    /// Of each observed image, [channel][row][column].
+    [[nodiscard]] std::span<const float> outputs() const { return outputs_; }
+
+    /// The mean square of what the outputs in 8 bits differ by, on the observed images.
+    [[nodiscard]] [[gnu::cold]] double error_of(run_quantised recognise,
+                                                std::span<const float> folded) const {
+        std::vector<float> found(outputs_.size());
+        if (!recognise(folded, images_, found))
+            return std::numeric_limits<double>::infinity();
+        double sum = 0;
+        for (std::size_t o = 0; o < found.size(); ++o) {
+            const double difference = static_cast<double>(found[o]) - static_cast<double>(outputs_[o]);
+            sum += difference * difference;
+        }
+        return sum / static_cast<double>(found.size());
+    }
+
+private:
+    [[gnu::cold]] static void check(std::size_t size, std::span<const float> images) {
+        for (std::size_t e = 0; e < images.size(); ++e)
+            if (!(std::abs(images[e]) <= largest_number))
+                refuse_calibration_image(e / size);
+    }
+    /// Which of the images the i-th observed one is.
+    [[nodiscard]] std::size_t observed(std::size_t i) const {
+        return i * count_ / std::min(count_, most_observed);
+    }
+    [[gnu::cold]] void choose(std::size_t size, std::span<const float> images) {
+        const std::size_t used = std::min(count_, most_observed);
+        images_ = std::vector<float>(used * size);
+        for (std::size_t i = 0; i < used; ++i)
+            std::copy_n(images.data() + observed(i) * size, size, images_.data() + i * size);
+    }
+    [[gnu::cold]] void observe(const calibration_graph& net, std::span<const float> folded, float scale) {
+        lowest_ = std::vector<float>(net.ranges), highest_ = std::vector<float>(net.ranges);
+        const shape input = net.maps[0].size;
+        const feature_map& last = net.maps[net.steps.back().output];
+        const std::size_t images = images_.size() / input.size();
+        outputs_ = std::vector<float>(images * last.size.size());
+        // A step's weights are brought into order once for some images, whose maps are kept. Chosen: of
+        // sixteen each pays a sixteenth of that order, and their maps need little memory.
+        constexpr std::size_t together = 16;
+        std::vector<float> maps(std::min(images, together) * net.numbers);
+        for (std::size_t first = 0; first < images; first += together) {
+            const std::size_t some = std::min(images - first, together);
+            for (std::size_t i = 0; i < some; ++i)
+                write_reference_input(input, folded, scale, images_.data() + (first + i) * input.size(),
+                                      false, maps.data() + i * net.numbers);
+            for (const graph_node& step : net.steps) {
+                const node_executor run(net, step, folded, false);
+                for (std::size_t i = 0; i < some; ++i)
+                    run(maps.data() + i * net.numbers, {});
+            }
+            for (std::size_t i = 0; i < some; ++i) {
+                observe_maps(net, maps.data() + i * net.numbers);
+                keep_outputs(net, maps.data() + i * net.numbers + last.begin, last.size, first + i);
+            }
+        }
+    }
+    [[gnu::cold]] void observe_maps(const calibration_graph& net, const float* maps) {
+        for (const feature_map& map : net.maps) {
+            if (map.range == calibration_graph::none || map.range == 0)
+                continue;
+            float &lowest = lowest_[map.range], &highest = highest_[map.range];
+            for (std::size_t e = map.begin; e < map.begin + map.size.size(); ++e)
+                lowest = std::min(lowest, maps[e]), highest = std::max(highest, maps[e]);
+        }
+    }
+    [[gnu::cold]] void keep_outputs(const calibration_graph& net, float* map, shape size, std::size_t image) {
+        if (net.softmax != nullptr)
+            for (std::size_t pixel = 0; pixel < size.area(); ++pixel)
+                net.softmax(std::span(map + pixel * size.channels, size.channels));
+        float* to = outputs_.data() + image * size.size();
+        for (std::size_t channel = 0; channel < size.channels; ++channel)
+            for (std::size_t pixel = 0; pixel < size.area(); ++pixel) {
+                const float output = map[pixel * size.channels + channel];
+                if (!(std::abs(output) <= std::numeric_limits<float>::max()))
+                    refuse_calibration_image(observed(image));
+                *to++ = output;
+            }
+    }
+
+    std::size_t count_;
+    std::vector<float> images_, outputs_;
+    std::vector<float> lowest_, highest_; ///< of each range
+};
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet

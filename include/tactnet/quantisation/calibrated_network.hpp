@@ -1,0 +1,98 @@
+#pragma once
+
+#include <tactnet/quantisation/activation_observer.hpp>
+#include <tactnet/quantisation/range_search.hpp>
+#include <tactnet/quantisation/weight_rounding.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+// From a description, folded numbers and images to ranges and weights of 8 bits, one part after the other:
+// compiled once for all networks.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace detail {
+
+/// The steps of a count in words of 16 bits, as many as fit, a power of two, and the largest |count − mean|
+/// that words then hold: written behind the mean frame.
+[[gnu::cold]] inline void set_words(std::size_t size, std::span<const float> images,
+                                    std::span<float> folded) {
+    // Counts of 8 bits keep every bit, and the mean 1/256 of a count. 255 × 128 = 32640 have to fit, so the
+    // largest word is taken between that and 32767: count and mean are each off by half a step when rounded,
+    // so the difference by one.
+    constexpr float most_steps = 128, largest_word = 32700, largest_count = 255;
+    // No number that is not refused needs as few: 32700 / 10³⁰ is above. It ends the loop at infinity.
+    constexpr float fewest_steps = 1e-30f;
+    float furthest = largest_count;
+    for (std::size_t e = 0; e < images.size(); ++e)
+        furthest = std::max(furthest, std::abs(images[e] - folded[e % size]));
+    for (std::size_t e = 0; e < size; ++e)
+        furthest = std::max({furthest, std::abs(folded[e]), std::abs(largest_count - folded[e])});
+    float steps = most_steps;
+    while (steps * furthest > largest_word && steps > fewest_steps)
+        steps /= 2;
+    folded[size] = steps, folded[size + 1] = largest_word / steps;
+}
+
+/// A network whose ranges and weights have been found.
+class calibrated_network {
+public:
+    /// `folded`: the mean frame, two places for what words hold, then the numbers of all steps with room for
+    /// ranges. The input is (count − mean) × scale.
+    [[gnu::cold]] calibrated_network(const calibration_graph& net, std::vector<float>&& folded, float scale,
+                                     std::span<const float> images, run_quantised recognise)
+        : folded_(std::move(folded)) {
+        const std::size_t size = net.maps[0].size.size();
+        set_words(size, images, folded_);
+        check(size, scale);
+        for (std::size_t m = 1; m < net.ranges; ++m)
+            maps_ += static_cast<std::size_t>(net.has(m));
+        const activation_observer seen(net, folded_, scale, images);
+        const range_search found(net, seen, scale, recognise, folded_);
+        error_ = error_of_rounded_ = found.error();
+        const weight_rounding fitted(net, found.ranges(), folded_, scale, images);
+        if (const double error = seen.error_of(recognise, fitted.folded()); error < error_)
+            error_ = error, std::copy_n(fitted.folded().data(), folded_.size(), folded_.data());
+    }
+    [[nodiscard]] std::span<const float> folded() const { return folded_; }
+    [[nodiscard]] std::span<float> folded() { return folded_; }
+    /// The mean square of what outputs differ by from those in single precision.
+    [[nodiscard]] double error() const { return error_; }
+    /// The same, with weights that are merely rounded.
+    [[nodiscard]] double error_of_rounded() const { return error_of_rounded_; }
+    /// With a range of their own.
+    [[nodiscard]] std::size_t maps() const { return maps_; }
+
+private:
+    /// What no network has, in single precision or in 8 bits.
+    [[gnu::cold]] void check(std::size_t size, float scale) const {
+        const auto refuse = [](const std::string& what, float found) {
+            throw std::invalid_argument("deploy: expected " + what +
+                                        " that give finite numbers up to 1e30, found " +
+                                        std::to_string(found) + " once batch norms are folded in");
+        };
+        for (std::size_t e = 0; e < size; ++e)
+            if (!(std::abs(folded_[e]) <= largest_number))
+                refuse("a mean and a scale", folded_[e]);
+        if (!(std::abs(scale) <= largest_number))
+            refuse("a mean and a scale", scale);
+        for (std::size_t i = size + 2; i < folded_.size(); ++i)
+            if (!(std::abs(folded_[i]) <= largest_number))
+                refuse("parameters and variances + epsilon above zero", folded_[i]);
+    }
+
+    std::vector<float> folded_;
+    std::size_t maps_ = 0;
+    double error_ = 0, error_of_rounded_ = 0;
+};
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment/eight_bit/folded_check.hpp>
+#include <tactnet/quantisation/calibrated_network.hpp>
+#include <tactnet/quantisation/graph_of.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Finds the ranges of the maps of a network in 8 bits, and rounded weights that make up for errors, from
+/// images, which should be training images: never those that it is judged by. First each map gets the range
+/// that its numbers had; then, map by map, the fraction of that range is taken with which the outputs differ
+/// least, by the sum of their squares, from those in single precision (of a network that ends in a softmax,
+/// probabilities). Then, step by step, the whole weights and the biases are taken with which the sums, of
+/// maps as 8 bits round them, come nearest to the exact ones, where that is so on images that took no part.
+/// No labels, no learning rate, no chance.
+template <class Network>
+class eight_bit_calibration {
+    using plan = lowered_network<Network, eight_bit>;
+    using bytes = deployed<Network, eight_bit>;
+    using view = typename bytes::view_type;
+
+public:
+    static constexpr shape input_shape = Network::input_shape;
+    static constexpr std::size_t outputs = view::outputs;
+    /// Images beyond these change weights too little to pay for the time.
+    static constexpr std::size_t most_images = 1024;
+
+    /// The input is (count − mean) × scale. `frames` holds images one behind the other,
+    /// [channel][row][column]; of more than `most_images`, images in even distances are taken. Throws
+    /// std::invalid_argument unless there is at least one whole image, and if a form cannot be made of the
+    /// network or an image is broken.
+    template <class Count>
+    [[gnu::cold]] eight_bit_calibration(const Network& network,
+                                        std::span<const float, input_shape.size()> mean, float scale,
+                                        std::span<const Count> frames)
+        : found_(calibration_graph_of<view>(), folded_of(network, mean), scale, chosen(frames), recognise) {
+        round_weights(folded_layout_of<view>(), found_.folded());
+    }
+    /// Of `deployed`, with these ranges; weights are whole multiples of their scales.
+    [[nodiscard]] std::span<const float, view::folded_elements> folded() const {
+        return found_.folded().template first<view::folded_elements>();
+    }
+    /// The root of the mean square of what outputs differ by from those in single precision, on the images.
+    [[nodiscard]] double output_error() const { return std::sqrt(found_.error()); }
+    /// The same of weights that are merely rounded: no less.
+    [[nodiscard]] double output_error_of_rounded() const { return std::sqrt(found_.error_of_rounded()); }
+    /// How many maps have a range of their own.
+    [[nodiscard]] std::size_t maps() const { return found_.maps(); }
+
+private:
+    [[gnu::cold]] static std::vector<float> folded_of(const Network& network,
+                                                      std::span<const float, input_shape.size()> mean) {
+        std::vector<float> folded(view::folded_elements);
+        std::copy_n(mean.data(), mean.size(), folded.data());
+        plan::fold({network.learnable_values().data(), network.running_statistics().data(), network.epsilon},
+                   folded.data() + view::steps_folded);
+        return folded;
+    }
+    template <class Count>
+    [[gnu::cold]] static std::vector<float> chosen(std::span<const Count> frames) {
+        constexpr std::size_t size = input_shape.size();
+        const std::size_t count = frames.size() / size, used = std::min(count, most_images);
+        if (count == 0 || count * size != frames.size())
+            throw std::invalid_argument("deploy: expected one or more calibration images of " +
+                                        std::to_string(size) + " counts, found " +
+                                        std::to_string(frames.size()) + " counts");
+        std::vector<float> images(used * size);
+        for (std::size_t i = 0; i < used; ++i)
+            for (std::size_t e = 0; e < size; ++e)
+                images[i * size + e] = static_cast<float>(frames[i * count / used * size + e]);
+        return images;
+    }
+    static bool recognise(std::span<const float> folded, std::span<const float> images, std::span<float> to) {
+        const bytes network(folded.template first<view::folded_elements>());
+        const std::unique_ptr<typename bytes::workspace> memory(new typename bytes::workspace); // not zeroed
+        for (std::size_t i = 0; i < images.size() / input_shape.size(); ++i)
+            if (network(tensor_view<const float, input_shape>(images.data() + i * input_shape.size()),
+                        to.subspan(i * outputs).template first<outputs>(), *memory) != frame_status::ok)
+                return false;
+        return true;
+    }
+
+    detail::calibrated_network found_;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

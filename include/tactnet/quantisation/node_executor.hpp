@@ -1,0 +1,159 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/quantisation/graph.hpp>
+#include <tactnet/tensor/aligned.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+// One step of a description, run by plain loops in single precision: as it is, or with every number rounded
+// as 8 bits round it.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace detail {
+
+/// A step with its weights in the order of use.
+class node_executor {
+public:
+    /// What the sums of one pixel come to, one for each filter.
+    using sums = aligned_vector<float>;
+
+    /// `folded`: all folded numbers of the network. `rounded`: weights and what is written become those of 8
+    /// bits; ranges and scales are among the folded numbers.
+    [[gnu::cold]] node_executor(const calibration_graph& net, const graph_node& step,
+                                std::span<const float> folded, bool rounded)
+        : net_(net),
+          step_(step),
+          of_step_(folded.data() + step.folded),
+          rounded_(rounded && net.maps[step.output].range != calibration_graph::none) {
+        if (step.is_convolution())
+            order_weights(rounded);
+    }
+
+    /// From maps of an image to one of them. `output` is the range of that map.
+    [[gnu::cold]] void operator()(float* maps, const map_range& output) const {
+        const float* const in = maps + net_.maps[step_.input].begin;
+        float* const out = maps + net_.maps[step_.output].begin;
+        const shape to = step_.to;
+        if (step_.is_convolution())
+            convolve(maps, out, to);
+        else
+            step_.reference(step_, of_step_, in, out);
+        if (rounded_)
+            for (std::size_t pixel = 0; pixel < to.area(); ++pixel)
+                for (std::size_t c = 0; c < (step_.is_convolution() ? step_.filters : to.channels); ++c) {
+                    float& number = out[pixel * to.channels + step_.first + c];
+                    number = nearest(number, output);
+                }
+    }
+
+    /// Of a convolution, at one of its pixels: what its filters come to, with bias and what it adds to.
+    [[gnu::noinline]] void sums_at(const float* maps, std::size_t y, std::size_t x, sums& to) const {
+        const feature_map& from = net_.maps[step_.input];
+        const std::size_t in_group = padded_ * step_.taps();
+        std::copy(biases_.begin(), biases_.end(), to.begin());
+        for_each_tap(y, x, [&](std::size_t group, std::size_t tap, std::size_t place) {
+            const float value = maps[from.begin + place];
+            if (value == 0)
+                return;
+            const kernels::vector<float> all(value);
+            const float* const weights = &weights_[group * in_group + tap * padded_];
+            float* const sum = &to[group * padded_];
+            for (std::size_t f = 0; f < padded_; f += kernels::lanes<float>)
+                kernels::store(sum + f, kernels::multiply_add<float>(all, kernels::load(weights + f),
+                                                                     kernels::load<float>(sum + f)));
+        });
+        if (!step_.adds)
+            return;
+        const feature_map& added = net_.maps[step_.added];
+        for (std::size_t f = 0; f < step_.filters; ++f)
+            to[place_of(f)] +=
+                maps[added.begin + (y * step_.window.output_columns() + x) * added.size.channels + f];
+    }
+    /// Where the sum of a filter lies.
+    [[nodiscard]] std::size_t place_of(std::size_t filter) const {
+        const std::size_t of_group = step_.filters / step_.groups;
+        return filter / of_group * padded_ + filter % of_group;
+    }
+    [[nodiscard]] sums make_sums() const { return sums(step_.groups * padded_); }
+    /// body(group, tap of a filter, place in the map) for every tap that falls on a pixel.
+    template <class Body>
+    void for_each_tap(std::size_t y, std::size_t x, Body&& body) const {
+        const sliding_window& w = step_.window;
+        const std::size_t of_group = w.input.channels / step_.groups;
+        for (std::size_t i = 0; i < w.kernel.rows; ++i)
+            for (std::size_t j = 0; j < w.kernel.columns; ++j) {
+                const std::size_t row = y * w.stride.rows + i - w.top, // wraps round before the image
+                    column = x * w.stride.columns + j - w.left;
+                if (row >= w.input.rows || column >= w.input.columns)
+                    continue;
+                const std::size_t pixel = (row * w.input.columns + column) * w.input.channels;
+                for (std::size_t c = 0; c < w.input.channels; ++c)
+                    body(c / of_group, c % of_group * w.kernel.area() + i * w.kernel.columns + j, pixel + c);
+            }
+    }
+
+private:
+    [[nodiscard]] float rectified(float value) const {
+        return step_.rectified ? std::max(value, 0.0f) : value;
+    }
+    /// What the byte stands for that a number becomes.
+    [[nodiscard]] static float nearest(float value, const map_range& range) {
+        constexpr float largest_byte = 255;
+        return (std::clamp(std::nearbyint(value / range.scale) + range.zero, 0.0f, largest_byte) -
+                range.zero) *
+               range.scale;
+    }
+    [[gnu::cold]] void order_weights(bool as_bytes) {
+        const std::size_t taps = step_.taps(), all = step_.filters * taps;
+        padded_ = kernels::padded_size<float>(step_.filters / step_.groups);
+        weights_ = aligned_vector<float>(step_.groups * taps * padded_);
+        biases_ = aligned_vector<float>(step_.groups * padded_);
+        for (std::size_t f = 0; f < step_.filters; ++f) {
+            const float scale = of_step_[all + step_.filters + f];
+            const std::size_t place = place_of(f), group = place / padded_;
+            biases_[place] = of_step_[all + f];
+            for (std::size_t t = 0; t < taps; ++t) {
+                const float weight = of_step_[f * taps + t];
+                weights_[(group * taps + t) * padded_ + place % padded_] =
+                    as_bytes ? static_cast<float>(quantised(weight, static_cast<double>(scale))) * scale
+                             : weight;
+            }
+        }
+    }
+    [[gnu::cold]] void convolve(const float* maps, float* out, shape to) const {
+        const std::size_t rows = step_.window.output_rows(), columns = step_.window.output_columns();
+        sums here = make_sums(), most = make_sums();
+        for (std::size_t pixel = 0; pixel < to.area(); ++pixel) {
+            const std::size_t top = pixel / to.columns * step_.pool.rows,
+                              left = pixel % to.columns * step_.pool.columns;
+            std::fill(most.begin(), most.end(), -std::numeric_limits<float>::infinity());
+            for (std::size_t y = top; y < std::min(top + step_.pool.rows, rows); ++y)
+                for (std::size_t x = left; x < std::min(left + step_.pool.columns, columns); ++x) {
+                    sums_at(maps, y, x, here);
+                    for (std::size_t i = 0; i < most.size(); ++i)
+                        most[i] = std::max(most[i], here[i]);
+                }
+            for (std::size_t f = 0; f < step_.filters; ++f)
+                out[pixel * to.channels + step_.first + f] = rectified(most[place_of(f)]);
+        }
+    }
+
+    const calibration_graph& net_;
+    const graph_node& step_;
+    const float* of_step_;
+    bool rounded_;
+    std::size_t padded_ = 0;                 ///< filters of a group, whole vectors
+    aligned_vector<float> weights_, biases_; ///< [group][tap][filter], [group][filter]
+};
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet
