@@ -80,18 +80,17 @@ struct description<tactnet::max_pool<Window, Stride, Padding>> {
                 .window = window_of(tactnet::sliding_window::over(in, Window, Stride, Padding))};
     }
 };
-inline described_layer described_average(tactnet::shape in,
-                                         const tactnet::kernels::average_windows& windows) {
+inline described_layer described_average(tactnet::shape in, const tactnet::average_windows& windows) {
     described_layer layer{.what = described_layer::kind::average,
                           .average_output = {in.channels, windows.rows.outputs, windows.columns.outputs}};
-    windows.for_each([&](std::size_t, tactnet::kernels::pixel_range rows,
-                         tactnet::kernels::pixel_range columns, std::size_t divisor) {
-        std::vector<std::size_t>& pixels = layer.average_pixels.emplace_back();
-        for (std::size_t y = rows.begin; y < rows.end; ++y)
-            for (std::size_t x = columns.begin; x < columns.end; ++x)
-                pixels.push_back(y * in.columns + x);
-        layer.average_divisors.push_back(static_cast<double>(divisor));
-    });
+    windows.for_each(
+        [&](std::size_t, tactnet::pixel_range rows, tactnet::pixel_range columns, std::size_t divisor) {
+            std::vector<std::size_t>& pixels = layer.average_pixels.emplace_back();
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    pixels.push_back(y * in.columns + x);
+            layer.average_divisors.push_back(static_cast<double>(divisor));
+        });
     return layer;
 }
 template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding,

@@ -38,6 +38,16 @@ set(room_forward tensor)
 # The core umbrella: a user of inference never pays for training.
 set(room_tactnet forward tensor layers networks deployment)
 
+# What the folders of kernels/ may include of each other. What a deployed network runs includes nothing that only
+# trainings need.
+set(folder_kernels/simd "")
+foreach(folder IN ITEMS batch frame map rows)
+    set(folder_kernels/${folder} simd)
+endforeach()
+set(folder_kernels/panels frame simd)
+set(folder_kernels/integer frame simd)
+set(folder_kernels simd) # headers beside the folders
+
 # Folders that nothing beside themselves includes but these: whoever simulates objects of his own does not pay for
 # the paper's 22 classes.
 set(closed_folders simulation/paper)
@@ -108,6 +118,14 @@ foreach(header IN LISTS headers)
                     string(REGEX REPLACE "^tactnet/[a-z_]+/|\\.hpp$" "" part "${included}")
                     if(NOT part IN_LIST only_${room}_${target})
                         problem("${place}: room '${room}' may not include <${included}>")
+                    endif()
+                endif()
+                if(room STREQUAL "kernels" AND included MATCHES "^tactnet/kernels/([a-z_]+)/")
+                    set(target "${CMAKE_MATCH_1}")
+                    get_filename_component(folder "${header}" DIRECTORY)
+                    string(REGEX REPLACE "^(kernels/[a-z_]+)/.*" "\\1" folder "${folder}")
+                    if(NOT folder STREQUAL "kernels/${target}" AND NOT target IN_LIST folder_${folder})
+                        problem("${place}: '${folder}' may not include <${included}>")
                     endif()
                 endif()
                 foreach(folder IN LISTS closed_folders)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/average_pooling.hpp>
+#include <tactnet/kernels/batch/pooling.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/pool_window.hpp>
 
@@ -17,9 +17,9 @@ enum class average_over { pixels, pixels_and_padding };
 namespace detail {
 
 /// Averages over windows that are known.
-template <class Spec, class T, shape Input, kernels::average_windows Windows>
+template <class Spec, class T, shape Input, average_windows Windows>
 struct average_layer : layer_base<T, Input, Spec> {
-    static constexpr kernels::average_windows windows = Windows;
+    static constexpr average_windows windows = Windows;
     using layer_base<T, Input, Spec>::output;
     static constexpr bool by_parts = true;
 
@@ -45,8 +45,8 @@ struct average_layer : layer_base<T, Input, Spec> {
 };
 
 /// As PyTorch has them: what ceil mode adds behind the padding that was given is not counted as padding.
-[[nodiscard]] constexpr kernels::average_windows average_windows_of(const sliding_window& w, padding given,
-                                                                    average_over over) {
+[[nodiscard]] constexpr average_windows average_windows_of(const sliding_window& w, padding given,
+                                                           average_over over) {
     const bool completed = given.how == padding::rule::ceil_mode;
     return {.rows = {w.input.rows, w.output_rows(), w.kernel.rows, w.stride.rows, w.top,
                      completed ? given.bottom : w.bottom},
@@ -56,7 +56,7 @@ struct average_layer : layer_base<T, Input, Spec> {
 }
 
 template <std::size_t Rows, std::size_t Columns>
-[[nodiscard]] constexpr kernels::average_windows adaptive_windows(shape input) {
+[[nodiscard]] constexpr average_windows adaptive_windows(shape input) {
     static_assert(Rows > 0 && Columns > 0, "adaptive_average_pool: there must be at least one output");
     return {.rows = {input.rows, Rows}, .columns = {input.columns, Columns}};
 }

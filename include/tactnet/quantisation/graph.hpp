@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/kernels/batch/average_pooling.hpp>
+#include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <cstddef>
@@ -29,7 +29,7 @@ struct graph_node {
     using function = void (*)(const graph_node& step, const float* folded, const float* in, float* out);
     function reference = nullptr;
     sliding_window window{{0, 0, 0}, 1, 1}; ///< of a convolution, or of the largest numbers
-    kernels::average_windows means{};       ///< of mean numbers
+    average_windows means{};                ///< of mean numbers
     std::size_t groups = 1;                 ///< of a convolution; its window has the channels of all
     std::size_t filters = 0;                ///< of all groups
     extent pool = 1;                        ///< of the largest sums of a convolution

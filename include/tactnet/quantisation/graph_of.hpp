@@ -92,7 +92,7 @@ private:
         return add_parameters<step>(
             {.reference = reference_square_root, .offset = step::offset, .input = input}, into);
     }
-    template <class Output, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+    template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
     std::size_t
     add(const average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>*,
         std::size_t input, std::size_t into) {

@@ -75,16 +75,15 @@ namespace detail {
 [[gnu::cold]] inline void reference_average_pool(const graph_node& step, const float*, const float* in,
                                                  float* out) {
     const shape from = step.from;
-    step.means.for_each(
-        [&](std::size_t o, kernels::pixel_range rows, kernels::pixel_range columns, std::size_t divisor) {
-            for (std::size_t c = 0; c < from.channels; ++c) {
-                float sum = 0;
-                for (std::size_t y = rows.begin; y < rows.end; ++y)
-                    for (std::size_t x = columns.begin; x < columns.end; ++x)
-                        sum += in[(y * from.columns + x) * from.channels + c];
-                out[o * from.channels + c] = sum / static_cast<float>(divisor);
-            }
-        });
+    step.means.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+        for (std::size_t c = 0; c < from.channels; ++c) {
+            float sum = 0;
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    sum += in[(y * from.columns + x) * from.channels + c];
+            out[o * from.channels + c] = sum / static_cast<float>(divisor);
+        }
+    });
 }
 /// As a step of its own says.
 template <class Step>

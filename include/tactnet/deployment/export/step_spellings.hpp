@@ -28,14 +28,14 @@ template <class Format>
 struct format_header;
 
 /// An axis of average windows, and all of them, as C++.
-[[nodiscard]] inline std::string spelling_of(const kernels::average_axis& a) {
+[[nodiscard]] inline std::string spelling_of(const average_axis& a) {
     std::string text = "{"; // appended: GCC 12 warns of a sum that begins with so short a literal
     for (const std::size_t number : {a.size, a.outputs, a.kernel, a.stride, a.before, a.after})
         text += (text.size() > 1 ? ", " : "") + std::to_string(number);
     return text + "}";
 }
-[[nodiscard]] inline std::string spelling_of(const kernels::average_windows& w) {
-    return "tactnet::kernels::average_windows{.rows = " + spelling_of(w.rows) +
+[[nodiscard]] inline std::string spelling_of(const average_windows& w) {
+    return "tactnet::average_windows{.rows = " + spelling_of(w.rows) +
            ", .columns = " + spelling_of(w.columns) + ", .counts_padding = " + text_of(w.counts_padding) +
            "}";
 }
@@ -144,7 +144,7 @@ struct step_spelling<pool_step<Format, Window, Stride>> {
                 detail::step_type<Format>("pool_step", {text_of(Window), stride})};
     }
 };
-template <class Format, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct step_spelling<average_pool_step<Format, Windows, Channels, Stride>> {
     static spelled_step of(step_text&, const shape&, const std::string& stride) {
         return {"Average pool",

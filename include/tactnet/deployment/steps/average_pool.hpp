@@ -9,10 +9,10 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// An average pool.
-template <class Format, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step;
 
-template <kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<single_precision, Windows, Channels, Stride>
     : step_without_parameters<single_precision,
                               shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {

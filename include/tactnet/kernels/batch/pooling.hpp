@@ -1,56 +1,17 @@
 #pragma once
 
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/tensor/shape.hpp>
+#include <tactnet/tensor/pooling_windows.hpp>
 
 #include <algorithm>
 #include <cstddef>
 
-// Max pooling of one group of samples. Padding is never looked at: a window is cut to the image.
+// Max and average pooling of one lane block. Padding is never read: a window is cut to the image. The windows
+// of an average are run-time values: the loops over them are the same for any size, and are compiled once.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
-
-struct pixel_range {
-    std::size_t begin, end;
-};
-/// body(output, rows, columns) for every output pixel of one channel, with the image pixels of its window.
-template <sliding_window W, class Body>
-[[gnu::always_inline]] inline void for_each_window(Body&& body) {
-    const auto range = [](std::size_t index, std::size_t kernel, std::size_t stride, std::size_t before,
-                          std::size_t size) {
-        const std::size_t begin = index * stride;
-        return pixel_range{std::max(begin, before) - before, std::min(begin + kernel - before, size)};
-    };
-    for (std::size_t y = 0; y < W.output_rows(); ++y) {
-        const pixel_range rows = range(y, W.kernel.rows, W.stride.rows, W.top, W.input.rows);
-        for (std::size_t x = 0; x < W.output_columns(); ++x)
-            body(y * W.output_columns() + x, rows,
-                 range(x, W.kernel.columns, W.stride.columns, W.left, W.input.columns));
-    }
-}
-/// body(pixel) for every pixel of one window, row by row.
-template <sliding_window W, class Body>
-[[gnu::always_inline]] inline void for_each_pixel(pixel_range rows, pixel_range columns, Body&& body) {
-    constexpr std::size_t area = W.kernel.area();
-    if (area <= 9 && rows.end - rows.begin == W.kernel.rows &&
-        columns.end - columns.begin == W.kernel.columns) {
-        const std::size_t first = rows.begin * W.input.columns + columns.begin;
-#pragma GCC unroll 64
-        for (std::size_t k = 0; k < area; ++k)
-            body(first + k / W.kernel.columns * W.input.columns + k % W.kernel.columns);
-    } else {
-        for (std::size_t y = rows.begin; y < rows.end; ++y)
-            for (std::size_t x = columns.begin; x < columns.end; ++x)
-                body(y * W.input.columns + x);
-    }
-}
-/// Whether every pixel is in exactly one window.
-[[nodiscard]] constexpr bool tiles_input(const sliding_window& w) {
-    return w.stride == w.kernel && w.output_rows() * w.stride.rows >= w.input.rows + w.top &&
-           w.output_columns() * w.stride.columns >= w.input.columns + w.left;
-}
 
 /// output = the largest value of each window.
 template <sliding_window W, class T>
@@ -91,6 +52,46 @@ void max_pool_backward(const T* input, const T* output, const T* output_gradient
                 store(place, tiles_input(W) ? given : load(place) + given);
             });
         });
+    }
+}
+
+/// output = the sum of each window ÷ its divisor.
+template <class T>
+void average_pool_forward(const average_windows& windows, std::size_t channels, const T* input, T* output) {
+    constexpr std::size_t width = lanes<T>;
+    const std::size_t columns_of_input = windows.columns.size;
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+            vector<T> sum(T{});
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    sum = sum + load(input + (y * columns_of_input + x) * width);
+            store(output + o * width, sum / vector<T>(static_cast<T>(divisor)));
+        });
+        input += windows.rows.size * windows.columns.size * width;
+        output += windows.rows.outputs * windows.columns.outputs * width;
+    }
+}
+
+/// input_gradient = each window's gradient ÷ its divisor, given to all of its pixels.
+template <class T>
+void average_pool_backward(const average_windows& windows, std::size_t channels, const T* output_gradient,
+                           T* input_gradient) {
+    constexpr std::size_t width = lanes<T>;
+    const std::size_t columns_of_input = windows.columns.size,
+                      plane = windows.rows.size * windows.columns.size * width;
+    std::fill_n(input_gradient, channels * plane, T{});
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+            const vector<T> share = load(output_gradient + o * width) / vector<T>(static_cast<T>(divisor));
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x) {
+                    T* const to = input_gradient + (y * columns_of_input + x) * width;
+                    store(to, load(to) + share);
+                }
+        });
+        input_gradient += plane;
+        output_gradient += windows.rows.outputs * windows.columns.outputs * width;
     }
 }
 

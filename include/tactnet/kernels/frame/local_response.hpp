@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/local_response.hpp>
+#include <tactnet/kernels/response_rule.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <tactnet/kernels/batch/average_pooling.hpp>
-#include <tactnet/kernels/batch/pooling.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/tensor/pooling_windows.hpp>
 
 #include <cstddef>
 #include <type_traits>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/elementwise.hpp>
+#include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
 
 #include <algorithm>

@@ -15,7 +15,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// An average pool in 8 bits: sums of whole numbers, divided when they are rounded.
-template <class Output, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride> {
     using format = eight_bit;
     static constexpr shape output{Windows.rows.outputs, Windows.columns.outputs, Channels};
@@ -57,22 +57,21 @@ public:
         };
         const auto factor = kernels::load_any<float>(packed_values);
         const kernels::byte_range range{0, 255, byte(zero)};
-        Windows.for_each(
-            [&](std::size_t o, kernels::pixel_range rows, kernels::pixel_range columns, std::size_t divisor) {
-                std::array<std::int32_t, Stride> sums{};
-                for (std::size_t y = rows.begin; y < rows.end; ++y)
-                    for (std::size_t x = columns.begin; x < columns.end; ++x)
-                        for (std::size_t c = 0; c < Stride; ++c)
-                            sums[c] += in[(y * Windows.columns.size + x) * Stride + c] - byte(input_zero);
-                const float scale = factor / static_cast<float>(divisor);
-                for (std::size_t c = 0; c < Stride; ++c) {
-                    if constexpr (writes_bytes)
-                        kernels::store_rounded<1>(out + o * Stride + c, kernels::int32_vec<1>{sums[c]},
-                                                  kernels::float_vec<1>{scale}, range);
-                    else
-                        reinterpret_cast<Output*>(out)[o * Stride + c] = static_cast<float>(sums[c]) * scale;
-                }
-            });
+        Windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+            std::array<std::int32_t, Stride> sums{};
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    for (std::size_t c = 0; c < Stride; ++c)
+                        sums[c] += in[(y * Windows.columns.size + x) * Stride + c] - byte(input_zero);
+            const float scale = factor / static_cast<float>(divisor);
+            for (std::size_t c = 0; c < Stride; ++c) {
+                if constexpr (writes_bytes)
+                    kernels::store_rounded<1>(out + o * Stride + c, kernels::int32_vec<1>{sums[c]},
+                                              kernels::float_vec<1>{scale}, range);
+                else
+                    reinterpret_cast<Output*>(out)[o * Stride + c] = static_cast<float>(sums[c]) * scale;
+            }
+        });
     }
 };
 

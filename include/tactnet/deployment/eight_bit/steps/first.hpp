@@ -31,7 +31,7 @@ template <shape Map, std::size_t Stride>
 struct relu_step<eight_bit::input_format, Map, Stride> : relu_step<eight_bit, Map, Stride>,
                                                          detail::cannot_read_the_frame<Stride> {};
 
-template <class Output, kernels::average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>
     : average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>,
       detail::cannot_read_the_frame<Stride> {};

@@ -2,8 +2,8 @@
 
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/steps/pool.hpp>
-#include <tactnet/kernels/batch/pooling.hpp>
 #include <tactnet/kernels/integer/vector.hpp>
+#include <tactnet/tensor/pooling_windows.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -19,8 +19,7 @@ struct pool_step<eight_bit, Window, Stride>
     static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
         constexpr std::size_t width = kernels::widest_bytes(Stride);
         using bytes = kernels::uint8_vec<width>;
-        kernels::for_each_window<Window>([&](std::size_t o, kernels::pixel_range rows,
-                                             kernels::pixel_range columns) {
+        for_each_window<Window>([&](std::size_t o, pixel_range rows, pixel_range columns) {
             for (std::size_t channel = 0; channel < Stride; channel += width) {
                 bytes largest{};
                 for (std::size_t y = rows.begin; y < rows.end; ++y)

@@ -1,0 +1,4 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/kernels/batch/pooling.hpp>
