@@ -12,15 +12,13 @@
 #include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>
 #include <tactnet/sensors/tekscan/binary_records.hpp>
-#include <tactnet/sensors/tekscan/frame_times.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
+#include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
 #include <tactnet/sensors/tekscan/row.hpp>
-#include <tactnet/sensors/tekscan/text.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
 #include <tactnet/sensors/warning.hpp>
 #include <tactnet/sensors/weiss/dsacon32m.hpp>
 #include <tactnet/sensors/weiss/packet.hpp>

@@ -5,7 +5,7 @@
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
-#include <tactnet/sensors/tekscan/text.hpp>
+#include <tactnet/sensors/tekscan/line.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -125,11 +125,11 @@ private:
     bool recognise_line(std::string_view line) {
         while (line.ends_with('\r'))
             line.remove_suffix(1);
-        std::string storage;
-        const tekscan_part behind = part_behind(cut_header_line(without_decoration(line, storage)));
-        return behind == tekscan_part::cells ? found<tekscan_ascii>()
-               : behind == tekscan_part::map ? found<tekscan_map>()
-                                             : false;
+        std::string unquoted;
+        const tekscan_part next = read_header_line(line, unquoted).followed_by;
+        return next == tekscan_part::cells ? found<tekscan_ascii>()
+               : next == tekscan_part::map ? found<tekscan_map>()
+                                           : false;
     }
 
     template <class Decoder, class... Arguments>

@@ -2,18 +2,17 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
-#include <tactnet/sensors/tekscan/frame_times.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
+#include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/tekscan/row.hpp>
-#include <tactnet/sensors/tekscan/text.hpp>
 #include <tactnet/sensors/text/lines.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,19 +20,18 @@
 #include <vector>
 
 // Tekscan's text recordings (.csv, .asf): a header up to 'ASCII_DATA @@', frames of one line and as many rows
-// as the header says, and a closing '@@'. Programs of different versions, countries and spreadsheets write
-// them differently; what they mean is the same, and is checked: rows, columns, the number of frames, the sum
-// of each frame where it is given, and that the cells without a tactel stay the same.
+// as the header announces, and a closing '@@'. Versions, countries and spreadsheets write them differently.
+// Rows, columns, the number of frames, the sum of each frame, if given, and the cells without a tactel are
+// checked.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Decodes a text recording. A frame comes out when the line behind it has come, which shows that it has no
-/// row too many. Pressures come out in pascal, whatever unit they are written in. Times are those of the
-/// frames' lines; a time without a unit is in seconds, unless the header's SECONDS_PER_FRAME shows it to be
-/// in milliseconds; without a time, frames are SECONDS_PER_FRAME apart.
+/// Decodes a text recording. A frame comes out when the next line has been read, which shows that the frame
+/// has no further row. Pressures are converted to pascal. Times are those of the frame lines: see
+/// tekscan_frame_times.
 ///
-/// Memory: one frame (six bytes a cell, at most largest_frame_cells cells), and one line and one header of at
+/// Memory: one frame (six bytes per cell, at most largest_frame_cells cells), one line and one header of at
 /// most largest_header_bytes and largest_header_lines, the header cut into keys and values.
 class tekscan_ascii : public decoder_base {
 public:
@@ -53,62 +51,62 @@ public:
         if (status() != decode_status::damaged)
             lines_.finish([&](const text_line& line) { return take(line, sink); });
         if (status() == decode_status::reading)
-            end(last_, "the end of the data", sink);
+            take_end({last_, {}, tekscan_line_kind::end_of_data}, sink);
         return status();
     }
 
-    /// Frames whose 'Raw Sum' was given and is that of their cells.
+    /// How many frames have a 'Raw Sum' that is the sum of their cells.
     [[nodiscard]] std::uint64_t matching_sums() const noexcept { return matching_sums_; }
 
 private:
+    // Returns false if no more lines are to be read, as do the functions below.
     template <class Sink>
     bool take(const text_line& line, Sink& sink) {
         last_ = {{}, line.byte + line.text.size(), line.number};
-        if (header_.next() == tekscan_header::part::header)
+        if (header_.next() == tekscan_part::header)
             return take_header(line);
-        const bool plain_row = !line.text.empty() && (detail::is_digit(line.text[0]) || line.text[0] == 'B');
-        if (plain_row && status() == decode_status::reading)
-            return take_row(line);
-        std::string storage;
-        const std::string_view text = without_decoration(line.text, storage);
-        // Some systems end text files with a control character.
-        if (text.empty() || text == "\x1A")
+        const tekscan_line read = read_data_line(line, unquoted_);
+        if (read.kind == tekscan_line_kind::blank)
             return true;
         if (status() == decode_status::finished)
-            return fail_at(line, 0, "nothing behind the closing @@", in_quotes(text, 20));
-        if (text == "@@")
-            return end(line, "'@@'", sink);
-        if (begins_frame(text))
-            return take_frame_line(line, text, sink);
-        // Data that end inside a line which is not of the frame: that frame is whole.
-        if (!line.ended && row_ == description().rows)
-            return close_frame(line, in_quotes(text, 20), sink) &&
-                   fail_at(line, 0, "a whole line", "the end of the data after " + in_quotes(text, 20));
-        return take_row(line);
+            return fail_at(line, 0, "nothing behind the closing @@", read.shown());
+        switch (read.kind) {
+        case tekscan_line_kind::row:
+            return take_row(line);
+        case tekscan_line_kind::frame:
+            return take_frame_line(read, sink);
+        case tekscan_line_kind::end_mark:
+            return take_end(read, sink);
+        default:
+            // The data end within this line, and the frame is complete without it.
+            if (!line.ended && row_ == description().rows)
+                return close_frame(read, sink) &&
+                       fail_at(line, 0, "a whole line", "the end of the data after " + read.shown());
+            return take_row(line);
+        }
     }
 
     bool take_header(const text_line& line) {
         if (auto problem = header_.take(line.text, described()))
             return fail_at(line, 0, std::move(problem->expected), std::move(problem->found));
-        if (header_.next() == tekscan_header::part::map)
+        if (header_.next() == tekscan_part::map)
             return fail_at(line, 0, "a line 'ASCII_DATA @@'", "a map of a sensor");
         return true;
     }
 
     template <class Sink>
-    bool take_frame_line(const text_line& line, std::string_view text, Sink& sink) {
+    bool take_frame_line(const tekscan_line& line, Sink& sink) {
         if (open_ && !announced_)
-            return fail_at(line, 0, "the end, behind a frame without a line 'Frame'", in_quotes(text, 20));
-        if (open_ && !close_frame(line, in_quotes(text, 20), sink))
+            return fail_at(line.source, 0, "the end, behind a frame without a line 'Frame'", line.shown());
+        if (open_ && !close_frame(line, sink))
             return false;
-        const auto found = scan_frame_line(text);
-        if (!found)
-            return fail_at(line, 0, "'Frame', its number and a time with a decimal point, if any",
-                           in_quotes(text));
-        if (announced_ && found->number <= frame_.number)
-            return fail_at(line, 0, "a frame after number " + std::to_string(frame_.number),
-                           "number " + std::to_string(found->number));
-        frame_ = *found;
+        if (!line.frame)
+            return fail_at(line.source, 0, "'Frame', its number and a time with a decimal point, if any",
+                           line.shown(80));
+        if (announced_ && line.frame->number <= frame_.number)
+            return fail_at(line.source, 0, "a frame after number " + std::to_string(frame_.number),
+                           "number " + std::to_string(line.frame->number));
+        frame_ = *line.frame;
         if (!announced_)
             times_.begin(frame_);
         announced_ = open_ = true;
@@ -129,8 +127,8 @@ private:
                              std::span(exists_).subspan(row_ * columns, columns), sum_);
         if (outcome.wrong != nullptr)
             return refuse_row(line, outcome);
-        // A last line that is cut inside its last number would be another number. Only a sum shows that it is
-        // not.
+        // A last line that is cut within its last number would be another number. Only a sum can rule that
+        // out.
         if (!line.ended && outcome.cut && !checks_sum())
             return fail_at(line, line.text.size(), "a line end behind the last number, or it may be cut",
                            "the end of the data");
@@ -153,15 +151,14 @@ private:
                                      : "the end of the data");
     }
 
-    /// Checks the frame whose rows are read and hands it out. `line` is the one behind it, `what` says of
-    /// what.
+    /// Checks the frame whose rows are read and gives it to the sink. `next` is the line behind it.
     template <class Sink>
-    bool close_frame(const text_line& line, const std::string& what, Sink& sink) {
+    bool close_frame(const tekscan_line& next, Sink& sink) {
         if (row_ < description().rows)
-            return fail_at(line, 0, std::to_string(description().rows) + " rows",
-                           std::to_string(row_) + " before " + what);
+            return fail_at(next.source, 0, std::to_string(description().rows) + " rows",
+                           std::to_string(row_) + " before " + next.shown());
         if (!sum_matches())
-            return fail_at(line, 0,
+            return fail_at(next.source, 0,
                            "cells with a sum of " + shortest_text(*frame_.raw_sum) + " as the frame says",
                            shortest_text(sum_));
         if (frames() == 0)
@@ -169,7 +166,7 @@ private:
         const auto [now, first] = std::mismatch(exists_.begin(), exists_.end(), description().mask.begin());
         if (now != exists_.end()) {
             const auto cell = static_cast<std::size_t>(now - exists_.begin());
-            return fail_at(line, 0, "tactels in the same cells as in the first frame",
+            return fail_at(next.source, 0, "tactels in the same cells as in the first frame",
                            std::string(*now != 0 ? "a tactel" : "none") + " in row " +
                                std::to_string(cell / description().columns + 1) + ", column " +
                                std::to_string(cell % description().columns + 1));
@@ -183,30 +180,30 @@ private:
         return true;
     }
 
-    /// The closing line, or the end of the data.
+    /// Takes the closing line or the end of the data.
     template <class Sink>
-    bool end(const text_line& line, const std::string& what, Sink& sink) {
-        if (header_.next() == tekscan_header::part::header)
-            return fail_at(line, 0, "a header that ends with 'ASCII_DATA @@'", what);
-        if (open_ && !close_frame(line, what, sink))
+    bool take_end(const tekscan_line& line, Sink& sink) {
+        if (header_.next() == tekscan_part::header)
+            return fail_at(line.source, 0, "a header that ends with 'ASCII_DATA @@'", line.shown());
+        if (open_ && !close_frame(line, sink))
             return false;
-        // A single frame without a line of its own may come from a longer recording that the header tells of.
+        // A single frame without a frame line may be an extract of the recording that the header describes.
         if (!announced_ && frames() == 1)
             described().frames.reset();
         const std::uint64_t expected = description().frames.value_or(std::max<std::uint64_t>(frames(), 1));
         if (frames() != expected)
-            return fail_at(line, 0, std::to_string(expected) + " frames",
-                           std::to_string(frames()) + " before " + what);
+            return fail_at(line.source, 0, std::to_string(expected) + " frames",
+                           std::to_string(frames()) + " before " + line.shown());
         set_status(decode_status::finished);
         return true;
     }
 
-    /// Sums are of raw counts, so they say nothing about pressures.
+    /// Whether the frame has a sum to check. Sums are of raw counts, so pressures have none.
     [[nodiscard]] bool checks_sum() const {
         return frame_.raw_sum && description().unit == pressure_unit::raw;
     }
-    /// Where cells have decimals, each may have been rounded by half a tenth, and the sum by half a count. A
-    /// last line that may be cut gets no such allowance.
+    /// Compares the sums. If cells have decimals, each may be rounded by 0.05, and the sum by 0.5. A last
+    /// line that may be cut gets no such allowance.
     [[nodiscard]] bool sum_matches() {
         if (!checks_sum() || sum_ == *frame_.raw_sum)
             return true;
@@ -217,9 +214,8 @@ private:
         return std::abs(sum_ - *frame_.raw_sum) <= 0.5 + 0.05 * static_cast<double>(pressed);
     }
 
-    /// False, so that no more lines are read.
     bool fail_at(const text_line& line, std::size_t column, std::string expected, std::string found) {
-        const bool in_header = header_.next() == tekscan_header::part::header;
+        const bool in_header = header_.next() == tekscan_part::header;
         fail({line.byte + column, line.number, in_header ? 0 : frames() + 1, std::move(expected),
               std::move(found), missing_frames()});
         return false;
@@ -229,14 +225,15 @@ private:
     tekscan_header header_;
     tekscan_frame_line frame_;
     tekscan_frame_times times_;
-    text_line last_; ///< where the last line ended
+    text_line last_;       ///< the end of the last line
+    std::string unquoted_; ///< the last line that had quotes, without them
     std::vector<std::uint8_t> exists_;
     std::uint64_t matching_sums_ = 0;
-    std::size_t row_ = 0; ///< the next one of the frame
+    std::size_t row_ = 0; ///< the next row of the frame
     double sum_ = 0;
     bool cut_ = false;       ///< the last row may lack digits
     bool open_ = false;      ///< a frame has begun
-    bool announced_ = false; ///< by a line 'Frame'
+    bool announced_ = false; ///< frames have a line 'Frame'
 };
 
 } // namespace TACTNET_ARCH

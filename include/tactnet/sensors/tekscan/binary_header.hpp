@@ -3,7 +3,7 @@
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/warning.hpp>
 
 #include <algorithm>

@@ -2,9 +2,8 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
-#include <tactnet/sensors/tekscan/text.hpp>
+#include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/text/measures.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
@@ -31,7 +30,6 @@ struct text_problem {
 /// Fills a description, line by line.
 class tekscan_header {
 public:
-    using part = tekscan_part;
     /// What UNITS names: the unit that cells are written in, or one for showing raw counts, which may be any.
     enum class unit_of : std::uint8_t { cells, display };
 
@@ -44,23 +42,22 @@ public:
             return text_problem{"a header of at most " + std::to_string(largest_header_bytes) +
                                     " bytes and " + std::to_string(largest_header_lines) + " lines",
                                 "a longer one"};
-        std::string storage;
-        const std::string_view text = without_decoration(line, storage);
-        const tekscan_header_line cut = cut_header_line(text);
-        if (const part behind = part_behind(cut); behind != part::header)
-            return begin_data(behind, to);
+        std::string unquoted;
+        const tekscan_header_line read = read_header_line(line, unquoted);
+        if (read.followed_by != tekscan_part::header)
+            return begin_data(read.followed_by, to);
         if (in_block_) {
-            take_block_line(text, to.header.back().second);
+            take_block_line(read.text, to.header.back().second);
             return std::nullopt;
         }
         const bool may_be_comment = std::exchange(next_is_comment_, false);
-        if (text.empty())
+        if (read.text.empty())
             return std::nullopt;
-        return key_and_value(text, cut.key, cut.value, may_be_comment, to);
+        return key_and_value(read, may_be_comment, to);
     }
 
     /// What comes next: more header, or the data.
-    [[nodiscard]] part next() const noexcept { return part_; }
+    [[nodiscard]] tekscan_part next() const noexcept { return part_; }
     /// What a written cell is multiplied by to be in the description's unit.
     [[nodiscard]] double cell_scale() const noexcept { return cell_scale_; }
 
@@ -86,7 +83,7 @@ private:
 
     static constexpr std::string_view end_mark = "@@";
 
-    std::optional<text_problem> begin_data(part next, recording_description& to) {
+    std::optional<text_problem> begin_data(tekscan_part next, recording_description& to) {
         auto problem = complete(to);
         if (!problem)
             part_ = next;
@@ -101,9 +98,9 @@ private:
             to.append(to.empty() ? "" : "\n").append(text);
     }
 
-    std::optional<text_problem> key_and_value(std::string_view text, std::string_view key,
-                                              std::string_view value, bool may_be_comment,
+    std::optional<text_problem> key_and_value(const tekscan_header_line& read, bool may_be_comment,
                                               recording_description& to) {
+        const auto [text, key, value, followed_by] = read;
         if (value == end_mark || ((key == "COMMENTS:" || key == "COMMENTS") && value.empty())) {
             in_block_ = !value.empty();
             next_is_comment_ = value.empty();
@@ -208,7 +205,7 @@ private:
     bool in_block_ = false, next_is_comment_ = false;
     std::optional<std::size_t> comment_; ///< which line of the description is the last COMMENTS:
     unit_of unit_;
-    part part_ = part::header;
+    tekscan_part part_ = tekscan_part::header;
 };
 
 } // namespace TACTNET_ARCH

@@ -3,9 +3,9 @@
 #include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
-#include <tactnet/sensors/tekscan/text.hpp>
+#include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/text/lines.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ public:
             lines_.finish([&](const text_line& line) { return take(line); });
         if (status() == decode_status::reading)
             fail_at(lines_.byte(), lines_.number(),
-                    header_.next() == tekscan_header::part::map
+                    header_.next() == tekscan_part::map
                         ? std::to_string(description().cells()) + " places and a closing '@@'"
                         : "a header that ends with 'SENSOR_MAP @@'",
                     "the end of the data after " + std::to_string(places_.size()) + " places");
@@ -64,20 +64,18 @@ public:
 
 private:
     bool take(const text_line& line) {
-        if (header_.next() == tekscan_header::part::header) {
+        if (header_.next() == tekscan_part::header) {
             if (auto problem = header_.take(line.text, described()))
                 return fail_at(line.byte, line.number, std::move(problem->expected),
                                std::move(problem->found));
-            if (header_.next() == tekscan_header::part::cells)
+            if (header_.next() == tekscan_part::cells)
                 return fail_at(line.byte, line.number, "a line 'SENSOR_MAP @@'", "a recording");
             return true;
         }
-        std::string storage;
-        const std::string_view text = without_decoration(line.text, storage);
-        if (text.empty())
-            return true;
-        // Behind the map some versions go on with more of their own.
-        if (status() == decode_status::finished)
+        std::string unquoted;
+        const std::string_view text = without_decoration(line.text, unquoted);
+        // After the map, some versions add data of their own.
+        if (text.empty() || status() == decode_status::finished)
             return true;
         if (text == "@@")
             return end(line);

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/sensors/tekscan/text.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/tekscan/line.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 
 #include <cstddef>
 #include <cstdint>

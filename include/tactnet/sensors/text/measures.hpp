@@ -1,19 +1,118 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/text/numbers.hpp>
 
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <system_error>
 
-// Measures in the headers of recordings: a number and a unit, in the spellings that programs of different
-// versions and countries write. Everything becomes metres, square metres, seconds and pascal.
+// Numbers and measures (a number and a unit) as recordings write them. A number has no sign, since counts,
+// pressures and lengths are never negative, and no decimal comma, which would be ambiguous. Measures come in
+// the spellings of different versions and countries, and become metres, square metres, seconds and pascal.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A spelling, and how many of the base unit it stands for.
+/// A number at the start of a text. `end` points behind it, and is null if there is none that a double can
+/// hold.
+struct scanned_number {
+    double value = 0;
+    const char* end = nullptr;
+};
+
+namespace detail {
+
+[[nodiscard]] constexpr bool is_digit(char c) noexcept {
+    return static_cast<unsigned char>(c - '0') <= 9;
+}
+[[nodiscard]] constexpr bool is_blank(char c) noexcept {
+    return c == ' ' || c == '\t';
+}
+
+/// Powers of ten that a double holds exactly.
+inline constexpr auto exact_tens = [] {
+    std::array<double, 16> tens{1};
+    for (std::size_t i = 1; i < tens.size(); ++i)
+        tens[i] = tens[i - 1] * 10;
+    return tens;
+}();
+
+} // namespace detail
+
+/// Reads the number at the start of [begin, end), rounded once. Numbers of up to 15 digits, which nearly all
+/// are, are read by hand.
+[[nodiscard]] inline scanned_number scan_number(const char* begin, const char* end) noexcept {
+    // Up to 15 digits, both the digits as an integer and the power of ten are exact, and the division rounds
+    // once.
+    constexpr std::ptrdiff_t exact_digits = 15;
+    const char* at = begin;
+    std::uint64_t digits = 0;
+    const auto take_digits = [&] {
+        for (; at != end && detail::is_digit(*at); ++at)
+            digits = digits * 10 + static_cast<std::uint64_t>(*at - '0');
+    };
+    take_digits();
+    const std::ptrdiff_t whole = at - begin;
+    std::ptrdiff_t fraction = 0;
+    if (at != end && *at == '.') {
+        ++at;
+        take_digits();
+        fraction = at - begin - whole - 1;
+    }
+    if (whole + fraction == 0)
+        return {};
+    const bool exponent = at != end && (*at == 'e' || *at == 'E');
+    if (!exponent && whole + fraction <= exact_digits)
+        return {static_cast<double>(digits) / detail::exact_tens[static_cast<std::size_t>(fraction)], at};
+    const auto [value, stop] = read_floating_point<double>(begin, end);
+    return {value, stop};
+}
+
+/// Parses all of `text` as a whole number. Returns nothing if it is anything else.
+[[nodiscard]] inline std::optional<std::uint64_t> whole_number(std::string_view text) noexcept {
+    std::uint64_t value = 0;
+    const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || code != std::errc() || stop != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+/// Returns the fewest digits that read as the same number again, without an exponent below 10¹⁶.
+template <std::floating_point T>
+[[nodiscard]] std::string shortest_text(T value) {
+    return std::abs(value) < T(1e16) ? fixed_number(value) : shortest_number(value);
+}
+
+/// Removes blanks at both ends of `text`.
+[[nodiscard]] constexpr std::string_view trimmed(std::string_view text) noexcept {
+    while (!text.empty() && detail::is_blank(text.front()))
+        text.remove_prefix(1);
+    while (!text.empty() && detail::is_blank(text.back()))
+        text.remove_suffix(1);
+    return text;
+}
+
+/// Whether two texts are equal, ignoring the case of Latin letters.
+[[nodiscard]] constexpr bool same_letters(std::string_view a, std::string_view b) noexcept {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+    if (a.size() != b.size())
+        return false;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (lower(a[i]) != lower(b[i]))
+            return false;
+    return true;
+}
+
+/// The spelling of a unit, and its size in base units.
 struct measure_unit {
     std::string_view name;
     double size;
@@ -57,8 +156,8 @@ inline constexpr measure_unit time_units[] = {
     {"us", 1e-6}, {"usec", 1e-6}, {"microsecond", 1e-6}, {"microseconds", 1e-6},
 };
 
-/// Whether `text` is that unit in any case of its letters. A square may be written 2, ^2 or as a superscript,
-/// in UTF-8 or in the one byte of Windows' western code page.
+/// Whether `text` names that unit, ignoring case. A square may be written as 2, ^2 or a superscript in UTF-8
+/// or in Windows' western code page.
 [[nodiscard]] constexpr bool is_unit(std::string_view text, std::string_view unit) noexcept {
     if (unit.ends_with('2'))
         for (const std::string_view square : {"^2", "\xC2\xB2", "\xB2"})
@@ -68,7 +167,7 @@ inline constexpr measure_unit time_units[] = {
     return same_letters(text, unit);
 }
 
-/// The size of the unit of that name, in round brackets or not; nothing if unknown.
+/// Returns the size of the unit of that name, which may be in round brackets; nothing if it is unknown.
 [[nodiscard]] constexpr std::optional<double> unit_size(std::span<const measure_unit> units,
                                                         std::string_view name) noexcept {
     if (name.size() > 2 && name.front() == '(' && name.back() == ')')
@@ -79,14 +178,14 @@ inline constexpr measure_unit time_units[] = {
     return std::nullopt;
 }
 
-/// A number and what stands behind it, without blanks.
+/// A number and the unit behind it, without blanks.
 struct measure {
     double number = 0;
     std::string_view unit; ///< may be empty
 };
 
-/// `text` as a measure; nothing if it does not start with a number, or if that has a comma inside or a letter
-/// at its end that cannot be told from a unit with certainty.
+/// Parses `text` as a measure. Returns nothing if it does not start with a number, or if the number has a
+/// decimal comma or a second point.
 [[nodiscard]] inline std::optional<measure> scan_measure(std::string_view text) noexcept {
     text = trimmed(text);
     const char* const end = text.data() + text.size();
@@ -96,7 +195,7 @@ struct measure {
     std::string_view rest(number.end, static_cast<std::size_t>(end - number.end));
     if (rest.size() > 1 && (rest[0] == ',' || rest[0] == '.') && detail::is_digit(rest[1]))
         return std::nullopt;
-    // Where a spreadsheet has split the line at blanks, a comma stands between number and unit.
+    // A spreadsheet that splits lines at blanks puts a comma between number and unit.
     while (!rest.empty() && (rest.front() == ',' || detail::is_blank(rest.front())))
         rest.remove_prefix(1);
     return measure{number.value, trimmed(rest)};

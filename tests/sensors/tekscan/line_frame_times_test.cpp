@@ -1,4 +1,4 @@
-#include <tactnet/sensors/tekscan/frame_times.hpp>
+#include <tactnet/sensors/tekscan/line.hpp>
 
 #include <doctest/doctest.h>
 
