@@ -1,6 +1,6 @@
 #include "arguments.hpp"
 
-#include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <cstddef>

@@ -13,7 +13,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/recording.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/warning.hpp>
 #include <tactnet/text/quoting.hpp>
 

@@ -5,7 +5,7 @@
 
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/text/lines.hpp>
-#include <tactnet/sensors/text/numbers.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 
 #include <cstddef>
 #include <span>
