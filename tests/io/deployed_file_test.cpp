@@ -193,7 +193,7 @@ TEST_CASE("save_deployed: weights between whole multiples of their scales are ke
     for (const folded_step& step : layout().steps)
         if (const auto* const scales = step.find("scale"); scales != nullptr)
             for (std::size_t i = 0; i < step.arrays[0].size; ++i)
-                folded[step.arrays[0].begin + i] += 0.3f * folded[scales->begin];
+                folded[step.arrays[0].offset + i] += 0.3f * folded[scales->offset];
     constexpr std::size_t numbers = bytes_net::view_type::folded_elements;
     const std::span<const float, numbers> all(folded.data(), numbers);
     const bytes_net between(deployed<net, eight_bit>(all), trained(net::outputs).classes);

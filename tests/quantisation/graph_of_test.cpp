@@ -115,7 +115,7 @@ TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and 
         bool found = false;
         for (const folded_step& of : layout.steps)
             if (of.arrays[0].name.starts_with(std::string(as.name) + ".")) {
-                CHECK(step.folded == of.arrays[0].begin);
+                CHECK(step.folded == of.arrays[0].offset);
                 found = true;
             }
         CHECK(found);
@@ -161,9 +161,9 @@ TEST_CASE("calibration_graph_of: ranges are written where files have those of ea
             for (const folded_step::array& of : step.arrays)
                 if (of.name == array) {
                     CAPTURE(of.name);
-                    CHECK(folded[of.begin] == static_cast<float>(range + 1));
-                    CHECK(folded[of.begin + 1] == static_cast<float>(100 + range));
-                    seen[of.begin] = seen[of.begin + 1] = true;
+                    CHECK(folded[of.offset] == static_cast<float>(range + 1));
+                    CHECK(folded[of.offset + 1] == static_cast<float>(100 + range));
+                    seen[of.offset] = seen[of.offset + 1] = true;
                     ++arrays;
                 }
     CHECK(arrays == 18);
@@ -171,8 +171,8 @@ TEST_CASE("calibration_graph_of: ranges are written where files have those of ea
         for (const folded_step::array& of : step.arrays)
             if (of.kind == folded_kind::scales) // weights of 1 are 127 steps, or as many as a sum bears
                 for (std::size_t i = 0; i < of.size; ++i) {
-                    CHECK(folded[of.begin + i] >= 1.0f / 127);
-                    seen[of.begin + i] = true;
+                    CHECK(folded[of.offset + i] >= 1.0f / 127);
+                    seen[of.offset + i] = true;
                 }
     for (std::size_t i = 0; i < folded.size(); ++i)
         if (!seen[i])

@@ -49,11 +49,11 @@ std::vector<map_range> ranges_of(const detail::calibration_graph& steps, const f
     std::vector<map_range> ranges(steps.ranges);
     for (const detail::graph_node& step : steps.steps)
         for (const folded_step& of : layout.steps)
-            if (of.arrays[0].begin == step.folded)
+            if (of.arrays[0].offset == step.folded)
                 for (const auto& [map, name] :
                      {std::pair{step.input, "input"}, std::pair{step.output, "output"}})
                     if (const auto* const array = of.find(name))
-                        ranges[steps.maps[map].range] = map_range::read(&folded[array->begin]);
+                        ranges[steps.maps[map].range] = map_range::read(&folded[array->offset]);
     return ranges;
 }
 double mean_square(std::span<const float> a, std::span<const float> b = {}) {
@@ -117,7 +117,7 @@ std::vector<float> exact_in_single_precision(const folded_layout& layout, std::s
         for (const folded_step::array& array : step.arrays)
             for (std::size_t i = 0; i < array.size; ++i)
                 if (array.kind == folded_kind::scales || (array.kind == folded_kind::range && i == 0))
-                    power(folded[array.begin + i]);
+                    power(folded[array.offset + i]);
         const auto* const biases = step.find("bias");
         const auto* const scales = step.find("scale");
         const auto* const input = step.find("input");
@@ -125,8 +125,8 @@ std::vector<float> exact_in_single_precision(const folded_layout& layout, std::s
             continue;
         const float together = &step == layout.steps.data() ? 0x1p11f : 1.0f;
         for (std::size_t f = 0; f < biases->size; ++f) {
-            const float unit = folded[scales->begin + f] * folded[input->begin] * together;
-            float& bias = folded[biases->begin + f];
+            const float unit = folded[scales->offset + f] * folded[input->offset] * together;
+            float& bias = folded[biases->offset + f];
             bias = std::nearbyint(bias / unit) * unit;
         }
     }

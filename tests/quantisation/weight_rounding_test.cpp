@@ -88,8 +88,8 @@ TEST_CASE("eight_bit_calibration: fitted weights bring outputs nearer, on frames
     for (const folded_step& step : layout.steps)
         for (const folded_step::array& array : step.arrays)
             if (array.kind == folded_kind::scales || array.kind == folded_kind::range)
-                std::copy_n(fitted.folded().begin() + static_cast<std::ptrdiff_t>(array.begin), array.size,
-                            rounded.begin() + static_cast<std::ptrdiff_t>(array.begin));
+                std::copy_n(fitted.folded().begin() + static_cast<std::ptrdiff_t>(array.offset), array.size,
+                            rounded.begin() + static_cast<std::ptrdiff_t>(array.offset));
     round_weights(layout, rounded);
     const support::byte_network<net> with_fit(fitted.folded()),
         without(

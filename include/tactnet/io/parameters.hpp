@@ -59,7 +59,7 @@ void load_parameters(Network& network, const safetensors& file, std::size_t clas
 /// those of the whole array.
 inline void add_array(safetensors_writer& writer, const stored_arrays& arrays, std::size_t index,
                       std::span<const float> values, std::size_t classes) {
-    const stored_arrays::array& a = arrays.list[index];
+    const named_array& a = arrays.list[index];
     std::vector<std::size_t> extents = arrays.extents(a, classes);
     const std::size_t size = values.size() / a.extents.front() * extents.front();
     writer.add(a.name, std::move(extents), values.first(size));

@@ -20,7 +20,7 @@ inline namespace TACTNET_ARCH {
 
 /// The arrays by the names that they have in a file where a prefix stands before them.
 [[nodiscard]] inline stored_arrays with_prefix(stored_arrays arrays, std::string_view prefix) {
-    for (stored_arrays::array& a : arrays.list)
+    for (named_array& a : arrays.list)
         a.name.insert(0, prefix);
     return arrays;
 }

@@ -4,7 +4,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/header.hpp>
 #include <tactnet/io/safetensors/index.hpp>
-#include <tactnet/tensor/shape.hpp>
+#include <tactnet/tensor/named_array.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
@@ -28,14 +28,7 @@ inline namespace TACTNET_ARCH {
 
 /// The arrays of a network as weight files see them, without its type.
 struct stored_arrays {
-    struct array {
-        std::string name; ///< PyTorch's
-        std::vector<std::size_t> extents;
-        /// For the weights of a dense layer [channels, rows, columns] of what it sees, which a flatten joins
-        /// to one extent; else empty.
-        std::vector<std::size_t> flattened = {};
-    };
-    std::vector<array> list;
+    std::vector<named_array> list;
     std::size_t outputs = 0;
 
     /// How the arrays of the layer that gives the logits begin, since these have a row for each class: "fc."
@@ -45,14 +38,14 @@ struct stored_arrays {
         if (list.size() < 2 || list.back().extents.front() != outputs)
             return "";
         const std::string prefix = list.back().name.substr(0, list.back().name.rfind('.') + 1);
-        const array& weights = list[list.size() - 2];
+        const named_array& weights = list[list.size() - 2];
         return list.back().name == prefix + "bias" && weights.name == prefix + "weight" &&
                        weights.extents.size() > 1
                    ? prefix
                    : "";
     }
     /// The extents of an array in the file of a network of `classes` classes.
-    [[nodiscard]] std::vector<std::size_t> extents(const array& a, std::size_t classes) const {
+    [[nodiscard]] std::vector<std::size_t> extents(const named_array& a, std::size_t classes) const {
         std::vector<std::size_t> result = a.extents;
         if (const std::string prefix = output_layer(); !prefix.empty() && a.name.starts_with(prefix))
             result.front() = classes;
@@ -61,46 +54,6 @@ struct stored_arrays {
 };
 
 namespace detail {
-
-/// What the dense layers of a list of layers see, in order.
-template <class T, shape Input>
-void append_dense_inputs(std::vector<shape>&) {}
-template <class T, shape Input, class Spec, class... Rest>
-void append_dense_inputs(std::vector<shape>& list) {
-    if (Spec::name == "fc")
-        list.push_back(Input);
-    append_dense_inputs<T, Spec::template layer<T, Input>::output, Rest...>(list);
-}
-
-/// What the dense layers of a network see. Nothing for networks that are no list of layers, and for layers
-/// within blocks.
-template <class Network>
-struct dense_inputs {
-    static std::vector<shape> of() { return {}; }
-};
-template <template <class, shape, class...> class Network, class T, shape Input, class... Specs>
-struct dense_inputs<Network<T, Input, Specs...>> {
-    static std::vector<shape> of() {
-        std::vector<shape> inputs;
-        append_dense_inputs<T, Input, Specs...>(inputs);
-        return inputs;
-    }
-};
-
-/// `Parameter` is what networks describe their arrays by: one type for all of them.
-template <class Parameter>
-stored_arrays make_stored_arrays(const std::vector<Parameter>& parameters, std::size_t outputs,
-                                 const std::vector<shape>& dense_inputs) {
-    stored_arrays arrays{{}, outputs};
-    for (const Parameter& p : parameters) {
-        stored_arrays::array a{p.name, p.extents};
-        for (std::size_t i = 0; i < dense_inputs.size(); ++i)
-            if (a.name == "fc" + (dense_inputs.size() > 1 ? std::to_string(i + 1) : "") + ".weight")
-                a.flattened = {dense_inputs[i].channels, dense_inputs[i].rows, dense_inputs[i].columns};
-        arrays.list.push_back(std::move(a));
-    }
-    return arrays;
-}
 
 /// What a weight file may hold beside a network's arrays.
 inline bool is_companion(std::string_view name) {
@@ -125,11 +78,14 @@ inline void check_classes(const char* where, std::size_t classes, std::size_t ou
 
 } // namespace detail
 
-/// The arrays of a network, in its order.
+/// The arrays that a network describes, in its order.
+template <class Parameter>
+[[nodiscard]] stored_arrays stored_arrays_of(const std::vector<Parameter>& parameters, std::size_t outputs) {
+    return {{parameters.begin(), parameters.end()}, outputs};
+}
 template <class Network>
 [[nodiscard]] stored_arrays stored_arrays_of() {
-    return detail::make_stored_arrays(Network::describe(), Network::outputs,
-                                      detail::dense_inputs<Network>::of());
+    return stored_arrays_of(Network::describe(), Network::outputs);
 }
 
 namespace detail {

@@ -103,9 +103,9 @@ inline void read_weights(const safetensors& file, const folded_step::array& arra
     read("input_words", layout.input.size());
     detail::for_each_folded(layout, classes, [&](const auto&, const auto& array, const auto&, std::size_t) {
         if (array.kind == folded_kind::scales) // of filters that are not stored
-            std::fill_n(folded.begin() + static_cast<std::ptrdiff_t>(array.begin), array.size, 1.0f);
+            std::fill_n(folded.begin() + static_cast<std::ptrdiff_t>(array.offset), array.size, 1.0f);
         if (array.kind != folded_kind::weights)
-            read(array.name, array.begin);
+            read(array.name, array.offset);
     });
     // Before weights are multiplied with scales that are none.
     const auto require = [&] {
@@ -120,8 +120,8 @@ inline void read_weights(const safetensors& file, const folded_step::array& arra
         layout, classes, [&](const auto& step, const auto& array, const auto&, std::size_t elements) {
             if (array.kind == folded_kind::weights) {
                 const auto& scales = *step.find("scale");
-                detail::read_weights(file, array, folded.subspan(scales.begin, scales.size),
-                                     folded.subspan(array.begin, elements));
+                detail::read_weights(file, array, folded.subspan(scales.offset, scales.size),
+                                     folded.subspan(array.offset, elements));
             }
         });
     require();
@@ -156,14 +156,14 @@ inline void add_deployed(safetensors_writer& writer, const folded_layout& layout
         layout, classes.size(),
         [&](const folded_step& step, const folded_step::array& array, const auto& extents,
             std::size_t elements) {
-            const std::span<const float> values = folded.subspan(array.begin, elements);
+            const std::span<const float> values = folded.subspan(array.offset, elements);
             if (array.kind != folded_kind::weights)
                 return writer.add(array.name, extents, values);
             const std::size_t of_one = array.size / array.extents.front();
             std::vector<std::int8_t> whole;
             for (std::size_t i = 0; i < elements; ++i)
                 whole.push_back(detail::quantised(
-                    values[i], static_cast<double>(folded[step.find("scale")->begin + i / of_one])));
+                    values[i], static_cast<double>(folded[step.find("scale")->offset + i / of_one])));
             writer.add(array.name, element_type::int8, extents, std::as_bytes(std::span(whole)));
         });
     if (!selftest.empty()) {

@@ -38,10 +38,10 @@ struct batch_norm {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix + ".weight", role::scale, {channels}, 0);
-            describe_array(list, prefix + ".bias", role::shift, {channels}, channels);
-            describe_array(list, prefix + ".running_mean", role::running_mean, {channels}, 0);
-            describe_array(list, prefix + ".running_var", role::running_variance, {channels}, channels);
+            describe_array(list, prefix, "weight", role::scale, {channels}, 0);
+            describe_array(list, prefix, "bias", role::shift, {channels}, channels);
+            describe_array(list, prefix, "running_mean", role::running_mean, {channels}, 0);
+            describe_array(list, prefix, "running_var", role::running_variance, {channels}, channels);
         }
 
         static void infer(const pass& p, const T* values, const T* running, memory& m,

@@ -98,10 +98,10 @@ struct conv2d {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix + ".weight", role::weight,
+            describe_array(list, prefix, "weight", role::weight,
                            {Filters, channels, Kernel.rows, Kernel.columns}, 0, fan_in);
             if constexpr (has_bias)
-                describe_array(list, prefix + ".bias", role::bias, {Filters}, weights);
+                describe_array(list, prefix, "bias", role::bias, {Filters}, weights);
         }
 
         static void prepare(const pass&, const T* values, const T*, memory& m) {

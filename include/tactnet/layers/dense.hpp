@@ -49,8 +49,8 @@ struct dense {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix + ".weight", role::weight, {Outputs, inputs}, 0, inputs);
-            describe_array(list, prefix + ".bias", role::bias, {Outputs}, weights);
+            describe_array(list, prefix, "weight", role::weight, {Outputs, inputs}, 0, inputs, Input);
+            describe_array(list, prefix, "bias", role::bias, {Outputs}, weights);
         }
 
         static void infer(const pass& p, const T* values, const T*, memory&, input_view<T, Input> in,

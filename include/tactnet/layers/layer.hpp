@@ -5,6 +5,7 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/batch.hpp>
+#include <tactnet/tensor/named_array.hpp>
 
 #include <concepts>
 #include <cstddef>
@@ -13,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 // What a layer is. A list of layers holds shape-free specifications (`conv2d<8, 5>`); bound to an input shape
@@ -63,13 +65,10 @@ enum class role { weight, bias, scale, shift, running_mean, running_variance };
     return r != role::running_mean && r != role::running_variance;
 }
 
-/// One named array of a network, with PyTorch's name and order.
-struct parameter {
-    std::string name;                 ///< for example "conv1.weight"
-    role what;                        ///< tells initialisation and weight decay how to treat it
-    std::vector<std::size_t> extents; ///< for example {filters, channels, rows, columns}
-    std::size_t offset;               ///< in the network's learnable parameters, or its statistics
-    std::size_t size;
+/// One array of a network. Its offset counts in the learnable parameters of the network, or in its
+/// statistics.
+struct parameter : named_array {
+    role what;          ///< decides how initialisation and weight decay treat it
     std::size_t fan_in; ///< inputs of one output, for initialisation
 };
 
@@ -171,17 +170,23 @@ public:
 // in what follows.
 
 /// How PyTorch names what lies in something named: with a point between, unless there is no name.
-[[nodiscard]] inline std::string joined_name(const std::string& outer, const std::string& inner) {
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string joined_name(const std::string& outer,
+                                                                          const std::string& inner) {
     return outer.empty() || inner.empty() ? outer + inner : outer + "." + inner;
 }
 
-/// Appends an array behind those that the layer has described so far.
-inline void describe_array(std::vector<parameter>& list, std::string name, role what,
-                           std::vector<std::size_t> extents, std::size_t offset, std::size_t fan_in = 1) {
-    std::size_t size = 1;
-    for (const std::size_t e : extents)
-        size *= e;
-    list.push_back({std::move(name), what, std::move(extents), offset, size, fan_in});
+/// Appends the array "prefix.name" to those that the layer has described so far. `flattened` is the input of
+/// a fully connected layer, for its weights. Not inlined, to save compile time.
+[[gnu::cold, gnu::noinline]] inline void describe_array(std::vector<parameter>& list,
+                                                        const std::string& prefix, const char* name,
+                                                        role what, std::initializer_list<std::size_t> extents,
+                                                        std::size_t offset, std::size_t fan_in = 1,
+                                                        const shape& flattened = {0, 0, 0}) {
+    parameter p{{prefix + "." + name, extents, {}, offset, 0}, what, fan_in};
+    p.size = product_of(p.extents);
+    if (flattened.size() > 0)
+        p.flattened = {flattened.channels, flattened.rows, flattened.columns};
+    list.push_back(std::move(p));
 }
 
 } // namespace TACTNET_ARCH

@@ -52,8 +52,8 @@ struct as_photograph {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix + ".running_mean", role::running_mean, {3}, 0);
-            describe_array(list, prefix + ".running_var", role::running_variance, {3}, 3);
+            describe_array(list, prefix, "running_mean", role::running_mean, {3}, 0);
+            describe_array(list, prefix, "running_var", role::running_variance, {3}, 3);
         }
         static void prepare(const pass&, const T*, const T* running, memory& m) {
             for (std::size_t channel = 0; channel < 3; ++channel) {

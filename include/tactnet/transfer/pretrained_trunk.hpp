@@ -30,7 +30,7 @@ pretrained_trunk(safetensors_source& file, const stored_arrays& arrays, const ph
             "pretrained_trunk: expected a network with as_photograph in front and a layer "
             "at its end with a filter for each class");
     stored_arrays trunk;
-    for (const stored_arrays::array& each : arrays.list)
+    for (const named_array& each : arrays.list)
         if (!each.name.starts_with(last) && !each.name.starts_with("photograph."))
             trunk.list.push_back(each);
     // Whatever classes the file knows, and what it says of its inputs.

@@ -39,7 +39,7 @@ std::size_t place_of(const std::string& name) {
     for (const folded_step& step : layout().steps)
         for (const folded_step::array& array : step.arrays)
             if (array.name == name)
-                return array.begin;
+                return array.offset;
     FAIL(name);
     return 0;
 }
@@ -65,7 +65,7 @@ TEST_CASE("folded_layout: each step says its arrays, which together are all fold
     for (const folded_step& step : layout().steps)
         for (const folded_step::array& array : step.arrays) {
             names.push_back(array.name);
-            CHECK(array.begin == next);
+            CHECK(array.offset == next);
             next += array.size;
         }
     CHECK(next == view::folded_elements);

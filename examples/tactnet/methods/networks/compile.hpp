@@ -41,9 +41,6 @@ public:
         else
             return nullptr;
     }
-    std::vector<tactnet::shape> dense_inputs() const override {
-        return tactnet::detail::dense_inputs<Network>::of();
-    }
 
 private:
     static const Network& network_of(const any_model& model) {

@@ -50,8 +50,6 @@ public:
     virtual std::unique_ptr<any_deployed> deploy(const any_model& model) const = 0;
     /// How images of that size are varied and reduced; null where that was not compiled in.
     virtual tactnet::images_as_taken::variation variation_of(const tactnet::shape& taken) const = 0;
-    /// Of the layers that flatten their input, for weight files: see tactnet::stored_arrays.
-    virtual std::vector<tactnet::shape> dense_inputs() const = 0;
 
 protected:
     compiled_network(std::size_t rows_, std::size_t columns_, std::size_t outputs_, method_costs costs_,

@@ -35,7 +35,7 @@ std::vector<float> logits_of(const any_model& model, std::span<const std::uint8_
 }
 
 tactnet::stored_arrays stored_arrays_of(const compiled_network& code) {
-    return tactnet::detail::make_stored_arrays(code.describe(), code.outputs, code.dense_inputs());
+    return tactnet::stored_arrays_of(code.describe(), code.outputs);
 }
 
 any_model load_model(const compiled_network& code, const tactnet::safetensors& file,

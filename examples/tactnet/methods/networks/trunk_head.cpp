@@ -16,7 +16,7 @@
 namespace {
 
 tactnet::stored_arrays stored_arrays_of(const compiled_head& head, const tactnet::trainable& network) {
-    return tactnet::detail::make_stored_arrays(network.describe(), head.outputs, head.dense_inputs);
+    return tactnet::stored_arrays_of(network.describe(), head.outputs);
 }
 
 /// A frozen trunk with the head that was trained behind it.

@@ -43,7 +43,6 @@ compiled_head compile_head() {
             Classes,
             costs_of<head>(),
             costs_of<tactnet::feature_head<features, 1>>(),
-            tactnet::detail::dense_inputs<head>::of(),
             []() -> std::unique_ptr<tactnet::trainable> {
                 return std::make_unique<tactnet::trainable_network<head>>();
             }};

@@ -42,11 +42,10 @@ struct trunk_names {
 
 /// The head of a frozen trunk, a network that is trained on its features: what is compiled of that.
 struct compiled_head {
-    std::string_view method;                  ///< that trains it: "squeezenet-pooled-nn"
-    trunk_features_form features;             ///< that it is trained on
-    std::size_t outputs;                      ///< the most classes that it can tell apart
-    method_costs costs, costs_of_one;         ///< with all outputs, and with one alone
-    std::vector<tactnet::shape> dense_inputs; ///< for weight files: see tactnet::stored_arrays
+    std::string_view method;          ///< that trains it: "squeezenet-pooled-nn"
+    trunk_features_form features;     ///< that it is trained on
+    std::size_t outputs;              ///< the most classes that it can tell apart
+    method_costs costs, costs_of_one; ///< with all outputs, and with one alone
     std::unique_ptr<tactnet::trainable> (*make)();
 };
 

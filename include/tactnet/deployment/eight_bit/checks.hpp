@@ -79,7 +79,7 @@ private:
     }
     [[gnu::cold]] void check_numbers(const folded_step& step) {
         for (const folded_step::array& array : step.arrays) {
-            const float* const values = folded_.data() + array.begin;
+            const float* const values = folded_.data() + array.offset;
             if (array.kind == folded_kind::range) {
                 check_scale(array.name, 0, values[0]);
                 require(values[1] >= 0 && values[1] <= 255 && values[1] == std::floor(values[1]), array.name,
@@ -96,7 +96,7 @@ private:
     }
     [[nodiscard]] map_range range_of(const folded_step& step, const char* map) const {
         const folded_step::array* const array = step.find(map);
-        return array == nullptr ? map_range{} : map_range::read(folded_.data() + array->begin);
+        return array == nullptr ? map_range{} : map_range::read(folded_.data() + array->offset);
     }
     /// The factor from sums to what the step writes.
     [[gnu::cold]] void check_factor(const std::string& array, std::size_t element, double unit,
@@ -113,18 +113,18 @@ private:
             return check_factor(step.arrays[0].name, 0, static_cast<double>(ranges.input.scale),
                                 ranges.output);
         for (std::size_t f = 0; f < biases->size && !problem_; ++f) {
-            const float bias = folded_[biases->begin + f];
+            const float bias = folded_[biases->offset + f];
             if (scales == nullptr)
-                check_factor(weights->name, f, norm_unit(folded_[weights->begin + f], bias, ranges.input),
+                check_factor(weights->name, f, norm_unit(folded_[weights->offset + f], bias, ranges.input),
                              ranges.output);
             else
-                check_filter(step, *weights, f, bias, folded_[scales->begin + f], ranges);
+                check_filter(step, *weights, f, bias, folded_[scales->offset + f], ranges);
         }
     }
     [[gnu::cold]] void check_filter(const folded_step& step, const folded_step::array& weights,
                                     std::size_t filter, float bias, float scale, const step_ranges& ranges) {
         const std::size_t of_one = weights.size / weights.extents[0];
-        const float* const values = folded_.data() + weights.begin + filter * of_one;
+        const float* const values = folded_.data() + weights.offset + filter * of_one;
         for (std::size_t i = 0; i < of_one; ++i)
             require(std::abs(static_cast<double>(values[i])) < 127.5 * static_cast<double>(scale),
                     weights.name, filter * of_one + i,

@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/tensor/named_array.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <cstddef>
@@ -21,11 +22,8 @@ inline namespace TACTNET_ARCH {
 /// The arrays of one step.
 struct folded_step {
     /// One of them.
-    struct array {
-        std::string name;                 ///< that of the step, a point, and what it is
-        folded_kind kind;                 ///< what its numbers are
-        std::vector<std::size_t> extents; ///< of weights [filter][channel][row][column]
-        std::size_t begin, size;          ///< among all folded numbers
+    struct array : named_array {
+        folded_kind kind; ///< what its numbers are
     };
     std::string name; ///< "step2", "step3.main.step1": its place in the network, with all that it is part of
     double largest_input = 0;  ///< of a step with weights
@@ -59,7 +57,7 @@ namespace detail {
     folded_step step{name, largest_input, {}};
     for (std::size_t i = 0; i < arrays.count; ++i) {
         const folded_array& says = arrays.list[i];
-        folded_step::array array{name + "." + says.name, says.kind, {}, to.numbers, says.size()};
+        folded_step::array array{{name + "." + says.name, {}, {}, to.numbers, says.size()}, says.kind};
         for (const std::size_t extent : says.extents)
             if (extent > 0)
                 array.extents.push_back(extent);
@@ -84,8 +82,8 @@ part_name(const std::string& name, const char* part, std::size_t place = 0) {
             weights != nullptr && scales != nullptr) {
             const std::size_t of_one = weights->size / scales->size;
             for (std::size_t i = 0; i < weights->size; ++i) {
-                float& weight = folded[weights->begin + i];
-                const float scale = folded[scales->begin + i / of_one];
+                float& weight = folded[weights->offset + i];
+                const float scale = folded[scales->offset + i / of_one];
                 weight = static_cast<float>(detail::quantised(weight, static_cast<double>(scale))) * scale;
             }
         }
