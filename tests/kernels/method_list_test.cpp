@@ -26,10 +26,10 @@ struct inapplicable_method {
 } // namespace
 
 TEST_CASE("method_list: chooses the cheapest applicable method, the first of equals") {
-    CHECK(std::is_same_v<method_list<method<3>, method<2>, method<4>>::chosen, method<2>>);
-    CHECK(std::is_same_v<method_list<method<2, 'a'>, method<2, 'b'>>::chosen, method<2, 'a'>>);
-    CHECK(std::is_same_v<method_list<inapplicable_method<int>, method<5>>::chosen, method<5>>);
-    CHECK(std::is_same_v<method_list<method<5>, inapplicable_method<int>>::chosen, method<5>>);
+    CHECK(std::is_same_v<method_list<method<3>, method<2>, method<4>>::cheapest, method<2>>);
+    CHECK(std::is_same_v<method_list<method<2, 'a'>, method<2, 'b'>>::cheapest, method<2, 'a'>>);
+    CHECK(std::is_same_v<method_list<inapplicable_method<int>, method<5>>::cheapest, method<5>>);
+    CHECK(std::is_same_v<method_list<method<5>, inapplicable_method<int>>::cheapest, method<5>>);
 }
 
 TEST_CASE("method_list: for_each_applicable visits methods in the order of the list") {

@@ -2,7 +2,6 @@
 
 #include <tactnet/detail/config.hpp>
 
-#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <type_traits>
@@ -21,12 +20,6 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
-
-template <class Method>
-concept computation_method = requires {
-    { Method::name } -> std::convertible_to<const char*>;
-    { Method::applicable } -> std::convertible_to<bool>;
-};
 
 namespace detail {
 
@@ -49,11 +42,11 @@ struct cheapest_method<First, Second, Rest...>
 } // namespace detail
 
 /// The methods for one description.
-template <computation_method... Methods>
+template <class... Methods>
 struct method_list {
     static_assert((Methods::applicable || ...), "method_list: no method computes this description");
     /// The cheapest applicable method; the first of several that cost the same.
-    using chosen = typename detail::cheapest_method<Methods...>::type;
+    using cheapest = typename detail::cheapest_method<Methods...>::type;
     /// Calls visit(std::type_identity<Method>{}) for each applicable method.
     template <class Visit>
     static constexpr void for_each_applicable(Visit&& visit) {
