@@ -40,7 +40,7 @@ template <class Network>
 Network trained_network() {
     Network network;
     tactnet::initialise(network, tactnet::he_normal{}, 1);
-    tactnet::random_stream random(2, tactnet::draw::order);
+    tactnet::random_stream random(2, tactnet::random_purposes::order);
     for (float& s : network.running_statistics())
         s = static_cast<float>(random.uniform(0.5, 2));
     for (float& v : network.learnable_values())
@@ -119,7 +119,7 @@ struct task {
     std::vector<double> expected;
 
     task(std::size_t batch, double low, double high) : frames(batch * Network::input_shape.size()) {
-        tactnet::random_stream random(3, tactnet::draw::order);
+        tactnet::random_stream random(3, tactnet::random_purposes::order);
         for (Count& f : frames) {
             const double value = random.uniform(low, high);
             f = static_cast<Count>(std::is_same_v<Count, float> ? value : std::max(value, 0.0));

@@ -111,7 +111,7 @@ void add_line(const options& o, const summary& ours, const summary& theirs, doub
 void measure(const options& o) {
     const benchmark::large_network network = find(o.network).make(o.batch, o.threads);
     std::vector<float> frames(o.batch * network.inputs), ours(o.batch * network.outputs), theirs(ours.size());
-    tactnet::random_stream random(3, tactnet::draw::order);
+    tactnet::random_stream random(3, tactnet::random_purposes::order);
     for (float& f : frames)
         f = static_cast<float>(random.uniform(-2, 2));
     const auto deployed = [&] { network.deployed(frames, ours); };

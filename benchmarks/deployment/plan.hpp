@@ -89,7 +89,7 @@ struct step_walk<tactnet::residual_step<Main, Skip, Stride>> {
     }
 };
 
-[[nodiscard]] inline std::string extent_text(tactnet::extent e) {
+[[nodiscard]] inline std::string extent_text(tactnet::extent2d e) {
     return std::to_string(e.rows) + " × " + std::to_string(e.columns);
 }
 
@@ -109,7 +109,7 @@ struct step_description<tactnet::convolution_step<Format, C>> {
     static constexpr bool convolves = C.groups == 1 && !step::large;
     static std::string what() {
         return "convolution " + extent_text(C.window.kernel) + ", " + std::to_string(C.filters) + " filters" +
-               (C.pool == tactnet::extent(1) ? "" : ", pool " + extent_text(C.pool)) +
+               (C.pool == tactnet::extent2d(1) ? "" : ", pool " + extent_text(C.pool)) +
                (C.adds ? ", sum" : "");
     }
     static std::string plan() {
@@ -168,7 +168,7 @@ void time_other_plans(layer_report& layer, const float* in, float* out) {
     }
     const auto time_tiles = [&]<std::size_t Rows, std::size_t Columns>(kernels::constant<Rows>,
                                                                        kernels::constant<Columns>) {
-        constexpr tactnet::extent tile(Rows, Columns);
+        constexpr tactnet::extent2d tile(Rows, Columns);
         if constexpr (tile != Step::tile_outputs && kernels::tile_possible(C, tile)) {
             using tiles = kernels::winograd_tiles<C, tile>;
             tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(tiles::weights)),
@@ -203,7 +203,7 @@ template <class Network>
     using input = tactnet::input_stage<tactnet::single_precision, Network::input_shape>;
 
     std::vector<float> frame(Network::input_shape.size()), expected(Network::outputs);
-    tactnet::random_stream random(3, tactnet::draw::order);
+    tactnet::random_stream random(3, tactnet::random_purposes::order);
     for (float& count : frame)
         count = static_cast<float>(std::max(random.uniform(-100, 255), 0.0));
     const tactnet::tensor_view<const float, Network::input_shape> counts(frame.data());

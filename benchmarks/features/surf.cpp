@@ -26,7 +26,7 @@ using surf = tactnet::dense_surf<size>;
 std::vector<std::uint8_t> touches() {
     std::vector<std::uint8_t> pixels(images * size.size());
     for (std::uint32_t i = 0; i < images; ++i) {
-        tactnet::random_stream random(1, tactnet::draw::order, i);
+        tactnet::random_stream random(1, tactnet::random_purposes::order, i);
         const double angle = random.uniform(0, 3), bend = random.uniform(0, 0.05);
         const double row = random.uniform(8, 20), column = random.uniform(15, 35),
                      width = random.uniform(2, 9);

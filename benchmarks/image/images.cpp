@@ -24,7 +24,7 @@ constexpr std::size_t rounds = 101;
 const tactnet::tensor<float, frame>& image() {
     static const auto pixels = [] {
         tactnet::tensor<float, frame> drawn;
-        tactnet::random_stream random(1, tactnet::draw::order);
+        tactnet::random_stream random(1, tactnet::random_purposes::order);
         for (float& value : drawn)
             value = static_cast<float>(random.uniform(0, 255));
         return drawn;
@@ -89,7 +89,7 @@ task affine_task() {
                                                      .scale = 0.1,
                                                      .pressure = 0.3};
     static const auto draw = [](std::uint32_t number) {
-        tactnet::random_stream random(1, tactnet::draw::augmentation, 0, number);
+        tactnet::random_stream random(1, tactnet::random_purposes::augmentation, 0, number);
         return tactnet::image_transform::draw(ranges, random);
     };
     task t{.name = "28x50 random affine, bilinear, drawn", .calls = 500, .goal = 3};

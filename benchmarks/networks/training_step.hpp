@@ -49,7 +49,7 @@ struct fixture {
           decayed(network.learnable_values().size(), 1) {
         state.resize(decayed.size());
         tactnet::initialise(network, tactnet::he_normal{}, 1);
-        tactnet::random_stream random(1, tactnet::draw::order);
+        tactnet::random_stream random(1, tactnet::random_purposes::order);
         for (std::size_t s = 0; s < samples; ++s) {
             for (std::size_t e = 0; e < Network::input_shape.size(); ++e)
                 in(s, e) = static_cast<value>(random.uniform(-20, 100));

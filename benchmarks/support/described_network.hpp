@@ -77,7 +77,7 @@ private:
                                .adds = C.adds,
                                .weights = {folded, folded + step::weights},
                                .bias = {folded + step::weights, folded + step::folded}});
-        if constexpr (C.pool == tactnet::extent(1)) {
+        if constexpr (C.pool == tactnet::extent2d(1)) {
             return to;
         } else {
             tactnet::sliding_window pool{full, C.pool, C.pool};
@@ -102,8 +102,8 @@ private:
                           columns.size % columns.outputs == 0,
                       "described_network: average pools are described where all windows are of one size and "
                       "side by side");
-        constexpr tactnet::extent window(rows.size / rows.outputs, columns.size / columns.outputs);
-        if (window == tactnet::extent(1))
+        constexpr tactnet::extent2d window(rows.size / rows.outputs, columns.size / columns.outputs);
+        if (window == tactnet::extent2d(1))
             return from;
         return add_pool({{rows.size, columns.size, Channels}, window, window}, from,
                         operation::kind::average);

@@ -43,7 +43,7 @@ struct pixel_split {
         for (std::size_t i = 0; i < images.size(); ++i)
             if (images.labels[i] == label)
                 members.push_back(i);
-        tactnet::random_stream(seed, tactnet::draw::split, static_cast<std::uint32_t>(label))
+        tactnet::random_stream(seed, tactnet::random_purposes::split, static_cast<std::uint32_t>(label))
             .shuffle(members);
         for (std::size_t k = 0; k < members.size(); ++k)
             (k < for_training ? split.training : split.test).add(images.image(members[k]), label);

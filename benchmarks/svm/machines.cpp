@@ -74,7 +74,7 @@ struct sample_set {
 };
 
 sample_set clouds(std::size_t count, std::size_t features, std::size_t classes) {
-    tactnet::random_stream random(1, tactnet::draw::order);
+    tactnet::random_stream random(1, tactnet::random_purposes::order);
     std::vector<double> centres(classes * features);
     for (double& value : centres)
         value = random.uniform(-3, 3);

@@ -86,12 +86,12 @@ sheet draw(const frame& counts) {
 
     frame noisy = counts;
     tactnet::add_noise<full>({.additive = 4, .relative = 0.1},
-                             tactnet::random_stream(1, tactnet::draw::noise), noisy.view());
+                             tactnet::random_stream(1, tactnet::random_purposes::noise), noisy.view());
     page.show(2, 2, noisy);
 
     // All at once, drawn from ranges: what a training sees.
     for (std::uint32_t sample = 0; sample < 2; ++sample) {
-        tactnet::random_stream random(1, tactnet::draw::augmentation, 0, sample);
+        tactnet::random_stream random(1, tactnet::random_purposes::augmentation, 0, sample);
         show_moved(page, 8 + sample, counts,
                    tactnet::image_motion::draw({0.5, 0.5, 4, 15, 0.1, 0.3, 0.2}, random));
     }

@@ -33,7 +33,7 @@ struct leaky_relu {
         static constexpr bool by_parts = true;
         static constexpr T slope = static_cast<T>(Percent) / 100;
 
-        static void infer(const tactnet::pass& p, const T*, const T*, tactnet::no_memory&,
+        static void infer(const tactnet::execution_context& p, const T*, const T*, tactnet::no_memory&,
                           tactnet::input_view<T, Input> in, tactnet::output_view<T, Input> out) {
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t e = 0; e < in.lane_block_size; ++e)
@@ -41,11 +41,12 @@ struct leaky_relu {
                         in.lane_block(g)[e] > 0 ? in.lane_block(g)[e] : slope * in.lane_block(g)[e];
             });
         }
-        static void forward(const tactnet::pass& p, const T* none, T*, tactnet::no_memory& memory,
-                            tactnet::input_view<T, Input> in, tactnet::output_view<T, Input> out) {
+        static void forward(const tactnet::execution_context& p, const T* none, T*,
+                            tactnet::no_memory& memory, tactnet::input_view<T, Input> in,
+                            tactnet::output_view<T, Input> out) {
             infer(p, none, none, memory, in, out);
         }
-        static void backward(const tactnet::pass& p, const T*, tactnet::no_memory&,
+        static void backward(const tactnet::execution_context& p, const T*, tactnet::no_memory&,
                              tactnet::input_view<T, Input>, tactnet::input_view<T, Input> out,
                              tactnet::input_view<T, Input> out_gradient,
                              tactnet::output_view<T, Input> in_gradient, T*) {

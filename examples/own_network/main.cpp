@@ -19,10 +19,10 @@ constexpr std::size_t classes = 6; // the first of the paper's
 constexpr shape extents{14, 25};
 
 /// Layers in order, without sizes: they follow from the image when this is compiled.
-using own_network = network<extents,                                                 //
-                            conv2d<8, 3>, batch_norm, relu, max_pool<2>,             // 7 × 13, 8 channels
-                            residual<sequence<conv2d<8, 3>, batch_norm>>, relu,      // the same
-                            conv2d<16, extent{2, 3}>, batch_norm, relu, max_pool<2>, // 4 × 7, 16 channels
+using own_network = network<extents,                                                   //
+                            conv2d<8, 3>, batch_norm, relu, max_pool<2>,               // 7 × 13, 8 channels
+                            residual<sequence<conv2d<8, 3>, batch_norm>>, relu,        // the same
+                            conv2d<16, extent2d{2, 3}>, batch_norm, relu, max_pool<2>, // 4 × 7, 16 channels
                             dropout<20>, dense<classes>>;
 // What it costs is known before it runs; a change that costs more is seen when compiling.
 static_assert(own_network::parameters == 4206);

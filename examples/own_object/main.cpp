@@ -15,7 +15,7 @@ int main() {
     paper_scene::frames frames;
     for (std::uint32_t number = 0; number < 3; ++number) {
         const auto numbers = [&](std::uint32_t what) {
-            return tactnet::random_stream(1, tactnet::draw::touch, number, what);
+            return tactnet::random_stream(1, tactnet::random_purposes::touch, number, what);
         };
         drawing random(numbers(0), numbers(1), numbers(2)); // of its shape, its pose and the force
         const touch some = fork(random);

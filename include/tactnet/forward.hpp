@@ -10,7 +10,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 struct shape;
-struct extent;
+struct extent2d;
 struct padding;
 class thread_pool;
 class safetensors;

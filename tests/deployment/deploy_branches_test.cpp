@@ -11,11 +11,11 @@
 using namespace tactnet;
 
 TEST_CASE("deployed: groups whose filters fill vectors, groups that do not, convolutions without bias") {
-    using net =
-        network<shape{7, 8, 4}, conv2d<32, 3, 1, same, in_groups(2)>, relu,                           //
-                conv2d<64, 3, 1, same, conv2d_options{.groups = 2, .bias = false}>, batch_norm, relu, //
-                conv2d<6, 3, 2, pad(1), in_groups(2)>, conv2d<6, 3, 1, same, in_groups(6)>,
-                conv2d<5, 1, 1, same, without_bias>, dense<3>>;
+    using net = network<shape{7, 8, 4}, conv2d<32, 3, 1, padding::same, in_groups(2)>, relu, //
+                        conv2d<64, 3, 1, padding::same, conv2d_options{.groups = 2, .bias = false}>,
+                        batch_norm, relu, //
+                        conv2d<6, 3, 2, pad(1), in_groups(2)>, conv2d<6, 3, 1, padding::same, in_groups(6)>,
+                        conv2d<5, 1, 1, padding::same, without_bias>, dense<3>>;
     const support::error_shares errors = support::errors_of<net>(41, 5);
     MESSAGE(errors);
     CHECK(errors.good());
@@ -24,7 +24,7 @@ TEST_CASE("deployed: groups whose filters fill vectors, groups that do not, conv
 TEST_CASE("deployed: branches that write side by side, and branches that are copied there") {
     using fire = sequence<conv2d<8, 1>, relu,
                           concatenation<sequence<conv2d<16, 1>, relu>, sequence<conv2d<32, 3>, relu>>>;
-    using mixed = concatenation<identity, sequence<conv2d<5, 3>, relu, max_pool<3, 1>>, dropout<30>,
+    using mixed = concatenation<identity_layer, sequence<conv2d<5, 3>, relu, max_pool<3, 1>>, dropout<30>,
                                 sequence<conv2d<12, 3>, batch_norm, relu>, conv2d<3, 1>>;
     using net = network<shape{9, 7, 3}, fire, max_pool<3, 2, ceil_mode()>, fire, mixed, relu,
                         concatenation<mixed, max_pool<3, 1>>, dense<4>>;
@@ -35,7 +35,7 @@ TEST_CASE("deployed: branches that write side by side, and branches that are cop
 
 TEST_CASE("deployed: a branch of several steps keeps out of the maps around it") {
     // Maps that fill their memory, to either side of it.
-    using several = concatenation<identity, sequence<conv2d<32, 3>, relu, max_pool<3, 1>>>;
+    using several = concatenation<identity_layer, sequence<conv2d<32, 3>, relu, max_pool<3, 1>>>;
     using once = network<shape{5, 7, 3}, conv2d<32, 3>, several, dense<4>>;
     using behind = network<shape{5, 7, 3}, conv2d<64, 3>, conv2d<32, 3>, several, dense<4>>;
     CHECK(support::errors_of<once>(48, 5).good());
@@ -43,15 +43,17 @@ TEST_CASE("deployed: a branch of several steps keeps out of the maps around it")
 }
 
 TEST_CASE("deployed: branches in groups, as the first layer and as the last") {
-    using net = network<shape{5, 6, 4}, concatenation<conv2d<8, 3, 1, same, in_groups(2)>, identity>,
-                        concatenation<conv2d<16, 1, 1, same, in_groups(4)>, conv2d<2, 3>>>;
+    using net =
+        network<shape{5, 6, 4}, concatenation<conv2d<8, 3, 1, padding::same, in_groups(2)>, identity_layer>,
+                concatenation<conv2d<16, 1, 1, padding::same, in_groups(4)>, conv2d<2, 3>>>;
     CHECK(support::errors_of<net>(43, 5).good());
 }
 
 TEST_CASE("deployed: averages of windows, of bins and of everything") {
-    using net = network<shape{9, 11, 3}, average_pool<2>, conv2d<20, 3>, relu,        //
-                        average_pool<3, 2, pad(1), average_over::pixels_and_padding>, //
-                        conv2d<5, 3>, adaptive_average_pool<extent{2, 5}>, conv2d<9, 1>, global_average_pool>;
+    using net =
+        network<shape{9, 11, 3}, average_pool<2>, conv2d<20, 3>, relu,        //
+                average_pool<3, 2, pad(1), average_over::pixels_and_padding>, //
+                conv2d<5, 3>, adaptive_average_pool<extent2d{2, 5}>, conv2d<9, 1>, global_average_pool>;
     CHECK(support::errors_of<net>(44, 5).good());
 }
 

@@ -102,7 +102,7 @@ TEST_CASE("deployed: NaN and infinity are told wherever they are in the frame") 
     };
     CHECK(missed(fast(), as_floats(support::make_frame(pixels, 1))) == 0);
     // Here pixels may vanish on the way: in pools, which also leave some out, and in ReLUs.
-    using forgetful = network<shape{9, 11, 2}, conv2d<4, 1>, relu, max_pool<2, 2, valid>, dense<3>>;
+    using forgetful = network<shape{9, 11, 2}, conv2d<4, 1>, relu, max_pool<2, 2, padding::valid>, dense<3>>;
     forgetful small;
     support::fill(small, 6);
     CHECK(missed(deploy(small), as_floats(support::make_frame(forgetful::input_shape.size(), 1))) == 0);
@@ -150,7 +150,7 @@ TEST_CASE("deployed: numbers so large that sums overflow never pass as a result"
 }
 
 TEST_CASE("deployed: a sum that overflows on the way is told, though a ReLU would hide it") {
-    using hides = network<shape{1, 3}, conv2d<1, extent(1, 3), 1, valid>, relu, dense<1>>;
+    using hides = network<shape{1, 3}, conv2d<1, extent2d(1, 3), 1, padding::valid>, relu, dense<1>>;
     hides n;
     const std::array<float, 6> values{-2, 1.1f, 1.1f, 0, 1, 0}; // of 3e38: first −inf, in truth 6e37
     std::copy(values.begin(), values.end(), n.learnable_values().begin());
@@ -180,7 +180,7 @@ TEST_CASE("deployed: counts of 8 bits are taken wherever a mean makes them large
 }
 
 TEST_CASE("deployed: parameters that no training gives are refused") {
-    using small = network<shape{1, 3}, conv2d<1, extent(1, 3), 1, valid>, relu, dense<1>>;
+    using small = network<shape{1, 3}, conv2d<1, extent2d(1, 3), 1, padding::valid>, relu, dense<1>>;
     small n;
     n.learnable_values()[0] = 1e36f;
     CHECK_THROWS_WITH_AS(static_cast<void>(deploy(n)), doctest::Contains("up to 1e30"),
@@ -227,7 +227,7 @@ TEST_CASE("deployed: parameters that are no numbers, and impossible variances, a
         for (std::size_t i = p.offset; i < p.offset + p.size && !learnable(p.what); ++i) {
             refused(
                 [&](tiny& bad) { bad.running_statistics()[i] = std::numeric_limits<float>::quiet_NaN(); });
-            if (p.what == role::running_mean)
+            if (p.what == parameter_role::running_mean)
                 refused(
                     [&](tiny& bad) { bad.running_statistics()[i] = std::numeric_limits<float>::infinity(); });
             else

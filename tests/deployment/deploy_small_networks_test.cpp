@@ -8,10 +8,10 @@
 using namespace tactnet;
 
 TEST_CASE("deployed: filters that fill no vector, even kernels, strides, explicit padding") {
-    using net = network<shape{9, 11, 3},                                                //
-                        conv2d<5, extent(4, 2), 1>, relu,                               //
-                        conv2d<12, 3, extent(2, 1), pad(0, 2, 1, 1)>, batch_norm, relu, //
-                        conv2d<33, 3>, conv2d<3, extent(1, 3), extent(1, 2), valid>,    //
+    using net = network<shape{9, 11, 3},                                                          //
+                        conv2d<5, extent2d(4, 2), 1>, relu,                                       //
+                        conv2d<12, 3, extent2d(2, 1), pad(0, 2, 1, 1)>, batch_norm, relu,         //
+                        conv2d<33, 3>, conv2d<3, extent2d(1, 3), extent2d(1, 2), padding::valid>, //
                         conv2d<20, 2>, dense<7>>;
     const support::error_shares errors = support::errors_of<net>(21, 5);
     MESSAGE(errors);
@@ -19,10 +19,10 @@ TEST_CASE("deployed: filters that fill no vector, even kernels, strides, explici
 }
 
 TEST_CASE("deployed: pools that overlap, cut, complete or keep the image, on either side of ReLU") {
-    using net = network<shape{13, 17, 2},                                         //
-                        conv2d<12, 3>, batch_norm, max_pool<2, 2, valid>, relu,   // cut
-                        conv2d<8, 3>, relu, max_pool<3, 2>, max_pool<2, 1>,       // overlap, stride 1
-                        conv2d<20, 2>, max_pool<2>, max_pool<extent(1, 2)>, relu, // completed, twice
+    using net = network<shape{13, 17, 2},                                                //
+                        conv2d<12, 3>, batch_norm, max_pool<2, 2, padding::valid>, relu, // cut
+                        conv2d<8, 3>, relu, max_pool<3, 2>, max_pool<2, 1>,              // overlap, stride 1
+                        conv2d<20, 2>, max_pool<2>, max_pool<extent2d(1, 2)>, relu,      // completed, twice
                         batch_norm, dense<5>>;
     const support::error_shares errors = support::errors_of<net>(22, 5);
     MESSAGE(errors);
@@ -79,7 +79,7 @@ TEST_CASE("deployed: branches whose pixels lie differently far apart") {
 
 TEST_CASE(
     "deployed: tiles whose parts end within a cache line, padding larger than the kernel, large pools") {
-    using odd_tiles = network<shape{7, 7, 8}, conv2d<32, 2, 1, valid>, dense<3>>;
+    using odd_tiles = network<shape{7, 7, 8}, conv2d<32, 2, 1, padding::valid>, dense<3>>;
     using far_padding = network<shape{4, 4}, conv2d<8, 3, 1, pad(7)>, relu, dense<3>>;
     using large_pool = network<shape{12, 12}, conv2d<16, 3>, relu, max_pool<6>, dense<3>>;
     CHECK(support::errors_of<odd_tiles>(32, 5).good());

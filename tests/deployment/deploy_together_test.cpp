@@ -27,22 +27,24 @@ namespace {
 constexpr std::size_t vector = std::max<std::size_t>(kernels::lanes<float>, 8), wide = 2 * vector;
 /// Every kind of large step, and small ones between.
 using large_network =
-    network<shape{40, 44, 3}, conv2d<wide, 5, 2>, batch_norm, relu, max_pool<3, 2, valid>,
+    network<shape{40, 44, 3}, conv2d<wide, 5, 2>, batch_norm, relu, max_pool<3, 2, padding::valid>,
             residual<sequence<conv2d<2 * wide, 1>, batch_norm, relu, conv2d<wide, 3>, batch_norm>>, relu,
-            conv2d<144 * vector, 1>, relu, max_pool<3, 3, valid>, conv2d<4 * vector, 3>, dense<10>>;
+            conv2d<144 * vector, 1>, relu, max_pool<3, 3, padding::valid>, conv2d<4 * vector, 3>, dense<10>>;
 /// What large networks are made of besides: branches side by side, groups, a projection as skip; and a kernel
 /// of 2 × 2, whose tiles have nine elements.
 using branched_network =
     network<shape{40, 44, 3}, conv2d<wide, 5, 2>, relu,
             concatenation<sequence<conv2d<wide, 1>, relu>, sequence<conv2d<wide, 3>, relu>>,
-            conv2d<144 * vector, 1>, relu, max_pool<3, 3, valid>, conv2d<wide, 3, 1, same, in_groups(2)>,
-            relu, residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
-            conv2d<8, 2, 1, valid>, relu, dense<10>>;
+            conv2d<144 * vector, 1>, relu, max_pool<3, 3, padding::valid>,
+            conv2d<wide, 3, 1, padding::same, in_groups(2)>, relu,
+            residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
+            conv2d<8, 2, 1, padding::valid>, relu, dense<10>>;
 
 /// Small steps with more weights than the second level of cache holds: a few frames pass together on each
 /// thread, and a dense layer reads its weights once for them.
-using heavy_network = network<shape{10, 18}, conv2d<8, 3>, relu, conv2d<32, 3>, relu, max_pool<2, 1, same>,
-                              residual<sequence<conv2d<32, 3>, batch_norm>>, relu, dense<70>>;
+using heavy_network =
+    network<shape{10, 18}, conv2d<8, 3>, relu, conv2d<32, 3>, relu, max_pool<2, 1, padding::same>,
+            residual<sequence<conv2d<32, 3>, batch_norm>>, relu, dense<70>>;
 
 /// The same where all is near: the tiles of four frames make one list, those left over pass alone.
 using light_network = network<shape{9, 11}, conv2d<16, 3>, relu, max_pool<2>, conv2d<32, 3>, batch_norm, relu,
@@ -68,7 +70,7 @@ std::unique_ptr<Network> random_network() {
     std::uint64_t state = 3;
     net->for_each_parameter([&](const parameter& p, std::span<float> values) {
         for (float& value : values)
-            value = p.what == role::running_variance
+            value = p.what == parameter_role::running_variance
                         ? 1 + 0.5f * support::draw(state)
                         : support::draw(state) / std::sqrt(static_cast<float>(p.fan_in));
     });

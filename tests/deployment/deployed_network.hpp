@@ -37,13 +37,14 @@ template <class Network>
 void fill(Network& net, std::uint64_t seed) {
     numbers draw(seed);
     net.for_each_parameter([&](const tactnet::parameter& p, auto values) {
-        using tactnet::role;
-        const float spread = p.what == role::weight ? std::sqrt(6.0f / static_cast<float>(p.fan_in)) : 0.5f;
+        using tactnet::parameter_role;
+        const float spread =
+            p.what == parameter_role::weight ? std::sqrt(6.0f / static_cast<float>(p.fan_in)) : 0.5f;
         for (float& value : values) {
             value = draw.next(-spread, spread);
-            if (p.what == role::running_variance)
+            if (p.what == parameter_role::running_variance)
                 value = 0.3f + 2 * std::abs(value);
-            if (p.what == role::scale)
+            if (p.what == parameter_role::scale)
                 value += value < 0 ? -0.7f : 0.7f;
         }
     });
@@ -62,7 +63,7 @@ inline std::vector<std::uint8_t> make_frame(std::size_t size, std::uint64_t seed
 template <class Spec>
 struct description;
 
-template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding,
+template <std::size_t Filters, tactnet::extent2d Kernel, tactnet::extent2d Stride, tactnet::padding Padding,
           tactnet::conv2d_options Options>
 struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static described_layer on(tactnet::shape in) {
@@ -73,7 +74,7 @@ struct description<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
                 .bias = Options.bias};
     }
 };
-template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
+template <tactnet::extent2d Window, tactnet::extent2d Stride, tactnet::padding Padding>
 struct description<tactnet::max_pool<Window, Stride, Padding>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::pool,
@@ -93,7 +94,7 @@ inline described_layer described_average(tactnet::shape in, const tactnet::avera
         });
     return layer;
 }
-template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding,
+template <tactnet::extent2d Window, tactnet::extent2d Stride, tactnet::padding Padding,
           tactnet::average_over Over>
 struct description<tactnet::average_pool<Window, Stride, Padding, Over>> {
     static described_layer on(tactnet::shape in) {
@@ -101,7 +102,7 @@ struct description<tactnet::average_pool<Window, Stride, Padding, Over>> {
         return described_average(in, tactnet::detail::average_windows_of(window, Padding, Over));
     }
 };
-template <tactnet::extent Output>
+template <tactnet::extent2d Output>
 struct description<tactnet::adaptive_average_pool<Output>> {
     static described_layer on(tactnet::shape in) {
         return described_average(in, tactnet::detail::adaptive_windows<Output.rows, Output.columns>(in));

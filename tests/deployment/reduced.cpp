@@ -119,7 +119,7 @@ reduced_result TACTNET_TEST_UNIT() {
     // Tiles, taps, a sum, overlapping pools, softmax; channels that fill no vector.
     append<network<shape{9, 10, 2}, batch_norm, conv2d<12, 3>, relu, max_pool<3, 1>,
                    residual<sequence<conv2d<12, 3>, batch_norm>>, relu, conv2d<33, 2>, max_pool<2>, relu,
-                   conv2d<5, extent(2, 3), 2, pad(1)>, batch_norm, dense<9>, softmax>>(result, 32);
+                   conv2d<5, extent2d(2, 3), 2, pad(1)>, batch_norm, dense<9>, softmax>>(result, 32);
     // In 8 bits: words with few channels and with several, pools, a sum, branches, groups, strides.
     append_whole<
         network<shape{14, 13}, conv2d<8, 5>, relu, max_pool<2>, conv2d<16, 3>, relu, conv2d<7, 3>, dense<6>>>(
@@ -127,7 +127,7 @@ reduced_result TACTNET_TEST_UNIT() {
     append_whole<network<shape{9, 10, 2}, batch_norm, conv2d<12, 3>, relu, max_pool<3, 1>,
                          residual<sequence<conv2d<12, 3>>>, relu,
                          concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<16, 3>, relu>>,
-                         conv2d<33, 2>, max_pool<2>, relu, conv2d<6, 3, 1, same, in_groups(3)>, relu,
-                         conv2d<5, extent(2, 3), 2, pad(1)>, average_pool<2, 1>, dense<9>>>(result, 34);
+                         conv2d<33, 2>, max_pool<2>, relu, conv2d<6, 3, 1, padding::same, in_groups(3)>, relu,
+                         conv2d<5, extent2d(2, 3), 2, pad(1)>, average_pool<2, 1>, dense<9>>>(result, 34);
     return result;
 }

@@ -29,7 +29,7 @@ void write_images(const std::filesystem::path& folder) {
         const auto place = folder / ("bar" + std::to_string(label));
         std::filesystem::create_directories(place);
         for (std::uint32_t number = 0; number < 8; ++number) {
-            tactnet::random_stream random(5, tactnet::draw::order, label, number);
+            tactnet::random_stream random(5, tactnet::random_purposes::order, label, number);
             const double row = random.uniform(10, 18), column = random.uniform(18, 32),
                          angle = label * 1.0472;
             std::vector<std::uint8_t> pixels;
@@ -48,10 +48,10 @@ void write_images(const std::filesystem::path& folder) {
 void write_weights(const std::filesystem::path& file, bool whole = true) {
     using trunk = tactnet::squeezenet1_1_trunk<tactnet::shape{227, 227, 3}>;
     tactnet::safetensors_writer writer;
-    tactnet::random_stream random(6, tactnet::draw::order);
+    tactnet::random_stream random(6, tactnet::random_purposes::order);
     for (const tactnet::parameter& p : trunk::describe()) {
         const double most =
-            p.what == tactnet::role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
+            p.what == tactnet::parameter_role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
         std::vector<float> values(p.size);
         for (float& value : values)
             value = static_cast<float>(random.uniform(-most, most));

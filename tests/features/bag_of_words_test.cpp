@@ -15,7 +15,7 @@ using namespace tactnet;
 namespace {
 
 std::vector<float> random_rows(std::size_t count, std::size_t width, std::uint32_t number) {
-    random_stream random(4, draw::order, number);
+    random_stream random(4, random_purposes::order, number);
     std::vector<float> rows(count * width);
     for (float& v : rows)
         v = static_cast<float>(static_cast<int>(random.below(2001)) - 1000) /

@@ -11,7 +11,7 @@ namespace features_test {
 /// Counts from 0 to 255, or real numbers from −1 to 1.
 template <class Pixel, tactnet::shape Shape>
 tactnet::tensor<Pixel, Shape> random_image(std::uint32_t number) {
-    tactnet::random_stream random(5, tactnet::draw::order, number);
+    tactnet::random_stream random(5, tactnet::random_purposes::order, number);
     tactnet::tensor<Pixel, Shape> image;
     for (Pixel& pixel : image)
         if constexpr (std::is_integral_v<Pixel>)

@@ -18,7 +18,7 @@ constexpr std::size_t values = 5;
 const double roundings = support::accumulated(support::unit_roundoff<float>, values + 3);
 
 std::vector<float> random_points(std::size_t count, std::size_t width, std::uint32_t number) {
-    random_stream random(3, draw::order, number);
+    random_stream random(3, random_purposes::order, number);
     std::vector<float> points(count * width);
     for (float& v : points)
         v = static_cast<float>(random.uniform(-1, 1));

@@ -41,7 +41,7 @@ def hash_of(text):
 
 
 def philox(count, stream):
-    """The first numbers of random_stream(2012, draw::order, stream)."""
+    """The first numbers of random_stream(2012, random_purposes::order, stream)."""
     blocks = (count + 3) // 4
     counter = [
         numpy.arange(blocks, dtype=numpy.uint64),

@@ -30,7 +30,7 @@ constexpr std::size_t values = 5;
 
 /// Two clusters, `apart` from each other around `middle`, each a tenth as wide.
 std::vector<float> two_clusters(std::size_t count, float middle, float apart) {
-    random_stream random(3, draw::order);
+    random_stream random(3, random_purposes::order);
     std::vector<float> points(count * values);
     for (std::size_t i = 0; i < points.size(); ++i)
         points[i] = middle + (i / values % 2 == 0 ? apart : 0) +

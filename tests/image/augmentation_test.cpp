@@ -33,7 +33,7 @@ TEST_CASE("image_transform::draw: within the ranges, reaching near their ends") 
     int upside_down = 0, exchanged = 0;
     constexpr int n = 4000;
     for (std::uint32_t i = 0; i < n; ++i) {
-        random_stream random(1, draw::augmentation, 0, i);
+        random_stream random(1, random_purposes::augmentation, 0, i);
         const image_transform t = image_transform::draw(ranges, random);
         // The map back has the determinant ± 1 / zoom².
         const double determinant = t.row_by_row * t.column_by_column - t.row_by_column * t.column_by_row;
@@ -65,7 +65,7 @@ TEST_CASE(
     "image_transform::draw: the same for the same seed, epoch and sample; nothing to draw changes nothing") {
     const augmentation_ranges ranges = augmentation_ranges::published(28, 50);
     const auto drawn = [&](std::uint64_t seed, std::uint32_t epoch, std::uint32_t sample) {
-        random_stream random(seed, draw::augmentation, epoch, sample);
+        random_stream random(seed, random_purposes::augmentation, epoch, sample);
         const image_transform t = image_transform::draw(ranges, random);
         return std::array{t.row_by_row,       t.row_by_column, t.row_shift, t.column_by_row,
                           t.column_by_column, t.column_shift,  t.gain};
@@ -74,7 +74,7 @@ TEST_CASE(
     CHECK(drawn(1, 2, 3) != drawn(2, 2, 3));
     CHECK(drawn(1, 2, 3) != drawn(1, 3, 3));
     CHECK(drawn(1, 2, 3) != drawn(1, 2, 4));
-    random_stream random(1, draw::augmentation);
+    random_stream random(1, random_purposes::augmentation);
     const image_transform t = image_transform::draw({}, random);
     CHECK(std::array{t.row_by_row, t.column_by_column, t.gain} == std::array{1.0, 1.0, 1.0});
     CHECK(std::array{t.row_by_column, t.column_by_row, t.row_shift, t.column_shift} ==
@@ -88,7 +88,7 @@ TEST_CASE("image_motion::draw: a part is erased as often as asked, with sides of
     double least = 1, most = 0, farthest = 0;
     constexpr int n = 4000;
     for (std::uint32_t i = 0; i < n; ++i) {
-        random_stream random(1, draw::augmentation, 0, i);
+        random_stream random(1, random_purposes::augmentation, 0, i);
         const image_part part = image_motion::draw(ranges, random).erased;
         if (part.empty())
             continue;
@@ -128,7 +128,7 @@ TEST_CASE("image_motion::draw: shears to either side, as far as asked") {
     const augmentation_ranges ranges{.shear = 0.5};
     double least = 0, most = 0;
     for (std::uint32_t i = 0; i < 1000; ++i) {
-        random_stream random(1, draw::augmentation, i);
+        random_stream random(1, random_purposes::augmentation, i);
         const double shear = image_motion::draw(ranges, random).shear;
         least = std::min(least, shear), most = std::max(most, shear);
     }

@@ -19,7 +19,7 @@ tensor<float, size> noisy(const pressure_noise& noise, float count, std::uint64_
     tensor<float, size> image;
     for (float& value : image)
         value = count;
-    add_noise<size>(noise, random_stream(seed, draw::noise, epoch, sample), image.view());
+    add_noise<size>(noise, random_stream(seed, random_purposes::noise, epoch, sample), image.view());
     return image;
 }
 bool equal_bits(const tensor<float, size>& a, const tensor<float, size>& b) {

@@ -20,7 +20,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 
 template <shape Shape>
 tensor<float, Shape> draw_image(std::uint32_t item = 0) {
-    random_stream random(2, draw::order, item);
+    random_stream random(2, random_purposes::order, item);
     tensor<float, Shape> image;
     for (float& value : image)
         value = static_cast<float>(random.uniform(-100, 255));

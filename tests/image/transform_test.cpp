@@ -22,7 +22,7 @@ constexpr shape size{7, 13, 2};
 using counts = std::array<std::uint8_t, size.size()>;
 
 counts draw_counts() {
-    random_stream random(1, draw::order);
+    random_stream random(1, random_purposes::order);
     counts c;
     for (std::uint8_t& each : c)
         each = static_cast<std::uint8_t>(random.below(256));
@@ -119,10 +119,10 @@ TEST_CASE("transform_image: a quarter turn of a square turns it to the left or t
 namespace {
 
 /// The pixel at a place within or beyond an image.
-template <fill Fill, shape Shape>
+template <border_mode Border, shape Shape>
 double pixel(const tensor<float, Shape>& image, int row, int column) {
     const int rows = static_cast<int>(Shape.rows), columns = static_cast<int>(Shape.columns);
-    if (Fill == fill::edge)
+    if (Border == border_mode::edge)
         row = std::clamp(row, 0, rows - 1), column = std::clamp(column, 0, columns - 1);
     if (row < 0 || row >= rows || column < 0 || column >= columns)
         return 0;
@@ -141,10 +141,10 @@ std::array<double, 4> weights_of(interpolation kind, double t) {
 /// A transform in double precision. An output may be off by the rounding of its sums and by what positions
 /// are off by: three roundings of numbers no larger than the image and what was added to it; weights change
 /// by no more than 1.5 a pixel.
-template <shape Shape, interpolation Interpolation, fill Fill>
+template <shape Shape, interpolation Interpolation, border_mode Border>
 void check_against_reference(const image_transform& t, const tensor<float, Shape>& image) {
     tensor<float, Shape> to;
-    transform_image<Shape, Interpolation, Fill>(t, image.view(), to.view());
+    transform_image<Shape, Interpolation, Border>(t, image.view(), to.view());
     double largest = 0;
     for (const float value : image)
         largest = std::max(largest, std::abs(static_cast<double>(value * static_cast<float>(t.gain))));
@@ -167,26 +167,27 @@ void check_against_reference(const image_transform& t, const tensor<float, Shape
             double sum = 0;
             for (int i = 0; i < 4; ++i)
                 for (int j = 0; j < 4; ++j)
-                    sum += down[static_cast<std::size_t>(i)] * along[static_cast<std::size_t>(j)] *
-                           pixel<Fill>(image, static_cast<int>(top) - 1 + i, static_cast<int>(left) - 1 + j) *
-                           t.gain;
+                    sum +=
+                        down[static_cast<std::size_t>(i)] * along[static_cast<std::size_t>(j)] *
+                        pixel<Border>(image, static_cast<int>(top) - 1 + i, static_cast<int>(left) - 1 + j) *
+                        t.gain;
             wrong += !support::within(static_cast<double>(to(y, x)), {sum, bound});
         }
     CHECK_MESSAGE(wrong == 0, Shape.rows << " x " << Shape.columns);
 }
 template <shape Shape>
 void check_drawn(std::uint32_t count) {
-    random_stream random(5, draw::augmentation);
+    random_stream random(5, random_purposes::augmentation);
     tensor<float, Shape> image;
     for (float& value : image)
         value = static_cast<float>(random.uniform(-50, 255));
     for (std::uint32_t i = 0; i < count; ++i) {
         const augmentation_ranges wild{0.5, 0.5, 6, 180, 0.5, 0.5, 0.3};
         const image_transform t = image_transform::draw(wild, random);
-        check_against_reference<Shape, interpolation::bilinear, fill::zero>(t, image);
-        check_against_reference<Shape, interpolation::bilinear, fill::edge>(t, image);
-        check_against_reference<Shape, interpolation::bicubic, fill::zero>(t, image);
-        check_against_reference<Shape, interpolation::bicubic, fill::edge>(t, image);
+        check_against_reference<Shape, interpolation::bilinear, border_mode::zero>(t, image);
+        check_against_reference<Shape, interpolation::bilinear, border_mode::edge>(t, image);
+        check_against_reference<Shape, interpolation::bicubic, border_mode::zero>(t, image);
+        check_against_reference<Shape, interpolation::bicubic, border_mode::edge>(t, image);
     }
 }
 
@@ -194,7 +195,7 @@ void check_drawn(std::uint32_t count) {
 template <shape Shape, class Where>
 void check_permutation(const image_motion& motion, Where&& where) {
     tensor<float, Shape> image, to;
-    random_stream random(6, draw::augmentation);
+    random_stream random(6, random_purposes::augmentation);
     for (float& value : image)
         value = static_cast<float>(random.uniform(-50, 255));
     image(0, 0) = -0.0f;
@@ -213,9 +214,9 @@ void check_permutation(const image_motion& motion, Where&& where) {
     check();
     transform_image<Shape, interpolation::bicubic>(t, image.view(), to.view());
     check();
-    transform_image<Shape, interpolation::bilinear, fill::edge>(t, image.view(), to.view());
+    transform_image<Shape, interpolation::bilinear, border_mode::edge>(t, image.view(), to.view());
     check();
-    transform_image<Shape, interpolation::bicubic, fill::edge>(t, image.view(), to.view());
+    transform_image<Shape, interpolation::bicubic, border_mode::edge>(t, image.view(), to.view());
     check();
 }
 template <shape Shape>
@@ -270,8 +271,8 @@ TEST_CASE("transform_image: the edge goes on where the image does not") {
     tensor<float, shape{3, 4}> image, to;
     for (std::size_t e = 0; e < image.size(); ++e)
         image.data()[e] = static_cast<float>(e + 1);
-    transform_image<shape{3, 4}, interpolation::bicubic, fill::edge>({.row_shift = -40, .column_shift = 40},
-                                                                     image.view(), to.view());
+    transform_image<shape{3, 4}, interpolation::bicubic, border_mode::edge>(
+        {.row_shift = -40, .column_shift = 40}, image.view(), to.view());
     CHECK(std::all_of(to.begin(), to.end(), [](float v) { return v == 4; }));
 }
 TEST_CASE("transform_image: NaN reaches the outputs that weigh it") {
@@ -294,7 +295,7 @@ TEST_CASE("transform_image: the same bits on any number of threads, and in place
     const auto all = [&](std::size_t threads) {
         std::vector<tensor<float, sensor>> images(count);
         thread_pool(threads).for_each(count, [&](std::size_t i) {
-            random_stream random(1, draw::augmentation, 7, static_cast<std::uint32_t>(i));
+            random_stream random(1, random_purposes::augmentation, 7, static_cast<std::uint32_t>(i));
             for (float& value : images[i])
                 value = static_cast<float>(random.uniform(0, 255));
             const image_transform t = image_transform::draw({0.5, 0.5, 4, 15, 0.1, 0.3, 0.1}, random);
@@ -315,14 +316,14 @@ TEST_CASE("transform_image: the same bits on any number of threads, and in place
 TEST_CASE("transform_image: an erased part has no contact, in every channel; all else is as without it") {
     constexpr shape small{8, 10, 2};
     tensor<float, small> image, without, with;
-    random_stream random(7, draw::augmentation);
+    random_stream random(7, random_purposes::augmentation);
     for (float& value : image)
         value = static_cast<float>(random.uniform(1, 255));
     const auto erase = [&](image_part part) {
         image_transform t = image_transform::of({.rotation = 7, .pressure = 1.25});
-        transform_image<small, interpolation::bilinear, fill::edge>(t, image.view(), without.view());
+        transform_image<small, interpolation::bilinear, border_mode::edge>(t, image.view(), without.view());
         t.erased = part;
-        transform_image<small, interpolation::bilinear, fill::edge>(t, image.view(), with.view());
+        transform_image<small, interpolation::bilinear, border_mode::edge>(t, image.view(), with.view());
         std::size_t zeros = 0, changed = 0;
         for (std::size_t channel = 0; channel < small.channels; ++channel)
             for (std::size_t y = 0; y < small.rows; ++y)

@@ -30,7 +30,7 @@ struct noise {
     std::vector<std::size_t> labels;
 
     noise() {
-        random_stream random(5, draw::order);
+        random_stream random(5, random_purposes::order);
         for (std::size_t i = 0; i < 30; ++i) {
             labels.push_back(i % 3);
             for (std::size_t e = 0; e < size.size(); ++e)

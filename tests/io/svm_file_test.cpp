@@ -21,7 +21,7 @@ struct samples {
     std::vector<std::size_t> labels;
 
     samples() {
-        random_stream random(1, draw::order);
+        random_stream random(1, random_purposes::order);
         for (std::size_t i = 0; i < 60; ++i) {
             labels.push_back(10 + i % 3);
             for (std::size_t f = 0; f < 4; ++f)

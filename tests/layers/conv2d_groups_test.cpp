@@ -8,16 +8,16 @@ using namespace tactnet;
 using support::check_layer;
 
 TEST_CASE("conv2d: two groups") {
-    check_layer<conv2d<6, 3, 1, same, in_groups(2)>, shape{5, 7, 4}>();
+    check_layer<conv2d<6, 3, 1, padding::same, in_groups(2)>, shape{5, 7, 4}>();
 }
 TEST_CASE("conv2d: two groups whose channels fill vectors, stride 2") {
     check_layer<conv2d<6, 3, 2, pad(1), in_groups(2)>, shape{7, 6, 2 * kernels::lanes<float>}>();
 }
 TEST_CASE("conv2d: depthwise, without bias") {
-    check_layer<conv2d<3, 3, 1, same, conv2d_options{.groups = 3, .bias = false}>, shape{4, 5, 3}>();
+    check_layer<conv2d<3, 3, 1, padding::same, conv2d_options{.groups = 3, .bias = false}>, shape{4, 5, 3}>();
 }
 TEST_CASE("conv2d: without bias") {
-    using spec = conv2d<5, 3, 1, valid, without_bias>;
+    using spec = conv2d<5, 3, 1, padding::valid, without_bias>;
     check_layer<spec, shape{5, 4, 3}>();
     const auto list = support::make_layer<spec, float, shape{5, 4, 3}>()->describe();
     REQUIRE(list.size() == 1);
@@ -25,6 +25,7 @@ TEST_CASE("conv2d: without bias") {
 }
 TEST_CASE("conv2d: weights of groups are those of their channels") {
     const auto list =
-        support::make_layer<conv2d<6, 3, 1, same, in_groups(2)>, float, shape{5, 7, 4}>()->describe();
+        support::make_layer<conv2d<6, 3, 1, padding::same, in_groups(2)>, float, shape{5, 7, 4}>()
+            ->describe();
     CHECK(list[0].extents == std::vector<std::size_t>{6, 2, 3, 3});
 }

@@ -27,10 +27,10 @@ TEST_CASE("conv2d: 5 × 5") {
     check_layer<conv2d<8, 5>, shape{7, 13, 1}>();
 }
 TEST_CASE("conv2d: 2 × 3") {
-    check_layer<conv2d<22, extent{2, 3}>, shape{5, 4, 8}>();
+    check_layer<conv2d<22, extent2d{2, 3}>, shape{5, 4, 8}>();
 }
 TEST_CASE("conv2d: 5 × 1 of one line") {
-    check_layer<conv2d<5, extent{5, 1}>, shape{1, 9, 3}>();
+    check_layer<conv2d<5, extent2d{5, 1}>, shape{1, 9, 3}>();
 }
 TEST_CASE("conv2d: 7 × 7 over an image no larger") {
     check_layer<conv2d<5, 7>, shape{7, 6, 3}>();
@@ -42,11 +42,11 @@ TEST_CASE("conv2d: 3 × 3 of 16 channels") {
     check_layer<conv2d<13, 3>, shape{4, 3, 16}>();
 }
 TEST_CASE("conv2d: 2 × 3 of 32 channels, stride 2") {
-    check_layer<conv2d<2, extent{2, 3}, 2>, shape{5, 4, 32}>();
+    check_layer<conv2d<2, extent2d{2, 3}, 2>, shape{5, 4, 32}>();
 }
 TEST_CASE("conv2d: 3 × 3 of 48 channels, no padding") {
-    check_layer<conv2d<3, 3, 1, valid>, shape{4, 5, 48}>();
+    check_layer<conv2d<3, 3, 1, padding::valid>, shape{4, 5, 48}>();
 }
 TEST_CASE("conv2d: 1 × 2 of 16 channels, rows in several tiles") {
-    check_layer<conv2d<1, extent{1, 2}>, shape{3, 40, 16}>();
+    check_layer<conv2d<1, extent2d{1, 2}>, shape{3, 40, 16}>();
 }

@@ -6,16 +6,16 @@ using namespace tactnet;
 using support::check_layer;
 
 TEST_CASE("conv2d: valid") {
-    check_layer<conv2d<22, 3, 1, valid>, shape{7, 13, 3}>();
+    check_layer<conv2d<22, 3, 1, padding::valid>, shape{7, 13, 3}>();
 }
 TEST_CASE("conv2d: valid, as large as the image") {
-    check_layer<conv2d<5, extent{5, 4}, 1, valid>, shape{5, 4, 3}>();
+    check_layer<conv2d<5, extent2d{5, 4}, 1, padding::valid>, shape{5, 4, 3}>();
 }
 TEST_CASE("conv2d: valid with stride leaves rows unread") {
-    check_layer<conv2d<8, 4, 3, valid>, shape{8, 13, 1}>();
+    check_layer<conv2d<8, 4, 3, padding::valid>, shape{8, 13, 1}>();
 }
 TEST_CASE("conv2d: wider than the register block, valid") {
-    check_layer<conv2d<1, 7, 1, valid>, shape{7, 13, 1}>();
+    check_layer<conv2d<1, 7, 1, padding::valid>, shape{7, 13, 1}>();
 }
 TEST_CASE("conv2d: pad(1)") {
     check_layer<conv2d<8, 3, 1, pad(1)>, shape{5, 4, 1}>();
@@ -33,7 +33,7 @@ TEST_CASE("conv2d: another padding on each side") {
     check_layer<conv2d<9, 3, 1, pad(0, 1, 2, 0)>, shape{5, 4, 8}>();
 }
 TEST_CASE("conv2d: another padding on each side, stride 2") {
-    check_layer<conv2d<5, extent{3, 2}, 2, pad(0, 1, 2, 0)>, shape{5, 4, 3}>();
+    check_layer<conv2d<5, extent2d{3, 2}, 2, pad(0, 1, 2, 0)>, shape{5, 4, 3}>();
 }
 TEST_CASE("conv2d: more padding than the kernel reaches, channels that fill vectors") {
     check_layer<conv2d<16, 3, 1, pad(4)>, shape{3, 4, 16}>();

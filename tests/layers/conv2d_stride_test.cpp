@@ -20,10 +20,10 @@ TEST_CASE("conv2d: stride 3") {
     check_layer<conv2d<8, 3, 3>, shape{7, 13, 3}>();
 }
 TEST_CASE("conv2d: stride 3 of an oblong kernel") {
-    check_layer<conv2d<1, extent{2, 3}, 3>, shape{7, 13, 1}>();
+    check_layer<conv2d<1, extent2d{2, 3}, 3>, shape{7, 13, 1}>();
 }
 TEST_CASE("conv2d: stride 1 × 2") {
-    check_layer<conv2d<16, 3, extent{1, 2}>, shape{5, 4, 3}>();
+    check_layer<conv2d<16, 3, extent2d{1, 2}>, shape{5, 4, 3}>();
 }
 TEST_CASE("conv2d: stride larger than the image") {
     check_layer<conv2d<5, 2, 3>, shape{2, 2, 1}>();

@@ -10,13 +10,14 @@ using support::check_layer;
 
 namespace {
 
-template <std::size_t Filters, extent Kernel, shape Input, padding Padding = same, std::size_t Groups = 1>
+template <std::size_t Filters, extent2d Kernel, shape Input, padding Padding = padding::same,
+          std::size_t Groups = 1>
 void check_by_tiles() {
     constexpr auto window =
         sliding_window::over({Input.rows, Input.columns, Input.channels / Groups}, Kernel, 1, Padding);
     constexpr std::size_t filters = Filters / Groups, channels = Input.channels / Groups;
-    static_assert(best_group_tile(kernels::batch_convolution::forward(window, filters)) != extent(0) &&
-                  best_group_tile(kernels::batch_convolution::backward(window, filters)) != extent(0));
+    static_assert(best_group_tile(kernels::batch_convolution::forward(window, filters)) != extent2d(0) &&
+                  best_group_tile(kernels::batch_convolution::backward(window, filters)) != extent2d(0));
     constexpr std::size_t width = kernels::lanes<float>;
     constexpr bool fill = width > 1 && (channels % width == 0 || filters % width == 0);
     static_assert(kernels::weight_gradient<window, filters, float>::tiled == fill);
@@ -35,11 +36,11 @@ TEST_CASE("conv2d: 2 × 2 by tiles") {
     check_by_tiles<18, 2, shape{6, 7, 16}>();
 }
 TEST_CASE("conv2d: 3 × 3 by tiles, without padding") {
-    check_by_tiles<9, 3, shape{8, 9, 12}, valid>();
+    check_by_tiles<9, 3, shape{8, 9, 12}, padding::valid>();
 }
 TEST_CASE("conv2d: 3 × 3 by tiles, filters that fill vectors where channels do not") {
     check_by_tiles<16, 3, shape{5, 8, 8}>();
 }
 TEST_CASE("conv2d: 3 × 3 by tiles in two groups") {
-    check_by_tiles<24, 3, shape{4, 8, 32}, same, 2>();
+    check_by_tiles<24, 3, shape{4, 8, 32}, padding::same, 2>();
 }

@@ -29,7 +29,7 @@ images ones(std::size_t count) {
             result(s, e) = 1;
     return result;
 }
-images dropped(const images& in, pass p) {
+images dropped(const images& in, execution_context p) {
     images out(in.samples());
     no_memory none;
     bound::forward(p, nullptr, nullptr, none, in.view(), out.view());
@@ -71,7 +71,7 @@ TEST_CASE("dropout: a function of seed, step, depth and sample") {
 
 TEST_CASE("dropout: the way back goes through what was kept") {
     thread_pool threads;
-    const pass p{.threads = threads, .seed = 1, .step = 2, .depth = 3};
+    const execution_context p{.threads = threads, .seed = 1, .step = 2, .depth = 3};
     const images in = ones(2), out = dropped(in, p);
     images in_gradient(2);
     no_memory none;

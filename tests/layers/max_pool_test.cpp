@@ -13,28 +13,28 @@ TEST_CASE("max_pool: 2, stride 2, odd sizes keep the rest") {
     check_layer<max_pool<2>, shape{7, 13, 2}>();
 }
 TEST_CASE("max_pool: 2, stride 2, valid drops the rest") {
-    check_layer<max_pool<2, 2, valid>, shape{7, 13, 2}>();
+    check_layer<max_pool<2, 2, padding::valid>, shape{7, 13, 2}>();
 }
 TEST_CASE("max_pool: 3, stride 2") {
     check_layer<max_pool<3, 2>, shape{7, 12, 1}>();
 }
 TEST_CASE("max_pool: 3, stride 2, valid") {
-    check_layer<max_pool<3, 2, valid>, shape{7, 12, 2}>();
+    check_layer<max_pool<3, 2, padding::valid>, shape{7, 12, 2}>();
 }
 TEST_CASE("max_pool: 3, stride 1") {
     check_layer<max_pool<3, 1>, shape{5, 4, 1}>();
 }
 TEST_CASE("max_pool: 5, stride 1, valid") {
-    check_layer<max_pool<5, 1, valid>, shape{5, 9, 2}>();
+    check_layer<max_pool<5, 1, padding::valid>, shape{5, 9, 2}>();
 }
 TEST_CASE("max_pool: 5, stride 1") {
     check_layer<max_pool<5, 1>, shape{4, 3, 1}>();
 }
 TEST_CASE("max_pool: 2 × 3") {
-    check_layer<max_pool<extent{2, 3}>, shape{7, 13, 1}>();
+    check_layer<max_pool<extent2d{2, 3}>, shape{7, 13, 1}>();
 }
 TEST_CASE("max_pool: 2 × 3, stride 1 × 2, valid") {
-    check_layer<max_pool<extent{2, 3}, extent{1, 2}, valid>, shape{5, 8, 2}>();
+    check_layer<max_pool<extent2d{2, 3}, extent2d{1, 2}, padding::valid>, shape{5, 8, 2}>();
 }
 TEST_CASE("max_pool: padding given") {
     check_layer<max_pool<3, 2, pad(1)>, shape{5, 4, 1}>();
@@ -104,7 +104,7 @@ template <std::size_t Size, padding Padding, std::size_t Stride = 2>
 constexpr std::size_t pooled_size =
     max_pool<3, Stride, Padding>::template layer<float, shape{Size, Size, 1}>::output.rows;
 static_assert(pooled_size<111, ceil_mode()> == 55 && pooled_size<112, ceil_mode()> == 56);
-static_assert(pooled_size<112, valid> == 55 && pooled_size<5, ceil_mode(pad(1))> == 3);
+static_assert(pooled_size<112, padding::valid> == 55 && pooled_size<5, ceil_mode(pad(1))> == 3);
 // A window that would begin behind the image is left out: 3, 5 of 6 with padding 1 begins at -1 and 4 only.
 static_assert(pooled_size<6, ceil_mode(pad(1)), 5> == 2 && pooled_size<4, ceil_mode(pad(1)), 5> == 1);
 

@@ -20,7 +20,7 @@ void check_learns() {
     CAPTURE(Network::input_shape.columns);
     Network net;
     initialise(net, he_normal{}, 1);
-    random_stream random(2, draw::order);
+    random_stream random(2, random_purposes::order);
     typename Network::input_batch in(count);
     typename Network::output_batch out(count), out_gradient(count);
     std::vector<std::size_t> labels(count);

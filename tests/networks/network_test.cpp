@@ -54,15 +54,15 @@ TEST_CASE("describe: every number of a network once, under PyTorch's names") {
     const auto arrays = arrays_of<net4>();
     CHECK(arrays.size() == 3 * 2 + 3 * 4 + 2);
     CHECK(arrays.at("conv1.weight").extents == std::vector<std::size_t>{8, 1, 5, 5});
-    CHECK(arrays.at("conv1.weight").what == role::weight);
+    CHECK(arrays.at("conv1.weight").what == parameter_role::weight);
     CHECK(arrays.at("conv1.weight").fan_in == 25);
     CHECK(arrays.at("conv3.bias").extents == std::vector<std::size_t>{32});
-    CHECK(arrays.at("bn1.weight").what == role::scale);
-    CHECK(arrays.at("bn2.bias").what == role::shift);
-    CHECK(arrays.at("bn1.running_mean").what == role::running_mean);
-    CHECK(arrays.at("bn3.running_var").what == role::running_variance);
+    CHECK(arrays.at("bn1.weight").what == parameter_role::scale);
+    CHECK(arrays.at("bn2.bias").what == parameter_role::shift);
+    CHECK(arrays.at("bn1.running_mean").what == parameter_role::running_mean);
+    CHECK(arrays.at("bn3.running_var").what == parameter_role::running_variance);
     CHECK(arrays.at("fc.weight").extents == std::vector<std::size_t>{22, 32 * 4 * 7});
-    CHECK(arrays.at("fc.bias").what == role::bias);
+    CHECK(arrays.at("fc.bias").what == parameter_role::bias);
 }
 
 TEST_CASE("describe: the arrays of residual blocks stand behind the block's name") {
@@ -89,7 +89,7 @@ TEST_CASE("network: scales and running variances begin at one, all else at zero;
     network<shape{7, 13, 1}, conv2d<3, 3>, batch_norm, relu, dense<4>> net;
     net.for_each_parameter([](const parameter& p, std::span<float> values) {
         CHECK(values.size() == p.size);
-        const bool one = p.what == role::scale || p.what == role::running_variance;
+        const bool one = p.what == parameter_role::scale || p.what == parameter_role::running_variance;
         CHECK(std::all_of(values.begin(), values.end(), [&](float v) { return v == (one ? 1 : 0); }));
         if (p.name == "bn1.weight")
             values[2] = 7;
@@ -123,7 +123,7 @@ TEST_CASE("network: what it costs in memory") {
 TEST_CASE("network: the same sample gives the same bits in any batch, workspace and number of threads") {
     using net_type = tactnet4<shape{14, 25, 1}, 22>;
     net_type net;
-    random_stream random(1, draw::initial_weights);
+    random_stream random(1, random_purposes::initial_weights);
     for (float& value : net.learnable_values())
         value = static_cast<float>(random.uniform(-0.3, 0.3));
     const std::size_t most = 2 * kernels::lanes<float> + 3;
@@ -168,7 +168,7 @@ TEST_CASE("network: a softmax at the end stands behind the logits, also at the e
 
     constexpr std::size_t count = 5;
     thread_pool threads;
-    random_stream random(1, draw::order);
+    random_stream random(1, random_purposes::order);
     batch<float, size, kernels::lanes<float>> in(count);
     for (std::size_t s = 0; s < count; ++s)
         for (std::size_t e = 0; e < size.size(); ++e)

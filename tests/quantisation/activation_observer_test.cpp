@@ -23,11 +23,11 @@ detail::calibration_graph description() {
     const std::size_t frame = net.add_map({1, 2}, 0), sums = net.add_map({1, 1, 2}, 1),
                       rectified = net.add_map({1, 1, 2}, 1),
                       outputs = net.add_map({1, 1, 2}, detail::calibration_graph::none);
-    detail::graph_node first{.window = {{1, 2}, extent(1, 2), 1}, .filters = 2, .input = frame};
+    detail::graph_node first{.window = {{1, 2}, extent2d(1, 2), 1}, .filters = 2, .input = frame};
     first.output = sums, first.from = {1, 2}, first.to = {1, 1, 2}, first.folded = 4;
     detail::graph_node second{.reference = detail::reference_relu, .input = sums};
     second.output = rectified, second.from = second.to = {1, 1, 2};
-    detail::graph_node third{.window = {{1, 1, 2}, extent(1, 1), 1}, .filters = 2, .input = rectified};
+    detail::graph_node third{.window = {{1, 1, 2}, extent2d(1, 1), 1}, .filters = 2, .input = rectified};
     third.output = outputs, third.from = third.to = {1, 1, 2}, third.folded = 12;
     net.steps = {first, second, third};
     return net;

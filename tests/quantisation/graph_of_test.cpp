@@ -74,7 +74,7 @@ TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and 
         const char* name; ///< in files; nothing of one without folded numbers
         std::size_t input, output, first, filters, taps;
         bool adds, rectified;
-        extent pool;
+        extent2d pool;
         graph_node::function reference;
     };
     // The skip runs before the main branch, which adds to it, and comes behind it in files.

@@ -25,7 +25,7 @@ struct drawn_step {
     calibration_graph net;
     std::vector<float> folded, maps;
 
-    drawn_step(const sliding_window& window, std::size_t groups, std::size_t filters, extent pool,
+    drawn_step(const sliding_window& window, std::size_t groups, std::size_t filters, extent2d pool,
                bool rectified, bool adds, std::size_t first, std::uint32_t seed) {
         net.ranges = 3;
         const shape sums{window.output_rows(), window.output_columns(), filters};
@@ -122,7 +122,7 @@ const std::array ranges{map_range{0.5f, 40}, map_range{2, 128}, map_range{0.25f,
 TEST_CASE(
     "node_executor: a convolution writes the sums of plain loops, exact and rounded, and nothing else") {
     std::uint32_t seed = 0;
-    const auto check = [&](const sliding_window& w, std::size_t groups, std::size_t filters, extent pool,
+    const auto check = [&](const sliding_window& w, std::size_t groups, std::size_t filters, extent2d pool,
                            std::size_t first) {
         for (const bool rectified : {false, true})
             for (const bool adds : {false, true}) {
@@ -133,15 +133,15 @@ TEST_CASE(
                     CHECK(drawn.wrong(true, range) == 0);
             }
     };
-    check({{5, 4, 3}, extent(1, 1), 1}, 1, 2, 1, 0);
-    check({{5, 4, 3}, extent(5, 4), 1}, 1, 19, 1, 0); // dense; more filters than a vector has lanes
-    check({{6, 7, 2}, extent(2, 3), extent(2, 1), 1, 0, 0, 2}, 1, 3, 1, 4);
-    check({{6, 7, 4}, extent(3, 3), 1, 1, 1, 1, 1}, 2, 6, extent(2, 3), 0); // pools past the last column
-    check({{4, 4, 6}, extent(3, 2), 1, 2, 0, 1, 0}, 3, 3, 2, 5);
+    check({{5, 4, 3}, extent2d(1, 1), 1}, 1, 2, 1, 0);
+    check({{5, 4, 3}, extent2d(5, 4), 1}, 1, 19, 1, 0); // dense; more filters than a vector has lanes
+    check({{6, 7, 2}, extent2d(2, 3), extent2d(2, 1), 1, 0, 0, 2}, 1, 3, 1, 4);
+    check({{6, 7, 4}, extent2d(3, 3), 1, 1, 1, 1, 1}, 2, 6, extent2d(2, 3), 0); // pools past the last column
+    check({{4, 4, 6}, extent2d(3, 2), 1, 2, 0, 1, 0}, 3, 3, 2, 5);
 }
 
 TEST_CASE("node_executor: outputs are not rounded, their weights are") {
-    drawn_step drawn({{5, 4, 3}, extent(2, 2), 1}, 1, 4, 1, false, false, 0, 50);
+    drawn_step drawn({{5, 4, 3}, extent2d(2, 2), 1}, 1, 4, 1, false, false, 0, 50);
     drawn.net.maps[2].range = calibration_graph::none;
     std::vector<float> found = drawn.maps;
     node_executor(drawn.net, drawn.net.steps[0], drawn.folded, true)(found.data(), {1000, 0});
@@ -153,7 +153,7 @@ TEST_CASE("node_executor: outputs are not rounded, their weights are") {
 }
 
 TEST_CASE("node_executor: the sums of a pixel lie where place_of says, each tap is told once") {
-    const drawn_step drawn({{6, 7, 4}, extent(3, 3), 1, 1, 1, 1, 1}, 2, 6, 1, true, true, 0, 60);
+    const drawn_step drawn({{6, 7, 4}, extent2d(3, 3), 1, 1, 1, 1, 1}, 2, 6, 1, true, true, 0, 60);
     const graph_node& step = drawn.net.steps[0];
     const node_executor run(drawn.net, step, drawn.folded, false);
     node_executor::sums sums = run.make_sums();

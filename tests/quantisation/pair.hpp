@@ -21,7 +21,7 @@ inline tactnet::detail::calibration_graph pair_description(std::size_t range_of_
     const std::size_t input = net.add_map({1, 2}, range_of_frame),
                       output = net.add_map({1, 1}, tactnet::detail::calibration_graph::none);
     tactnet::detail::graph_node step{
-        .window = {{1, 2}, tactnet::extent(1, 2), 1}, .filters = 1, .input = input};
+        .window = {{1, 2}, tactnet::extent2d(1, 2), 1}, .filters = 1, .input = input};
     step.output = output;
     step.from = {1, 2}, step.to = {1, 1};
     step.folded = 4; // behind the mean and what words hold

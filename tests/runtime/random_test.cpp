@@ -33,9 +33,11 @@ constexpr random_purpose other{4};
 
 TEST_CASE("random_purpose: the library's have the numbers that they always had, each its own") {
     // Another number is another training and another data set from the same seed.
-    const std::array purposes{draw::split,   draw::order,    draw::augmentation, draw::initial_weights,
-                              draw::dropout, draw::clusters, draw::noise,        draw::sensor,
-                              draw::frame,   draw::touch};
+    const std::array purposes{random_purposes::split,        random_purposes::order,
+                              random_purposes::augmentation, random_purposes::initial_weights,
+                              random_purposes::dropout,      random_purposes::clusters,
+                              random_purposes::noise,        random_purposes::sensor,
+                              random_purposes::frame,        random_purposes::touch};
     for (std::uint32_t number = 0; number < purposes.size(); ++number)
         CHECK(purposes.at(number).number() == number);
 }
@@ -64,7 +66,7 @@ TEST_CASE("random_stream: the words of its counters, in order") {
 TEST_CASE("random_stream: another seed, purpose or item has other numbers") {
     std::set<std::uint32_t> first;
     for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{1} << 32})
-        for (const random_purpose purpose : {draw::split, draw::order, other})
+        for (const random_purpose purpose : {random_purposes::split, random_purposes::order, other})
             for (const std::uint32_t major : {0u, 1u})
                 for (const std::uint32_t minor : {0u, 1u})
                     first.insert(random_stream(seed, purpose, major, minor).bits());
@@ -74,7 +76,7 @@ TEST_CASE("random_stream: another seed, purpose or item has other numbers") {
 // Statistics: n draws, five standard deviations.
 
 TEST_CASE("random_stream: uniform") {
-    random_stream random(1, draw::order);
+    random_stream random(1, random_purposes::order);
     constexpr int n = 100000;
     double sum = 0, squares = 0, smallest = 1, largest = 0;
     for (int i = 0; i < n; ++i) {
@@ -93,7 +95,7 @@ TEST_CASE("random_stream: uniform") {
 }
 
 TEST_CASE("random_stream: normal") {
-    random_stream random(2, draw::order);
+    random_stream random(2, random_purposes::order);
     constexpr int n = 100000;
     double moments[5] = {};
     int beyond = 0;
@@ -112,7 +114,7 @@ TEST_CASE("random_stream: normal") {
 }
 
 TEST_CASE("random_stream: below") {
-    random_stream random(3, draw::order);
+    random_stream random(3, random_purposes::order);
     constexpr int n = 70000;
     std::array<int, 7> counts{};
     for (int i = 0; i < n; ++i)
@@ -124,7 +126,7 @@ TEST_CASE("random_stream: below") {
 }
 
 TEST_CASE("random_stream: shuffle keeps the elements and gives every order alike") {
-    random_stream random(4, draw::order);
+    random_stream random(4, random_purposes::order);
     std::vector<int> many(100);
     std::iota(many.begin(), many.end(), 0);
     const std::vector<int> ordered = many;

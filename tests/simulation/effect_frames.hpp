@@ -23,7 +23,7 @@ using frame = tactnet::tensor<float, Shape>;
 /// Half of it nothing, the rest up to `most` pascals.
 template <tactnet::shape Shape>
 frame<Shape> pressed(std::uint32_t sample = 0, double most = 34e3) {
-    tactnet::random_stream random(11, tactnet::draw::touch, 0, sample);
+    tactnet::random_stream random(11, tactnet::random_purposes::touch, 0, sample);
     frame<Shape> pressures;
     for (float& pressure : pressures) {
         const double drawn = random.uniform(-most, most);

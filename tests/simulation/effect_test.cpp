@@ -18,9 +18,9 @@ using namespace tactnet::simulation;
 using tactnet::philox;
 
 // Images made with one version of the library are those of the next: these numbers stay.
-static_assert(tactnet::draw::sensor.number() == 7);
-static_assert(tactnet::draw::frame.number() == 8);
-static_assert(tactnet::draw::touch.number() == 9);
+static_assert(tactnet::random_purposes::sensor.number() == 7);
+static_assert(tactnet::random_purposes::frame.number() == 8);
+static_assert(tactnet::random_purposes::touch.number() == 9);
 static_assert(gain_map::purpose.number() == 0);
 static_assert(dead_tactels::purpose.number() == 1);
 static_assert(noise::purpose.number() == 2);

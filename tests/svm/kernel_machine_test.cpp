@@ -163,7 +163,7 @@ TEST_CASE("kernel_machine: probabilities add up to one and are right about as of
 
 TEST_CASE("kernel_machine: probabilities of samples that were learnt by heart are no higher than of others") {
     support::samples s = support::blobs(200, 4, 2, 1);
-    random_stream random(5, draw::order);
+    random_stream random(5, random_purposes::order);
     for (std::size_t& label : s.labels)
         label = random.below(2); // nothing to be learnt
     thread_pool alone;

@@ -13,7 +13,7 @@ using namespace tactnet;
 
 TEST_CASE("probability: a sigmoid is found again from draws that it made") {
     const sigmoid truth{-1.5, 0.7};
-    random_stream random(1, draw::order);
+    random_stream random(1, random_purposes::order);
     std::vector<double> values, sides;
     for (std::size_t i = 0; i < 20'000; ++i) {
         values.push_back(random.uniform(-4, 4));

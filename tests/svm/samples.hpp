@@ -24,7 +24,7 @@ struct samples {
 /// Normal clouds around random centres, classes in turn; `spread` 1 is as wide as the centres are apart.
 inline samples blobs(std::size_t count, std::size_t features, std::size_t classes, double spread,
                      std::uint64_t seed = 1) {
-    tactnet::random_stream random(seed, tactnet::draw::order);
+    tactnet::random_stream random(seed, tactnet::random_purposes::order);
     samples s{features, {}, {}};
     std::vector<double> centres(classes * features);
     for (double& value : centres)

@@ -10,7 +10,7 @@ using namespace tactnet;
 namespace {
 
 constexpr sliding_window over(std::size_t size, std::size_t kernel, std::size_t stride,
-                              padding around = same) {
+                              padding around = padding::same) {
     return sliding_window::over({size, size, 1}, kernel, stride, around);
 }
 
@@ -21,7 +21,7 @@ constexpr sliding_window over(std::size_t size, std::size_t kernel, std::size_t 
 static_assert(shape{28, 50}.channels == 1 && shape{28, 50, 8}.area() == 1400 &&
               shape{28, 50, 8}.size() == 11200);
 static_assert(shape{} == shape{1, 1, 1});
-static_assert(extent{5} == extent{5, 5} && extent{2, 3}.area() == 6);
+static_assert(extent2d{5} == extent2d{5, 5} && extent2d{2, 3}.area() == 6);
 
 // An odd kernel pads alike on both sides, an even one only at the bottom and to the right.
 static_assert(over(7, 3, 1).top == 1 && over(7, 3, 1).bottom == 1);
@@ -35,16 +35,17 @@ static_assert(over(8, 3, 2).top == 0 && over(8, 3, 2).bottom == 1 && over(7, 3, 
               over(7, 3, 2).bottom == 1);
 static_assert(over(5, 1, 3).top == 0 && over(5, 1, 3).bottom == 0 && over(5, 1, 3).output_rows() == 2);
 // Valid drops what does not hold a whole window; pads given are taken as they are.
-static_assert(over(7, 2, 2, valid).output_rows() == 3 && over(7, 3, 2, valid).output_rows() == 3);
+static_assert(over(7, 2, 2, padding::valid).output_rows() == 3 &&
+              over(7, 3, 2, padding::valid).output_rows() == 3);
 static_assert(over(28, 5, 2, pad(2)).output_rows() == 14 && over(7, 3, 1, pad(2)).output_rows() == 9);
-static_assert(pad(3) == pad(3, 3, 3, 3) && !(pad(0) == same) && pad(0) == valid);
+static_assert(pad(3) == pad(3, 3, 3, 3) && !(pad(0) == padding::same) && pad(0) == padding::valid);
 constexpr sliding_window sides = sliding_window::over({5, 4, 1}, 3, 1, pad(0, 1, 2, 0));
 static_assert(sides.top == 0 && sides.bottom == 1 && sides.left == 2 && sides.right == 0);
 static_assert(sides.output_rows() == 4 && sides.output_columns() == 4);
 // Too large to fit, whichever side.
-static_assert(over(4, 5, 1, valid).fits() == false && over(5, 5, 1, valid).fits() &&
+static_assert(over(4, 5, 1, padding::valid).fits() == false && over(5, 5, 1, padding::valid).fits() &&
               over(4, 5, 1, pad(1)).fits());
-static_assert(!sliding_window::over({9, 2, 1}, {1, 3}, 1, valid).fits());
+static_assert(!sliding_window::over({9, 2, 1}, {1, 3}, 1, padding::valid).fits());
 static_assert(over(1, 7, 1).fits() && over(1, 7, 1).output_rows() == 1);
 
 TEST_CASE("sliding_window: 'same' keeps ceil(size / stride) outputs, whatever the kernel") {
@@ -96,8 +97,8 @@ TEST_CASE("sliding_window: ceil mode adds the window that hangs over, and only t
 }
 
 TEST_CASE("sliding_window: a stride of zero counts as one") {
-    for (const extent stride : {extent{0, 2}, extent{2, 0}, extent{0, 0}}) {
-        const sliding_window w = sliding_window::over({7, 9, 1}, 3, stride, valid);
+    for (const extent2d stride : {extent2d{0, 2}, extent2d{2, 0}, extent2d{0, 0}}) {
+        const sliding_window w = sliding_window::over({7, 9, 1}, 3, stride, padding::valid);
         CHECK(w.output_rows() == (stride.rows == 0 ? 5U : 3U));
         CHECK(w.output_columns() == (stride.columns == 0 ? 7U : 4U));
     }
@@ -106,9 +107,10 @@ TEST_CASE("sliding_window: a stride of zero counts as one") {
 TEST_CASE("sliding_window: taps on pixels, counted one by one") {
     for (const std::size_t rows : {1u, 4u, 7u})
         for (const std::size_t columns : {1u, 5u})
-            for (const extent kernel : {extent{1}, extent{2}, extent{3, 5}, extent{4, 1}})
-                for (const extent stride : {extent{1}, extent{2, 1}, extent{3}})
-                    for (const padding around : {same, pad(1), pad(2), pad(0, 1, 2, 0), valid}) {
+            for (const extent2d kernel : {extent2d{1}, extent2d{2}, extent2d{3, 5}, extent2d{4, 1}})
+                for (const extent2d stride : {extent2d{1}, extent2d{2, 1}, extent2d{3}})
+                    for (const padding around :
+                         {padding::same, pad(1), pad(2), pad(0, 1, 2, 0), padding::valid}) {
                         const sliding_window w =
                             sliding_window::over({rows, columns, 3}, kernel, stride, around);
                         if (!w.fits())

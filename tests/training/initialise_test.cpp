@@ -22,8 +22,9 @@ TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
         initialise(net, rule, 1);
         net.for_each_parameter([&](const parameter& p, std::span<float> values) {
             CAPTURE(p.name);
-            if (p.what != role::weight) {
-                const bool one = p.what == role::scale || p.what == role::running_variance;
+            if (p.what != parameter_role::weight) {
+                const bool one =
+                    p.what == parameter_role::scale || p.what == parameter_role::running_variance;
                 CHECK(std::all_of(values.begin(), values.end(), [&](float v) { return v == (one ? 1 : 0); }));
                 return;
             }

@@ -45,7 +45,7 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
     for (const parameter& p : parameters)
         arrays.push_back(p.name.starts_with("fc")
                              ? std::vector<float>()
-                             : std::vector<float>(p.size, p.what == role::weight ? 0.25F : 0.5F));
+                             : std::vector<float>(p.size, p.what == parameter_role::weight ? 0.25F : 0.5F));
     const auto values_of = [](const trainable& network, const parameter& p) {
         const net& own = static_cast<const trainable_network<net>&>(network).network();
         return (learnable(p.what) ? own.learnable_values() : own.running_statistics())
@@ -111,7 +111,7 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
 
     // The mean over reflections is the same whichever way round the images come, and not that of one way.
     const evaluation reflected =
-        evaluate(best, normalise, task.images(), split.test, threads, seen::in_all_reflections);
+        evaluate(best, normalise, task.images(), split.test, threads, test_time_augmentation::reflections);
     CHECK(reflected.loss != typed.loss);
     std::vector<std::uint8_t> turned(task.pixels.size());
     for (std::size_t image = 0; image < task.labels.size(); ++image)
@@ -120,7 +120,7 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
                       turned.data() + image * net::input_shape.size());
     const labelled_images other_way{turned, task.labels, 3};
     const evaluation again = evaluate(loop.best(), loop.mean(), loop.scale(), other_way, split.test, threads,
-                                      seen::in_all_reflections);
+                                      test_time_augmentation::reflections);
     CHECK(again.loss == reflected.loss);
     CHECK(again.recognised == reflected.recognised);
 
@@ -174,7 +174,8 @@ TEST_CASE("training_loop: features go to the network as they are") {
     CHECK(by_images.recognised == by_features.recognised);
 }
 
-TEST_CASE("training_loop: gradients from uphill teach something else, the same on any number of threads") {
+TEST_CASE(
+    "training_loop: sharpness-aware gradients teach something else, the same on any number of threads") {
     const support::toy_task task(20);
     recipe how;
     how.epochs = 2;
@@ -192,9 +193,9 @@ TEST_CASE("training_loop: gradients from uphill teach something else, the same o
         all.insert(all.end(), copy->running_statistics().begin(), copy->running_statistics().end());
         return all;
     };
-    const std::vector<float> uphill = trained(0.1, 1);
-    CHECK(uphill != trained(0, 1));
-    CHECK(uphill == trained(0.1, 2));
+    const std::vector<float> perturbed = trained(0.1, 1);
+    CHECK(perturbed != trained(0, 1));
+    CHECK(perturbed == trained(0.1, 2));
     // So near that single precision does not see it: as without.
     CHECK(trained(1e-60, 1) == trained(0, 1));
 }

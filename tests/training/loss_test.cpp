@@ -39,7 +39,7 @@ TEST_CASE("softmax_cross_entropy: value and gradient, smoothed and with fewer cl
         for (const double smoothing : {0.0, 0.1}) {
             CAPTURE(classes);
             CAPTURE(smoothing);
-            random_stream random(1, draw::order);
+            random_stream random(1, random_purposes::order);
             logits<double> x(6), gradient(6);
             std::vector<std::size_t> labels(6);
             for (std::size_t s = 0; s < 6; ++s) {

@@ -16,7 +16,8 @@ constexpr std::size_t steps = 20;
 const std::size_t size = 3 * kernels::lanes<float>;
 
 float gradient_at(std::size_t step, std::size_t i) {
-    random_stream random(1, draw::order, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(i));
+    random_stream random(1, random_purposes::order, static_cast<std::uint32_t>(step),
+                         static_cast<std::uint32_t>(i));
     return static_cast<float>(random.uniform(-1, 1));
 }
 /// Parameters after some steps, each an instance of reference(value, step, index) in double.
@@ -152,11 +153,11 @@ TEST_CASE(
 }
 
 TEST_CASE("decay_mask: weights decay, and norms where the rule says so, biases and statistics never") {
-    const std::vector<parameter> parameters{{"weight", role::weight, {2}, 0, 2, 1},
-                                            {"bias", role::bias, {1}, 2, 1, 1},
-                                            {"scale", role::scale, {1}, 3, 1, 1},
-                                            {"shift", role::shift, {1}, 4, 1, 1},
-                                            {"mean", role::running_mean, {1}, 0, 1, 1}};
+    const std::vector<parameter> parameters{{"weight", parameter_role::weight, {2}, 0, 2, 1},
+                                            {"bias", parameter_role::bias, {1}, 2, 1, 1},
+                                            {"scale", parameter_role::scale, {1}, 3, 1, 1},
+                                            {"shift", parameter_role::shift, {1}, 4, 1, 1},
+                                            {"mean", parameter_role::running_mean, {1}, 0, 1, 1}};
     const auto mask = [&](const optimiser& rule) { return detail::decay_mask(rule, parameters, 6); };
     const aligned_vector<float> weights{1, 1, 0, 0, 0, 0}, norms_too{1, 1, 0, 1, 1, 0};
     CHECK(mask(sgd{.l2 = 0.1}) == weights);

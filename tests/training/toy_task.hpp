@@ -19,7 +19,8 @@ struct toy_task {
     explicit toy_task(std::size_t each) {
         for (std::size_t label = 0; label < 3; ++label)
             for (std::size_t i = 0; i < each; ++i) {
-                tactnet::random_stream random(1, tactnet::draw::order, static_cast<std::uint32_t>(label),
+                tactnet::random_stream random(1, tactnet::random_purposes::order,
+                                              static_cast<std::uint32_t>(label),
                                               static_cast<std::uint32_t>(i));
                 const auto row = static_cast<int>(1 + random.below(5)),
                            column = static_cast<int>(2 + random.below(9));

@@ -125,14 +125,14 @@ private:
 
 } // namespace
 
-template <extent Size>
+template <extent2d Size>
 struct support::reference_of<as_photograph<Size>> {
     static reference_pointer on(extents3 in) {
         return std::make_unique<reference_photograph>(in, Size.rows, Size.columns);
     }
 };
 
-template <extent Size>
+template <extent2d Size>
 struct support::description<as_photograph<Size>> {
     static described_layer on(tactnet::shape in) {
         return {.what = described_layer::kind::own,
@@ -168,29 +168,30 @@ struct support::description<as_photograph<Size>> {
 };
 
 TEST_CASE("as_photograph: what must hold of every layer") {
-    support::check_layer<as_photograph<extent(9, 14)>, shape{4, 5, 1}>();
-    support::check_layer<as_photograph<extent(3, 4)>, shape{7, 9, 1}>(); // smaller, antialiased
+    support::check_layer<as_photograph<extent2d(9, 14)>, shape{4, 5, 1}>();
+    support::check_layer<as_photograph<extent2d(3, 4)>, shape{7, 9, 1}>(); // smaller, antialiased
     support::check_layer<as_photograph<5>, shape{1, 1, 1}>();
-    support::check_layer<sequence<as_photograph<extent(11, 9)>, conv2d<3, 3, 2, valid>, relu>,
+    support::check_layer<sequence<as_photograph<extent2d(11, 9)>, conv2d<3, 3, 2, padding::valid>, relu>,
                          shape{5, 6, 1}>();
 }
 
 TEST_CASE("as_photograph: deployed within the derived bound") {
-    using first =
-        network<shape{6, 9, 1}, as_photograph<extent(17, 21)>, conv2d<5, 3, 2, valid>, relu, dense<4>>;
+    using first = network<shape{6, 9, 1}, as_photograph<extent2d(17, 21)>, conv2d<5, 3, 2, padding::valid>,
+                          relu, dense<4>>;
     const support::error_shares errors = support::errors_of<first>(51, 5);
     MESSAGE(errors);
     CHECK(errors.good());
     // Pixels that lie apart.
-    using behind = network<shape{6, 7, 2}, conv2d<1, 3>, as_photograph<extent(10, 8)>, max_pool<2>, dense<3>>;
+    using behind =
+        network<shape{6, 7, 2}, conv2d<1, 3>, as_photograph<extent2d(10, 8)>, max_pool<2>, dense<3>>;
     CHECK(support::errors_of<behind>(52, 5).good());
-    using last = network<shape{3, 4, 1}, as_photograph<extent(5, 6)>>;
+    using last = network<shape{3, 4, 1}, as_photograph<extent2d(5, 6)>>;
     CHECK(support::errors_of<last>(53, 5).good());
 }
 
 TEST_CASE("as_photograph: memory in whole cache lines, so that the next frame's is aligned") {
-    using step = as_photograph_step<single_precision, extent(28, 50), 1, extent(227, 227)>;
-    using joining = as_photograph_step<single_precision, extent(28, 50), 16, extent(227, 227)>;
+    using step = as_photograph_step<single_precision, extent2d(28, 50), 1, extent2d(227, 227)>;
+    using joining = as_photograph_step<single_precision, extent2d(28, 50), 16, extent2d(227, 227)>;
     static_assert(step::workspace_elements == whole_lines(step::workspace_elements) &&
                   step::packed == whole_lines(step::packed));
     static_assert(joining::workspace_elements == whole_lines(joining::workspace_elements) &&
@@ -208,7 +209,7 @@ TEST_CASE("as_photograph: its arrays are those of a norm without scale and shift
 }
 
 TEST_CASE("as_photograph: an exported header names its step") {
-    using net = network<shape{3, 4, 1}, as_photograph<extent(5, 6)>, conv2d<2, 3>, dense<2>>;
+    using net = network<shape{3, 4, 1}, as_photograph<extent2d(5, 6)>, conv2d<2, 3>, dense<2>>;
     net network;
     support::fill(network, 54);
     const auto frame = support::make_frame(12, 1);
@@ -221,7 +222,7 @@ TEST_CASE("as_photograph: an exported header names its step") {
 
 TEST_CASE("as_photograph: its step tells how large its outputs can be, by mean and scale of each channel") {
     // Between equal sizes every output is one of the inputs.
-    using same_size = as_photograph_step<single_precision, extent(3, 4), 1, extent(3, 4)>;
+    using same_size = as_photograph_step<single_precision, extent2d(3, 4), 1, extent2d(3, 4)>;
     for (std::size_t channel = 0; channel < 3; ++channel) {
         std::array<float, 6> numbers{0, 0, 0, 1, 1, 1};
         CHECK(same_size::output_bound(numbers.data(), 2) == doctest::Approx(2));
@@ -229,14 +230,14 @@ TEST_CASE("as_photograph: its step tells how large its outputs can be, by mean a
         CHECK(same_size::output_bound(numbers.data(), 2) == doctest::Approx((2 + 5) * 3));
     }
     // Keys' kernel between two pixels: −1/16, 9/16, 9/16, −1/16.
-    using twice = as_photograph_step<single_precision, extent(8, 8), 1, extent(16, 16)>;
+    using twice = as_photograph_step<single_precision, extent2d(8, 8), 1, extent2d(16, 16)>;
     const std::array<float, 6> none{0, 0, 0, 1, 1, 1};
     CHECK(twice::output_bound(none.data(), 1) > 1.2);
     CHECK(twice::output_bound(none.data(), 1) < 2);
 }
 
 TEST_CASE("as_photograph: its step joins the pixels of its input, and no number behind them") {
-    using step = as_photograph_step<single_precision, extent(4, 4), 16, extent(4, 4)>;
+    using step = as_photograph_step<single_precision, extent2d(4, 4), 16, extent2d(4, 4)>;
     std::vector<float> in(17 * 16, 7.0f);
     aligned_vector<float> out(3 * 16 + 1), memory(step::workspace_elements + 1);
     out.back() = memory.back() = -9;

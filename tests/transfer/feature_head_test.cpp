@@ -32,7 +32,7 @@ struct clouds {
     std::vector<std::size_t> labels;
 
     clouds() {
-        random_stream random(3, draw::order);
+        random_stream random(3, random_purposes::order);
         for (std::size_t i = 0; i < 90; ++i) {
             labels.push_back(i % classes);
             for (std::size_t e = 0; e < numbers; ++e) {

@@ -20,7 +20,7 @@ using namespace tactnet;
 namespace {
 
 using net =
-    network<shape{6, 8}, as_photograph<extent(9, 12)>, named<"features", sequential<conv2d<4, 3>, relu>>,
+    network<shape{6, 8}, as_photograph<extent2d(9, 12)>, named<"features", sequential<conv2d<4, 3>, relu>>,
             named<"classifier", sequential<conv2d<5, 1>, global_average_pool>>>;
 
 struct weights {
@@ -106,7 +106,7 @@ TEST_CASE("pretrained_trunk: what does not belong") {
 }
 
 TEST_CASE("pretrained_trunk: of a photograph and a last layer alone, the numbers of the photograph") {
-    using shallow = network<shape{6, 8}, as_photograph<extent(9, 12)>, dense<5>>;
+    using shallow = network<shape{6, 8}, as_photograph<extent2d(9, 12)>, dense<5>>;
     weights any;
     any.writer = {};
     for (const std::size_t last : {2u, 3u})

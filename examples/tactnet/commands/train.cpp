@@ -46,7 +46,7 @@ struct train_options {
 std::vector<std::uint8_t> selftest_images(std::size_t count, std::size_t rows, std::size_t columns) {
     std::vector<std::uint8_t> pixels;
     for (std::size_t i = 0; i < count; ++i) {
-        tactnet::random_stream random(i, tactnet::draw::order);
+        tactnet::random_stream random(i, tactnet::random_purposes::order);
         const double row = random.uniform() * static_cast<double>(rows),
                      column = random.uniform() * static_cast<double>(columns);
         const double size = 2 + random.uniform() * static_cast<double>(std::min(rows, columns)) / 2;

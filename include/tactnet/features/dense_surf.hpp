@@ -22,7 +22,7 @@ inline namespace TACTNET_ARCH {
 /// Where descriptors are taken: at every `step` tactels, at each scale that is not 0 (at most four). At scale
 /// s the window covers 20 s × 20 s tactels.
 struct surf_grid {
-    extent step = 3;
+    extent2d step = 3;
     std::array<std::size_t, 4> scales{1, 2};
 
     /// Scales in use: those before the first 0.

@@ -26,9 +26,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose clusters{5}; ///< where clusters begin
-} // namespace draw
+} // namespace random_purposes
 
 struct k_means_settings {
     std::size_t centres = 500;
@@ -117,7 +117,7 @@ private:
     }
     /// Each next one is drawn with its squared distance to the nearest one so far as its probability.
     void seed() {
-        random_stream random(settings_.seed, draw::clusters);
+        random_stream random(settings_.seed, random_purposes::clusters);
         add_centre(random.below(static_cast<std::uint32_t>(count_)));
         for (std::size_t c = 1; c < std::min(settings_.centres, count_); ++c) {
             const double sum =

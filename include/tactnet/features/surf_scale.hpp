@@ -46,7 +46,7 @@ struct grid_side {
 };
 
 /// The descriptors of one scale.
-template <shape Shape, extent Step, std::size_t Scale>
+template <shape Shape, extent2d Step, std::size_t Scale>
 class surf_scale {
 public:
     static constexpr grid_side rows{Shape.rows, Step.rows}, columns{Shape.columns, Step.columns};

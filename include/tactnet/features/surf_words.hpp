@@ -96,7 +96,8 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
         of_image.reserve(std::min(share, Surf::most) * surf_values); // before the threads need it
     detail::describe_images<Surf>(images, chosen, threads, [&](const Surf& surf, std::size_t i) {
         // Major 1: k_means draws from 0.
-        const random_stream random(settings.seed, draw::clusters, 1, static_cast<std::uint32_t>(i));
+        const random_stream random(settings.seed, random_purposes::clusters, 1,
+                                   static_cast<std::uint32_t>(i));
         detail::draw_descriptors(surf, share, random, drawn[i]);
     });
     std::vector<float> points;

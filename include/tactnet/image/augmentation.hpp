@@ -11,9 +11,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose augmentation{2}; ///< what is done to one image in one epoch
-} // namespace draw
+} // namespace random_purposes
 
 /// The same object, touched elsewhere, in another direction, or harder.
 struct augmentation_ranges {

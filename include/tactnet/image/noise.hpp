@@ -10,9 +10,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose noise{6}; ///< what is added to one image in one epoch
-} // namespace draw
+} // namespace random_purposes
 
 /// How far counts scatter from touch to touch, as standard deviations.
 struct pressure_noise {
@@ -23,7 +23,7 @@ struct pressure_noise {
 };
 
 /// Adds normal noise to counts, each tactel's its own; none falls below zero, and NaN stays. Of the stream of
-/// (seed, draw::noise, epoch, sample) the numbers are the same wherever they are computed.
+/// (seed, random_purposes::noise, epoch, sample) the numbers are the same wherever they are computed.
 template <shape Shape>
 void add_noise(const pressure_noise& noise, const random_stream& random, tensor_view<float, Shape> counts) {
     if (noise == pressure_noise{})

@@ -20,7 +20,7 @@ enum class interpolation {
     bicubic ///< Keys' cubic with a = −½
 };
 /// What is seen where the image is not.
-enum class fill {
+enum class border_mode {
     zero, ///< no contact
     edge  ///< its nearest pixel
 };
@@ -28,20 +28,20 @@ enum class fill {
 namespace detail {
 
 /// Times `gain`, with a border for the taps, so that none needs to ask where it is.
-template <shape Shape, class Sampling, fill Fill, class Count>
+template <shape Shape, class Sampling, border_mode Border, class Count>
 void pad_image(const Count* from, float gain, float* padded) {
     constexpr std::size_t before = Sampling::before, behind = Sampling::behind;
     for (std::size_t y = 0; y < Shape.rows; ++y) {
         float* const row = padded + (before + y) * Sampling::stride;
         for (std::size_t x = 0; x < Shape.columns; ++x)
             row[before + x] = static_cast<float>(from[y * Shape.columns + x]) * gain;
-        std::fill_n(row, before, Fill == fill::zero ? 0.0f : row[before]);
+        std::fill_n(row, before, Border == border_mode::zero ? 0.0f : row[before]);
         std::fill_n(row + before + Shape.columns, behind,
-                    Fill == fill::zero ? 0.0f : row[before + Shape.columns - 1]);
+                    Border == border_mode::zero ? 0.0f : row[before + Shape.columns - 1]);
     }
     const auto fill_rows = [&](std::size_t first, std::size_t count, std::size_t like) {
         for (std::size_t y = first; y < first + count; ++y)
-            if constexpr (Fill == fill::zero)
+            if constexpr (Border == border_mode::zero)
                 std::fill_n(padded + y * Sampling::stride, Sampling::stride, 0.0f);
             else
                 std::copy_n(padded + like * Sampling::stride, Sampling::stride,
@@ -65,7 +65,7 @@ void erase_part(const image_part& part, float* channel) {
             std::fill_n(channel + y * Shape.columns + left, right - left, 0.0f);
 }
 
-template <shape Shape, interpolation Interpolation, fill Fill, class Count>
+template <shape Shape, interpolation Interpolation, border_mode Border, class Count>
 void transform_image(const image_transform& t, const Count* from, float* to) {
     static_assert(Shape.size() > 0,
                   "transform_image: there must be at least one row, one column and one channel");
@@ -79,8 +79,8 @@ void transform_image(const image_transform& t, const Count* from, float* to) {
                                                   t.column_by_row,          t.column_by_column};
         alignas(alignment) std::array<float, sampling::padded_rows * sampling::stride> padded;
         for (std::size_t channel = 0; channel < Shape.channels; ++channel) {
-            pad_image<Shape, sampling, Fill>(from + channel * Shape.area(), static_cast<float>(t.gain),
-                                             padded.data());
+            pad_image<Shape, sampling, Border>(from + channel * Shape.area(), static_cast<float>(t.gain),
+                                               padded.data());
             sampling::run(positions, padded.data(), to + channel * Shape.area());
             if (!t.erased.empty())
                 erase_part<Shape>(t.erased, to + channel * Shape.area());
@@ -94,16 +94,18 @@ void transform_image(const image_transform& t, const Count* from, float* to) {
 /// 10⁻⁵ of a pixel for images of up to 64 pixels. Where they are whole, pixels come through unchanged: doing
 /// nothing, reflections, translations by whole pixels, half turns, and quarter turns of squares are exact.
 /// NaN and infinity reach the outputs that weigh them.
-template <shape Shape, interpolation Interpolation = interpolation::bilinear, fill Fill = fill::zero>
+template <shape Shape, interpolation Interpolation = interpolation::bilinear,
+          border_mode Border = border_mode::zero>
 void transform_image(const image_transform& t, std::span<const std::uint8_t, Shape.size()> from,
                      tensor_view<float, Shape> to) {
-    detail::transform_image<Shape, Interpolation, Fill>(t, from.data(), to.data());
+    detail::transform_image<Shape, Interpolation, Border>(t, from.data(), to.data());
 }
 /// `from` and `to` may be the same.
-template <shape Shape, interpolation Interpolation = interpolation::bilinear, fill Fill = fill::zero>
+template <shape Shape, interpolation Interpolation = interpolation::bilinear,
+          border_mode Border = border_mode::zero>
 void transform_image(const image_transform& t, tensor_view<const float, Shape> from,
                      tensor_view<float, Shape> to) {
-    detail::transform_image<Shape, Interpolation, Fill>(t, from.data(), to.data());
+    detail::transform_image<Shape, Interpolation, Border>(t, from.data(), to.data());
 }
 
 } // namespace TACTNET_ARCH

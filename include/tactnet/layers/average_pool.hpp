@@ -23,18 +23,19 @@ struct average_layer : layer_base<T, Input, Spec> {
     using layer_base<T, Input, Spec>::output;
     static constexpr bool by_parts = true;
 
-    static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+    static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                       output_view<T, output> out) {
         p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
             kernels::average_pool_forward(windows, Input.channels, in.lane_block(g), out.lane_block(g));
         });
     }
-    static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
+    static void forward(const execution_context& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
                         output_view<T, output> out) {
         infer(p, none, none, m, in, out);
     }
-    static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>, input_view<T, output>,
-                         input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T*) {
+    static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
+                         input_view<T, output>, input_view<T, output> out_gradient,
+                         output_view<T, Input> in_gradient, T*) {
         if (in_gradient.data() == nullptr)
             return;
         p.threads.for_each(in_gradient.lane_blocks(), [&](std::size_t g) {
@@ -64,7 +65,7 @@ template <std::size_t Rows, std::size_t Columns>
 } // namespace detail
 
 /// Average pooling. `same` padding gives ceil(size / stride) outputs.
-template <extent Window, extent Stride = Window, padding Padding = same,
+template <extent2d Window, extent2d Stride = Window, padding Padding = padding::same,
           average_over Over = average_over::pixels>
 struct average_pool {
     static constexpr std::string_view name = "pool";
@@ -84,7 +85,7 @@ struct average_pool {
 
 /// Average pooling to a map of that size, whatever the input: bins as equal as can be. PyTorch's
 /// AdaptiveAvgPool2d, which also makes more of less.
-template <extent Output>
+template <extent2d Output>
 struct adaptive_average_pool {
     static constexpr std::string_view name = "pool";
     static constexpr bool numbered = true;

@@ -11,7 +11,7 @@ inline namespace TACTNET_ARCH {
 
 /// Batch normalisation (Ioffe and Szegedy, 2015): each channel is brought to mean 0 and variance 1, then to a
 /// learned scale and shift. In training by the moments of the batch, afterwards by running ones. Epsilon is
-/// the network's (pass::epsilon): the paper's text says 1e-4, its published networks 1e-5.
+/// the network's (execution_context::epsilon): the paper's text says 1e-4, its published networks 1e-5.
 struct batch_norm {
     static constexpr std::string_view name = "bn";
     static constexpr bool numbered = true;
@@ -38,25 +38,26 @@ struct batch_norm {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix, "weight", role::scale, {channels}, 0);
-            describe_array(list, prefix, "bias", role::shift, {channels}, channels);
-            describe_array(list, prefix, "running_mean", role::running_mean, {channels}, 0);
-            describe_array(list, prefix, "running_var", role::running_variance, {channels}, channels);
+            describe_array(list, prefix, "weight", parameter_role::scale, {channels}, 0);
+            describe_array(list, prefix, "bias", parameter_role::shift, {channels}, channels);
+            describe_array(list, prefix, "running_mean", parameter_role::running_mean, {channels}, 0);
+            describe_array(list, prefix, "running_var", parameter_role::running_variance, {channels},
+                           channels);
         }
 
-        static void infer(const pass& p, const T* values, const T* running, memory& m,
+        static void infer(const execution_context& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, Input> out) {
             use_running(p, running, m);
             forward(p, values, nullptr, m, in, out);
         }
 
-        static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
+        static void observe_forward(const execution_context& p, memory& m, input_view<T, Input> in) {
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c)
                     observe_input(m, in, p.first_group, g, c);
             });
         }
-        static void begin_forward(const pass& p, T* running, memory& m, std::size_t samples) {
+        static void begin_forward(const execution_context& p, T* running, memory& m, std::size_t samples) {
             for (std::size_t c = 0; c < channels; ++c) {
                 kernels::moments all;
                 for (std::size_t g = 0; g < groups_of<T>(samples); ++g)
@@ -71,8 +72,8 @@ struct batch_norm {
                     static_cast<T>(p.momentum * (unbiased - static_cast<double>(running[channels + c])));
             }
         }
-        static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
-                            output_view<T, Input> out) {
+        static void forward(const execution_context& p, const T* values, T*, memory& m,
+                            input_view<T, Input> in, output_view<T, Input> out) {
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c)
                     normalise(rule(values, m, c), in.lane_block(g) + c * plane, out.lane_block(g) + c * plane,
@@ -80,8 +81,8 @@ struct batch_norm {
             });
         }
 
-        static void observe_backward(const pass& p, memory& m, input_view<T, Input> in, input_view<T, Input>,
-                                     input_view<T, Input> out_gradient) {
+        static void observe_backward(const execution_context& p, memory& m, input_view<T, Input> in,
+                                     input_view<T, Input>, input_view<T, Input> out_gradient) {
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t c = 0; c < channels; ++c) {
                     const T *x = in.lane_block(g) + c * plane, *dy = out_gradient.lane_block(g) + c * plane;
@@ -91,7 +92,7 @@ struct batch_norm {
                 }
             });
         }
-        static void begin_backward(const pass&, const T*, memory& m, std::size_t samples) {
+        static void begin_backward(const execution_context&, const T*, memory& m, std::size_t samples) {
             m.count = static_cast<double>(samples * Input.area());
             for (std::size_t c = 0; c < channels; ++c) {
                 m.gradient[c] = m.product[c] = 0;
@@ -102,7 +103,7 @@ struct batch_norm {
                 m.product[c] -= rest(m.mean[c]) * m.inverse_deviation[c] * m.gradient[c];
             }
         }
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, Input>, input_view<T, Input> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
@@ -130,7 +131,7 @@ struct batch_norm {
             m.parts[(first_group + g) * channels + c] =
                 kernels::moments_of(in.lane_block(g) + c * plane, Input.area(), in.samples_in(g));
         }
-        static void use_running(const pass& p, const T* running, memory& m) {
+        static void use_running(const execution_context& p, const T* running, memory& m) {
             for (std::size_t c = 0; c < channels; ++c) {
                 m.mean[c] = static_cast<double>(running[c]);
                 m.inverse_deviation[c] =

@@ -54,7 +54,7 @@ template <std::size_t Filters, std::size_t KernelArea, std::size_t StrideArea, s
 /// Two-dimensional convolution (cross-correlation, as everywhere in the field), with bias unless the options
 /// leave it out.
 /// Weights are [filter][channel][row][column] (PyTorch's OIHW), the channels those of the filter's group.
-template <std::size_t Filters, extent Kernel, extent Stride = 1, padding Padding = same,
+template <std::size_t Filters, extent2d Kernel, extent2d Stride = 1, padding Padding = padding::same,
           conv2d_options Options = conv2d_options{}>
 struct conv2d {
     static constexpr std::string_view name = "conv";
@@ -98,13 +98,13 @@ struct conv2d {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix, "weight", role::weight,
+            describe_array(list, prefix, "weight", parameter_role::weight,
                            {Filters, channels, Kernel.rows, Kernel.columns}, 0, fan_in);
             if constexpr (has_bias)
-                describe_array(list, prefix, "bias", role::bias, {Filters}, weights);
+                describe_array(list, prefix, "bias", parameter_role::bias, {Filters}, weights);
         }
 
-        static void prepare(const pass&, const T* values, const T*, memory& m) {
+        static void prepare(const execution_context&, const T* values, const T*, memory& m) {
             m.forward_weights.resize(groups * ahead::weights);
             for (std::size_t group = 0; group < groups; ++group)
                 ahead::pack(m.forward_weights.data() + group * ahead::weights, [&](auto filter, auto channel,
@@ -115,8 +115,8 @@ struct conv2d {
                 });
         }
 
-        static void infer(const pass& p, const T* values, const T*, memory& m, input_view<T, Input> in,
-                          output_view<T, output> out) {
+        static void infer(const execution_context& p, const T* values, const T*, memory& m,
+                          input_view<T, Input> in, output_view<T, output> out) {
             reserve(m.scratch, p.threads.threads() * ahead::scratch);
             p.threads.on_each_share(in.lane_blocks(), [&](thread_pool::share part) {
                 for (std::size_t g = part.begin(in.lane_blocks()); g < part.end(in.lane_blocks()); ++g)
@@ -128,12 +128,12 @@ struct conv2d {
                                    m.scratch.data() + part.index * ahead::scratch);
             });
         }
-        static void forward(const pass& p, const T* values, T* none, memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
+        static void forward(const execution_context& p, const T* values, T* none, memory& m,
+                            input_view<T, Input> in, output_view<T, output> out) {
             infer(p, values, none, m, in, out);
         }
 
-        static void begin_backward(const pass&, const T* values, memory& m, std::size_t) {
+        static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
             m.totals.assign(groups * of_weights::totals + biases, 0.0);
             m.backward_weights.resize(groups * back::weights);
             for (std::size_t group = 0; group < groups; ++group)
@@ -145,7 +145,7 @@ struct conv2d {
                                   (Kernel.columns - 1 - column)];
                 });
         }
-        static void backward(const pass& p, const T*, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T*, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
             constexpr std::size_t needed = std::max(of_weights::scratch, back::scratch);

@@ -49,12 +49,13 @@ struct dense {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix, "weight", role::weight, {Outputs, inputs}, 0, inputs, Input);
-            describe_array(list, prefix, "bias", role::bias, {Outputs}, weights);
+            describe_array(list, prefix, "weight", parameter_role::weight, {Outputs, inputs}, 0, inputs,
+                           Input);
+            describe_array(list, prefix, "bias", parameter_role::bias, {Outputs}, weights);
         }
 
-        static void infer(const pass& p, const T* values, const T*, memory&, input_view<T, Input> in,
-                          output_view<T, output> out) {
+        static void infer(const execution_context& p, const T* values, const T*, memory&,
+                          input_view<T, Input> in, output_view<T, output> out) {
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 kernels::lane_product<Outputs, inputs, kernels::matrix_layout{inputs, 1}>(
                     values, in.lane_block(g), [&](std::size_t o, const kernels::vector<T>& sum) {
@@ -63,12 +64,12 @@ struct dense {
                     });
             });
         }
-        static void forward(const pass& p, const T* values, T* none, memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
+        static void forward(const execution_context& p, const T* values, T* none, memory& m,
+                            input_view<T, Input> in, output_view<T, output> out) {
             infer(p, values, none, m, in, out);
         }
 
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
             // Threads share the outputs for the biases and the inputs, a vector of them at a time, for the

@@ -8,9 +8,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose dropout{4}; ///< which elements of one sample stay in one step
-} // namespace draw
+} // namespace random_purposes
 
 namespace detail {
 
@@ -37,19 +37,20 @@ struct dropout {
         static constexpr shape output = detail::dropout_output<Percent>(Input);
         static constexpr bool by_parts = true;
 
-        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
             if (in.data() != out.data())
                 p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                     std::copy_n(in.lane_block(g), in.lane_block_size, out.lane_block(g));
                 });
         }
-        static void forward(const pass& p, const T*, T*, no_memory&, input_view<T, Input> in,
+        static void forward(const execution_context& p, const T*, T*, no_memory&, input_view<T, Input> in,
                             output_view<T, Input> out) {
             scale_kept(p, in, out);
         }
-        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>, input_view<T, Input>,
-                             input_view<T, Input> out_gradient, output_view<T, Input> in_gradient, T*) {
+        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
+                             input_view<T, Input>, input_view<T, Input> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() != nullptr)
                 scale_kept(p, out_gradient, in_gradient);
         }
@@ -57,13 +58,14 @@ struct dropout {
     private:
         static constexpr std::uint64_t threshold = (std::uint64_t{1} << 32) * Percent / 100;
 
-        static void scale_kept(const pass& p, input_view<T, Input> in, output_view<T, Input> out) {
+        static void scale_kept(const execution_context& p, input_view<T, Input> in,
+                               output_view<T, Input> out) {
             const T scale = static_cast<T>(100.0 / (100 - Percent));
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 for (std::size_t lane = 0; lane < kernels::lanes<T>; ++lane) {
                     const std::uint64_t layer_seed = p.seed + (std::uint64_t{p.depth} << 40);
                     random_stream random(
-                        layer_seed, draw::dropout, p.step,
+                        layer_seed, random_purposes::dropout, p.step,
                         static_cast<std::uint32_t>((p.first_group + g) * kernels::lanes<T> + lane));
                     for (std::size_t e = lane; e < in.lane_block_size; e += kernels::lanes<T>)
                         out.lane_block(g)[e] = random.bits() < threshold ? T{} : in.lane_block(g)[e] * scale;

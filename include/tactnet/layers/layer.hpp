@@ -47,7 +47,7 @@ template <class T>
 }
 
 /// What a network knows and a layer asks for while a batch passes.
-struct pass {
+struct execution_context {
     thread_pool& threads;
     double epsilon = 1e-5;       ///< added to the variance by batch norms
     double momentum = 0.1;       ///< share of a batch in the running statistics of batch norms
@@ -58,24 +58,24 @@ struct pass {
 };
 
 /// What an array of a network is for.
-enum class role { weight, bias, scale, shift, running_mean, running_variance };
+enum class parameter_role { weight, bias, scale, shift, running_mean, running_variance };
 
 /// Learnable by gradient descent; running statistics are not.
-[[nodiscard]] constexpr bool learnable(role r) {
-    return r != role::running_mean && r != role::running_variance;
+[[nodiscard]] constexpr bool learnable(parameter_role r) {
+    return r != parameter_role::running_mean && r != parameter_role::running_variance;
 }
 
 /// One array of a network. Its offset counts in the learnable parameters of the network, or in its
 /// statistics.
 struct parameter : named_array {
-    role what;          ///< decides how initialisation and weight decay treat it
-    std::size_t fan_in; ///< inputs of one output, for initialisation
+    parameter_role what; ///< decides how initialisation and weight decay treat it
+    std::size_t fan_in;  ///< inputs of one output, for initialisation
 };
 
 /// A specification bound to an input shape and a number type: constants and static functions, without state.
 template <class Layer, class T = typename Layer::value_type>
 concept layer = std::floating_point<T> &&
-    requires(const pass& p, const T* parameters, T* statistics, typename Layer::memory& memory,
+    requires(const execution_context& p, const T* parameters, T* statistics, typename Layer::memory& memory,
              batch_view<const T, Layer::input, kernels::lanes<T>> in,
              batch_view<T, Layer::output, kernels::lanes<T>> out,
              batch_view<const T, Layer::output, kernels::lanes<T>> out_gradient,
@@ -106,7 +106,7 @@ concept layer = std::floating_point<T> &&
 
 /// A layer that must see the whole batch before any of it can pass.
 template <class Layer, class T = typename Layer::value_type>
-concept observing_layer = requires(const pass& p, typename Layer::memory& memory,
+concept observing_layer = requires(const execution_context& p, typename Layer::memory& memory,
                                    batch_view<const T, Layer::input, kernels::lanes<T>> in,
                                    batch_view<const T, Layer::output, kernels::lanes<T>> out,
                                    batch_view<const T, Layer::output, kernels::lanes<T>> out_gradient) {
@@ -116,15 +116,15 @@ concept observing_layer = requires(const pass& p, typename Layer::memory& memory
 
 /// A layer that takes a batch by parts: what it gives for a part goes to the next layer while it is in the
 /// caches. Parts are whole groups, at most as many as there are threads, and come in order; the views are of
-/// the part, `pass::first_group` tells where it begins, the memory is that of the whole batch. For one batch
-/// are called, in this order,
+/// the part, `execution_context::first_group` tells where it begins, the memory is that of the whole batch.
+/// For one batch are called, in this order,
 ///   observe_forward(part) …  begin_forward  forward(part) …
 ///   observe_backward(part) … begin_backward backward(part) … end_backward
 /// and the parameters' gradients are set by the last.
 template <class Layer, class T = typename Layer::value_type>
 concept part_layer = layer<Layer> && Layer::by_parts &&
-    (!Layer::observes || observing_layer<Layer>)&&requires(const pass& p, const T* parameters, T* statistics,
-                                                           typename Layer::memory& memory,
+    (!Layer::observes || observing_layer<Layer>)&&requires(const execution_context& p, const T* parameters,
+                                                           T* statistics, typename Layer::memory& memory,
                                                            std::size_t samples, T* parameter_gradients) {
     Layer::begin_forward(p, statistics, memory, samples);
     Layer::begin_backward(p, parameters, memory, samples);
@@ -159,9 +159,9 @@ public:
     static constexpr bool by_parts = false, observes = false;
 
     static void describe(const std::string&, std::vector<parameter>&) {}
-    static void prepare(const pass&, const T*, const T*, auto&) {}
-    static void begin_forward(const pass&, T*, auto&, std::size_t) {}
-    static void begin_backward(const pass&, const T*, auto&, std::size_t) {}
+    static void prepare(const execution_context&, const T*, const T*, auto&) {}
+    static void begin_forward(const execution_context&, T*, auto&, std::size_t) {}
+    static void begin_backward(const execution_context&, const T*, auto&, std::size_t) {}
     static void end_backward(auto&, T*) {}
 };
 
@@ -177,11 +177,10 @@ public:
 
 /// Appends the array "prefix.name" to those that the layer has described so far. `flattened` is the input of
 /// a fully connected layer, for its weights. Not inlined, to save compile time.
-[[gnu::cold, gnu::noinline]] inline void describe_array(std::vector<parameter>& list,
-                                                        const std::string& prefix, const char* name,
-                                                        role what, std::initializer_list<std::size_t> extents,
-                                                        std::size_t offset, std::size_t fan_in = 1,
-                                                        const shape& flattened = {0, 0, 0}) {
+[[gnu::cold, gnu::noinline]] inline void
+describe_array(std::vector<parameter>& list, const std::string& prefix, const char* name, parameter_role what,
+               std::initializer_list<std::size_t> extents, std::size_t offset, std::size_t fan_in = 1,
+               const shape& flattened = {0, 0, 0}) {
     parameter p{{prefix + "." + name, extents, {}, offset, 0}, what, fan_in};
     p.size = product_of(p.extents);
     if (flattened.size() > 0)

@@ -11,7 +11,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// Max pooling. `same` padding gives ceil(size / stride) outputs; padding is never looked at.
-template <extent Window, extent Stride = Window, padding Padding = same>
+template <extent2d Window, extent2d Stride = Window, padding Padding = padding::same>
 struct max_pool {
     static constexpr std::string_view name = "pool";
     static constexpr bool numbered = true;
@@ -29,17 +29,17 @@ struct max_pool {
         static constexpr shape output{window.output_rows(), window.output_columns(), Input.channels};
         static constexpr bool by_parts = true;
 
-        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, output> out) {
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 kernels::max_pool_forward<window>(in.lane_block(g), out.lane_block(g));
             });
         }
-        static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
+        static void forward(const execution_context& p, const T* none, T*, no_memory& m,
+                            input_view<T, Input> in, output_view<T, output> out) {
             infer(p, none, none, m, in, out);
         }
-        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input> in,
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)

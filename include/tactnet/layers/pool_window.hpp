@@ -37,7 +37,7 @@ template <std::size_t WindowRows, std::size_t WindowColumns, std::size_t StrideA
 }
 
 /// Where the window of a pool goes. One that does not fit, or may see nothing but padding, is refused.
-template <shape Input, extent Window, extent Stride, padding Padding>
+template <shape Input, extent2d Window, extent2d Stride, padding Padding>
 [[nodiscard]] constexpr sliding_window pool_window() {
     constexpr sliding_window w = sliding_window::over(Input, Window, Stride, Padding);
     return checked_pool_window<Window.rows, Window.columns, Stride.area(), Input.rows + w.top + w.bottom,

@@ -30,18 +30,18 @@ struct square_root {
     struct layer : layer_base<T, Input, square_root> {
         static constexpr bool by_parts = true;
 
-        static void infer(const pass& p, const T*, const T*, no_memory&, input_view<T, Input> in,
+        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
                           output_view<T, Input> out) {
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 kernels::shifted_root_forward(static_cast<T>(offset), in.lane_block(g), out.lane_block(g),
                                               in.lane_block_size);
             });
         }
-        static void forward(const pass& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
-                            output_view<T, Input> out) {
+        static void forward(const execution_context& p, const T* none, T*, no_memory& m,
+                            input_view<T, Input> in, output_view<T, Input> out) {
             infer(p, none, none, m, in, out);
         }
-        static void backward(const pass& p, const T*, no_memory&, input_view<T, Input>,
+        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
                              input_view<T, Input> out, input_view<T, Input> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)

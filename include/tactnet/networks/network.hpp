@@ -120,7 +120,7 @@ public:
     basic_network()
         : values_(kernels::padded_size<T>(parameters)), statistics_(kernels::padded_size<T>(statistics)) {
         for_each_parameter([](const parameter& p, std::span<T> values) {
-            if (p.what == role::scale || p.what == role::running_variance)
+            if (p.what == parameter_role::scale || p.what == parameter_role::running_variance)
                 std::fill(values.begin(), values.end(), T{1});
         });
     }
@@ -158,7 +158,7 @@ public:
 
     /// Readies a workspace for this network's present parameters. Call it again whenever they change.
     void prepare(thread_pool& threads, workspace& space) const {
-        logit_layers::prepare(make_pass(threads), values_.data(), statistics_.data(), space.memory_);
+        logit_layers::prepare(make_context(threads), values_.data(), statistics_.data(), space.memory_);
     }
     /// Outputs of a batch, with running statistics. The workspace must be prepared. A sample's result is
     /// bit-exact whatever the batch and the threads. Any number of samples goes through in parts, so that the
@@ -167,7 +167,7 @@ public:
         logits(threads, space, in, out);
         if constexpr (ends_in_softmax) {
             no_memory none;
-            softmax::layer<T, output_shape>::infer(make_pass(threads), nullptr, nullptr, none,
+            softmax::layer<T, output_shape>::infer(make_context(threads), nullptr, nullptr, none,
                                                    const_output(out), out);
         }
     }
@@ -182,7 +182,7 @@ public:
             const std::size_t count =
                 std::min(last * kernels::lanes<T>, in.samples()) - first * kernels::lanes<T>;
             space.resize(count);
-            logit_layers::infer(make_pass(threads), values_.data(), statistics_.data(), space.memory_,
+            logit_layers::infer(make_context(threads), values_.data(), statistics_.data(), space.memory_,
                                 const_input(in.lane_block(first), count),
                                 output_type(out.lane_block(first), count));
         }
@@ -192,7 +192,7 @@ public:
     void forward(thread_pool& threads, workspace& space, const_input in, output_type out,
                  std::uint64_t seed = 0, std::uint32_t step = 0) {
         space.resize(in.samples());
-        logit_layers::forward(make_pass(threads, seed, step), values_.data(), statistics_.data(),
+        logit_layers::forward(make_context(threads, seed, step), values_.data(), statistics_.data(),
                               space.memory_, in, out);
     }
     /// Gradients of the learnable parameters (as many as `learnable_values`, or without the zeros behind)
@@ -200,12 +200,13 @@ public:
     void backward(thread_pool& threads, workspace& space, const_input in, const_output out,
                   const_output out_gradient, input_type in_gradient, std::span<T> gradients,
                   std::uint64_t seed = 0, std::uint32_t step = 0) const {
-        logit_layers::backward(make_pass(threads, seed, step), values_.data(), space.memory_, in, out,
+        logit_layers::backward(make_context(threads, seed, step), values_.data(), space.memory_, in, out,
                                out_gradient, in_gradient, gradients.data());
     }
 
 private:
-    [[nodiscard]] pass make_pass(thread_pool& threads, std::uint64_t seed = 0, std::uint32_t step = 0) const {
+    [[nodiscard]] execution_context make_context(thread_pool& threads, std::uint64_t seed = 0,
+                                                 std::uint32_t step = 0) const {
         return {.threads = threads, .epsilon = epsilon, .momentum = momentum, .seed = seed, .step = step};
     }
 

@@ -35,12 +35,12 @@ using two_convolutions = sequence<conv2d<Filters, 3>, batch_norm, relu, conv2d<F
 template <shape Input, std::size_t Classes, tactresnet_form Form = tactresnet_form::at(Input)>
 using tactresnet = network<Input,                                                                       //
                            conv2d<64, 5, 2, pad(2)>, batch_norm, relu,                                  //
-                           max_pool<Form.first_pool, Form.first_pool_stride, valid>,                    //
+                           max_pool<Form.first_pool, Form.first_pool_stride, padding::valid>,           //
                            residual<two_convolutions<64>>, relu,                                        //
                            residual<two_convolutions<64>>, relu,                                        //
                            residual<two_convolutions<128>, sequence<conv2d<128, 3>, batch_norm>>, relu, //
                            residual<two_convolutions<128>>, relu,                                       //
-                           max_pool<Form.last_pool, 1, valid>,                                          //
+                           max_pool<Form.last_pool, 1, padding::valid>,                                 //
                            dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
 /// How the authors trained it at 28 × 50, for images of any size. Its input are counts as they are.

@@ -32,7 +32,7 @@ struct graph_node {
     average_windows means{};                ///< of mean numbers
     std::size_t groups = 1;                 ///< of a convolution; its window has the channels of all
     std::size_t filters = 0;                ///< of all groups
-    extent pool = 1;                        ///< of the largest sums of a convolution
+    extent2d pool = 1;                      ///< of the largest sums of a convolution
     double offset = 0;                      ///< of a root
     bool rectified = false;                 ///< of a convolution or a norm
     bool adds = false;                      ///< to the map `added`

@@ -68,12 +68,12 @@ private:
 using random_purpose = numbered_purpose<class random_stream>;
 
 /// The library's purposes. Those of one room stand in it; these are drawn in several.
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose split{0}; ///< which samples go together: sets of data, folds
 inline constexpr random_purpose order{1}; ///< in which order samples are visited
-} // namespace draw
+} // namespace random_purposes
 
-/// The numbers of one item: for example (seed, draw::augmentation, epoch, sample).
+/// The numbers of one item: for example (seed, random_purposes::augmentation, epoch, sample).
 class random_stream {
 public:
     constexpr random_stream(std::uint64_t seed, random_purpose purpose, std::uint32_t major = 0,

@@ -15,10 +15,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose sensor{7}; ///< what a simulated sensor was made with
 inline constexpr random_purpose frame{8};  ///< what befalls one simulated frame
-} // namespace draw
+} // namespace random_purposes
 
 namespace simulation {
 
@@ -45,7 +45,7 @@ struct sensor_unit {
     std::uint64_t number = 1;
 
     [[nodiscard]] constexpr random_stream random(effect_purpose purpose) const {
-        return {number, draw::sensor, 0, purpose.number()};
+        return {number, random_purposes::sensor, 0, purpose.number()};
     }
 };
 
@@ -63,7 +63,7 @@ struct moment {
     double celsius = 22;     ///< of the sensor
 
     [[nodiscard]] constexpr random_stream random(effect_purpose purpose) const {
-        return {seed, draw::frame, frame, purpose.number()};
+        return {seed, random_purposes::frame, frame, purpose.number()};
     }
 };
 

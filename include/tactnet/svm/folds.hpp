@@ -19,7 +19,7 @@ deal_folds(const std::vector<std::vector<std::size_t>>& samples_of_classes, std:
     std::size_t next = 0;
     for (std::size_t c = 0; c < samples_of_classes.size(); ++c) {
         std::vector<std::size_t> members = samples_of_classes[c];
-        random_stream(seed, draw::split, static_cast<std::uint32_t>(c)).shuffle(members);
+        random_stream(seed, random_purposes::split, static_cast<std::uint32_t>(c)).shuffle(members);
         for (const std::size_t sample : members)
             fold_of[sample] = next++ % folds;
     }

@@ -23,30 +23,36 @@ struct shape {
 };
 
 /// Rows and columns of a kernel, a window or a stride. One number means the same in both directions.
-struct extent {
+struct extent2d {
     std::size_t rows;
     std::size_t columns;
 
-    constexpr extent(std::size_t both) : rows(both), columns(both) {} // implicit: conv2d<8, 5> reads as 5 × 5
-    constexpr extent(std::size_t rows_, std::size_t columns_) : rows(rows_), columns(columns_) {}
+    constexpr extent2d(std::size_t both)
+        : rows(both), columns(both) {} // implicit: conv2d<8, 5> reads as 5 × 5
+    constexpr extent2d(std::size_t rows_, std::size_t columns_) : rows(rows_), columns(columns_) {}
     [[nodiscard]] constexpr std::size_t area() const { return rows * columns; }
-    friend constexpr bool operator==(const extent&, const extent&) = default;
+    friend constexpr bool operator==(const extent2d&, const extent2d&) = default;
 };
 
-/// What surrounds an image before a window slides over it. `same` keeps ceil(size / stride) outputs; what it
-/// must add is halved, and an odd rest goes to the bottom and to the right (so an even kernel pads only
-/// there).
+/// The border around an image before a window slides over it.
 struct padding {
+    /// How many outputs to keep: ceil(size / stride), those of the given border, or the same rounded up.
     enum class rule { same, given, ceil_mode };
 
     rule how = rule::same;
     std::size_t top = 0, bottom = 0, left = 0, right = 0;
 
+    /// Keeps ceil(size / stride) outputs. The zeros are split in halves, and an odd one goes to the bottom
+    /// and to the right, so that an even kernel is padded only there.
+    static const padding same;
+    /// No padding.
+    static const padding valid;
+
     friend constexpr bool operator==(const padding&, const padding&) = default;
 };
 
-inline constexpr padding same{};
-inline constexpr padding valid{padding::rule::given};
+inline constexpr padding padding::same{};
+inline constexpr padding padding::valid{padding::rule::given};
 
 /// Explicit zeros: as many on every side, or side by side.
 [[nodiscard]] constexpr padding pad(std::size_t all) {
@@ -60,7 +66,7 @@ inline constexpr padding valid{padding::rule::given};
 /// Zeros as given, and at the bottom and on the right what a last window lacks that no longer fits: outputs
 /// are rounded up, as by PyTorch's ceil_mode. That window must begin inside the image or its padding at the
 /// top and on the left.
-[[nodiscard]] constexpr padding ceil_mode(padding around = valid) {
+[[nodiscard]] constexpr padding ceil_mode(padding around = padding::valid) {
     around.how = padding::rule::ceil_mode;
     return around;
 }
@@ -68,12 +74,12 @@ inline constexpr padding valid{padding::rule::given};
 /// A window that slides over an image: everything that is known about where its taps fall.
 struct sliding_window {
     shape input;
-    extent kernel;
-    extent stride;
+    extent2d kernel;
+    extent2d stride;
     std::size_t top = 0, bottom = 0, left = 0, right = 0;
 
     /// Resolves a padding rule for one input. A stride of zero counts as one; layers refuse it.
-    [[nodiscard]] static constexpr sliding_window over(shape input, extent kernel, extent stride,
+    [[nodiscard]] static constexpr sliding_window over(shape input, extent2d kernel, extent2d stride,
                                                        padding around) {
         stride = {stride.rows > 0 ? stride.rows : 1, stride.columns > 0 ? stride.columns : 1};
         sliding_window w{input, kernel, stride};

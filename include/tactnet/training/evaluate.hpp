@@ -26,10 +26,10 @@ struct evaluation {
     std::vector<std::size_t> recognised; ///< class of each chosen sample
 };
 
-/// What is put through a network of each sample.
-enum class seen {
-    as_it_is,
-    in_all_reflections ///< of images: the logits are the mean over all_reflections
+/// Which variants of a sample an evaluation averages over.
+enum class test_time_augmentation {
+    none,
+    reflections ///< of images: the logits are the mean over all_reflections
 };
 
 namespace detail {
@@ -54,8 +54,8 @@ inline void logits_of_samples(shape input, std::span<const float> mean, float sc
 }
 
 inline evaluation evaluate(shape input, std::span<const float> mean, float scale, std::size_t outputs,
-                           const labelled_samples& samples, std::span<const std::size_t> chosen, seen how,
-                           const logits_of_batch& logits) {
+                           const labelled_samples& samples, std::span<const std::size_t> chosen,
+                           test_time_augmentation how, const logits_of_batch& logits) {
     constexpr std::size_t at_once = 64;
     evaluation result{0, confusion_matrix(samples.classes()), {}};
     std::vector<float> of_classes(samples.classes());
@@ -64,7 +64,7 @@ inline evaluation evaluate(shape input, std::span<const float> mean, float scale
         const auto part = chosen.subspan(first, count);
         sample_batch out(outputs, count), gradient(outputs, count);
         logits_of_samples(input, mean, scale, samples, part, all_reflections[0], logits, out);
-        if (how == seen::in_all_reflections) {
+        if (how == test_time_augmentation::reflections) {
             std::array<sample_batch, 3> others{out, out, out};
             for (std::size_t r = 0; r < others.size(); ++r)
                 logits_of_samples(input, mean, scale, samples, part, all_reflections[r + 1], logits,
@@ -96,10 +96,10 @@ inline evaluation evaluate(shape input, std::span<const float> mean, float scale
 /// logits are not finite, neither is the loss, and the recognised classes mean nothing. Features are only
 /// seen as they are. Throws as `labelled_samples::check`.
 template <class Network>
-[[nodiscard]] evaluation evaluate(const Network& network,
-                                  const normalisation<Network::input_shape>& normalise,
-                                  const labelled_samples& samples, std::span<const std::size_t> chosen,
-                                  thread_pool& threads, seen how = seen::as_it_is) {
+[[nodiscard]] evaluation
+evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,
+         const labelled_samples& samples, std::span<const std::size_t> chosen, thread_pool& threads,
+         test_time_augmentation how = test_time_augmentation::none) {
     samples.check(Network::input_shape, Network::outputs);
     typename Network::workspace space;
     network.prepare(threads, space);

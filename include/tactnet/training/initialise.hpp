@@ -12,9 +12,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose initial_weights{3}; ///< one array of weights
-} // namespace draw
+} // namespace random_purposes
 
 /// Weights from N(0, deviation²), as AlexNet's (Krizhevsky, Sutskever, Hinton, 2012).
 struct fixed_normal {
@@ -31,14 +31,14 @@ namespace detail {
 template <class T>
 void initialise(const parameter& p, std::span<T> values, const initialisation& rule, std::uint64_t seed,
                 std::uint32_t& index) {
-    if (p.what != role::weight) {
-        const bool one = p.what == role::scale || p.what == role::running_variance;
+    if (p.what != parameter_role::weight) {
+        const bool one = p.what == parameter_role::scale || p.what == parameter_role::running_variance;
         std::fill(values.begin(), values.end(), T(one ? 1 : 0));
         return;
     }
     const auto* fixed = std::get_if<fixed_normal>(&rule);
     const double deviation = fixed ? fixed->deviation : std::sqrt(2.0 / static_cast<double>(p.fan_in));
-    random_stream random(seed, draw::initial_weights, index++);
+    random_stream random(seed, random_purposes::initial_weights, index++);
     for (T& value : values)
         value = static_cast<T>(deviation * random.normal());
 }

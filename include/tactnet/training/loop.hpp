@@ -6,8 +6,8 @@
 #include <tactnet/training/loop/divergence.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>
+#include <tactnet/training/loop/sam_perturbation.hpp>
 #include <tactnet/training/loop/trainable.hpp>
-#include <tactnet/training/loop/uphill.hpp>
 #include <tactnet/training/recipe.hpp>
 
 #include <algorithm>
@@ -253,9 +253,9 @@ private:
 
         const double loss = find_gradients(labels);
         if (how_.sharpness_radius > 0) {
-            uphill_.climb(*network_, gradients_, how_.sharpness_radius);
+            perturbation_.climb(*network_, gradients_, how_.sharpness_radius);
             find_gradients(labels);
-            uphill_.come_back(*network_);
+            perturbation_.come_back(*network_);
         }
         take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_, decayed_,
                          rate_shares_);
@@ -330,7 +330,7 @@ private:
     aligned_vector<float> gradients_, decayed_;
     aligned_vector<float> rate_shares_; ///< empty where all learn at the same rate
     training_progress progress_;
-    detail::uphill uphill_;
+    detail::sam_perturbation perturbation_;
     std::unique_ptr<trainable::workspace> space_;
     input_batch in_;
     sample_batch out_, out_gradient_;

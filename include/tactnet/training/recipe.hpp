@@ -85,7 +85,8 @@ struct recipe {
     }
 
     /// The same for whoever can wait: three times as many epochs, in which a part of every other image is
-    /// erased, with gradients from uphill (sharpness_radius). Six times the time. The last network is kept.
+    /// erased, with sharpness-aware gradients (sharpness_radius). Six times the time. The last network is
+    /// kept.
     [[nodiscard]] recipe thorough() const {
         recipe r = *this;
         r.name = "thorough";

@@ -30,7 +30,7 @@ template <std::size_t Channels, std::size_t Rows, std::size_t Columns>
 /// and variance of red, green and blue are running statistics that stay as they are, in weight files
 /// "photograph.running_mean" and "photograph.running_var": whoever gives the weights of the network behind it
 /// sets them (see pretrained_trunk). Until then the mean is 0 and the variance 1; no epsilon is added.
-template <extent Size>
+template <extent2d Size>
 struct as_photograph {
     static constexpr std::string_view name = "photograph";
     static constexpr bool numbered = false;
@@ -52,16 +52,16 @@ struct as_photograph {
         };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
-            describe_array(list, prefix, "running_mean", role::running_mean, {3}, 0);
-            describe_array(list, prefix, "running_var", role::running_variance, {3}, 3);
+            describe_array(list, prefix, "running_mean", parameter_role::running_mean, {3}, 0);
+            describe_array(list, prefix, "running_var", parameter_role::running_variance, {3}, 3);
         }
-        static void prepare(const pass&, const T*, const T* running, memory& m) {
+        static void prepare(const execution_context&, const T*, const T* running, memory& m) {
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 m.mean[channel] = running[channel];
                 m.scale[channel] = 1 / std::sqrt(running[3 + channel]);
             }
         }
-        static void infer(const pass& p, const T*, const T*, memory& m, input_view<T, Input> in,
+        static void infer(const execution_context& p, const T*, const T*, memory& m, input_view<T, Input> in,
                           output_view<T, output> out) {
             using vector = kernels::vector<T>;
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
@@ -74,12 +74,13 @@ struct as_photograph {
                     });
             });
         }
-        static void forward(const pass& p, const T* none, T*, memory& m, input_view<T, Input> in,
+        static void forward(const execution_context& p, const T* none, T*, memory& m, input_view<T, Input> in,
                             output_view<T, output> out) {
             infer(p, none, nullptr, m, in, out);
         }
-        static void backward(const pass& p, const T*, memory& m, input_view<T, Input>, input_view<T, output>,
-                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T*) {
+        static void backward(const execution_context& p, const T*, memory& m, input_view<T, Input>,
+                             input_view<T, output>, input_view<T, output> out_gradient,
+                             output_view<T, Input> in_gradient, T*) {
             using vector = kernels::vector<T>;
             if (in_gradient.data() == nullptr)
                 return;

@@ -14,12 +14,12 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-template <extent Size>
+template <extent2d Size>
 struct lowering<as_photograph<Size>> {
     template <class Place>
     struct at {
         using step = as_photograph_step<typename Place::format,
-                                        extent{Place::layer::input.rows, Place::layer::input.columns},
+                                        extent2d{Place::layer::input.rows, Place::layer::input.columns},
                                         Place::input_stride, Size>;
         static void fold(const parameter_source& list, float* to) {
             const float* const statistics = Place::parameters(list).statistics;
@@ -32,12 +32,12 @@ struct lowering<as_photograph<Size>> {
     };
 };
 
-template <extent From, std::size_t InputStride, extent To>
+template <extent2d From, std::size_t InputStride, extent2d To>
 struct step_spelling<as_photograph_step<single_precision, From, InputStride, To>> {
     static spelled_step of(step_text& text, const shape&, const std::string& stride) {
         text.include("tactnet/transfer/as_photograph_step.hpp");
-        return {"Photograph", "tactnet::as_photograph_step<tactnet::single_precision, tactnet::extent" +
-                                  text_of(From) + ", " + stride + ", tactnet::extent" + text_of(To) + ">"};
+        return {"Photograph", "tactnet::as_photograph_step<tactnet::single_precision, tactnet::extent2d" +
+                                  text_of(From) + ", " + stride + ", tactnet::extent2d" + text_of(To) + ">"};
     }
 };
 

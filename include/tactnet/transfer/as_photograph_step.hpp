@@ -16,10 +16,10 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// Folded and packed: mean of red, green and blue, then what remains is multiplied by.
-template <class Format, extent From, std::size_t InputStride, extent To>
+template <class Format, extent2d From, std::size_t InputStride, extent2d To>
 struct as_photograph_step;
 
-template <extent From, std::size_t InputStride, extent To>
+template <extent2d From, std::size_t InputStride, extent2d To>
 struct as_photograph_step<single_precision, From, InputStride, To> {
     using format = single_precision;
     static constexpr shape grey{From.rows, From.columns, 1}, resized{To.rows, To.columns, 1};

@@ -23,7 +23,7 @@ struct behind_photograph;
 template <shape Touch, class T, shape Photograph, class... Specs>
 struct behind_photograph<Touch, basic_network<T, Photograph, Specs...>> {
     using type =
-        basic_network<T, Touch, as_photograph<extent{Photograph.rows, Photograph.columns}>, Specs...>;
+        basic_network<T, Touch, as_photograph<extent2d{Photograph.rows, Photograph.columns}>, Specs...>;
 };
 
 } // namespace detail

@@ -21,8 +21,8 @@ inline namespace TACTNET_ARCH {
 /// As the to_photograph of photograph.hpp, with the resize in double precision: where that one rounds to
 /// counts, the two may differ by one count here and there. `to` is [channel][row][column], of three channels.
 /// Throws std::invalid_argument for an empty image, and unless both are as long as their sizes say.
-inline void to_photograph(std::span<const std::uint8_t> image, extent grey, const photograph_form& form,
-                          extent photograph, std::span<float> to) {
+inline void to_photograph(std::span<const std::uint8_t> image, extent2d grey, const photograph_form& form,
+                          extent2d photograph, std::span<float> to) {
     const std::size_t area = photograph.area();
     if (to.size() != 3 * area)
         throw std::invalid_argument("to_photograph: expected room for " + std::to_string(3 * area) +

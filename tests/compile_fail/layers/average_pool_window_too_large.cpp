@@ -4,5 +4,5 @@
 #include <tactnet/layers/average_pool.hpp>
 #include <tactnet/networks/network.hpp>
 
-using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::average_pool<8, 1, tactnet::valid>>;
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::average_pool<8, 1, tactnet::padding::valid>>;
 constexpr auto parameters = net::parameters;

@@ -5,5 +5,5 @@
 #include <tactnet/networks/network.hpp>
 
 using net = tactnet::network<tactnet::shape{7, 13, 6},
-                             tactnet::conv2d<8, 3, 1, tactnet::same, tactnet::in_groups(3)>>;
+                             tactnet::conv2d<8, 3, 1, tactnet::padding::same, tactnet::in_groups(3)>>;
 constexpr auto parameters = net::parameters;

@@ -3,7 +3,7 @@
 // at-most: 1
 #include <tactnet/networks.hpp>
 
-using net =
-    tactnet::network<tactnet::shape{4, 9, 1}, tactnet::conv2d<8, tactnet::extent{5, 3}, 1, tactnet::valid>,
-                     tactnet::relu, tactnet::dense<3>>;
+using net = tactnet::network<tactnet::shape{4, 9, 1},
+                             tactnet::conv2d<8, tactnet::extent2d{5, 3}, 1, tactnet::padding::valid>,
+                             tactnet::relu, tactnet::dense<3>>;
 constexpr auto parameters = net::parameters;

@@ -5,5 +5,5 @@
 #include <tactnet/networks.hpp>
 
 using net = tactnet::network<tactnet::shape{7, 4, 1}, tactnet::conv2d<8, 3>, tactnet::relu,
-                             tactnet::max_pool<5, 1, tactnet::valid>, tactnet::dense<3>>;
+                             tactnet::max_pool<5, 1, tactnet::padding::valid>, tactnet::dense<3>>;
 constexpr auto parameters = net::parameters;

@@ -9,24 +9,25 @@ using namespace tactnet;
 using support::frames_that_differ;
 
 TEST_CASE("eight_bit: strides, pads and channels that fill no vector give the bits of the plain reference") {
-    using uneven = network<shape{11, 9, 3}, conv2d<5, extent(3, 2), extent(2, 1), pad(1)>, relu,
-                           conv2d<33, 2, 1, valid>, batch_norm, conv2d<7, extent(1, 4), 3, same>, dense<9>>;
+    using uneven = network<shape{11, 9, 3}, conv2d<5, extent2d(3, 2), extent2d(2, 1), pad(1)>, relu,
+                           conv2d<33, 2, 1, padding::valid>, batch_norm,
+                           conv2d<7, extent2d(1, 4), 3, padding::same>, dense<9>>;
     CHECK(frames_that_differ<uneven>(11, 20) == 0);
-    using one_channel = network<shape{8, 9}, conv2d<1, 3>, relu, conv2d<2, 4>, max_pool<extent(2, 3)>, relu,
+    using one_channel = network<shape{8, 9}, conv2d<1, 3>, relu, conv2d<2, 4>, max_pool<extent2d(2, 3)>, relu,
                                 conv2d<3, 7>, conv2d<5, 1>, dense<1>>;
     CHECK(frames_that_differ<one_channel>(12, 20) == 0);
 }
 
 TEST_CASE("eight_bit: pools and ReLUs by themselves give the bits of the plain reference") {
     using pools = network<shape{13, 12, 2}, conv2d<6, 3>, max_pool<3, 2>, relu, max_pool<2, 1, pad(1)>,
-                          conv2d<20, 3>, batch_norm, max_pool<3, 1, valid>, relu,
-                          average_pool<extent(2, 3), 2, pad(1)>, conv2d<4, 1>, dense<5>>;
+                          conv2d<20, 3>, batch_norm, max_pool<3, 1, padding::valid>, relu,
+                          average_pool<extent2d(2, 3), 2, pad(1)>, conv2d<4, 1>, dense<5>>;
     CHECK(frames_that_differ<pools>(13, 20) == 0);
 }
 
 TEST_CASE("eight_bit: batch norms that no convolution takes up give the bits of the plain reference") {
     using norms = network<shape{6, 7, 3}, batch_norm, conv2d<6, 3>, relu, batch_norm, relu,
-                          conv2d<5, 3, 2, valid>, max_pool<2, 1>, batch_norm, dense<4>>;
+                          conv2d<5, 3, 2, padding::valid>, max_pool<2, 1>, batch_norm, dense<4>>;
     CHECK(frames_that_differ<norms>(14, 40) == 0);
 }
 
@@ -47,8 +48,8 @@ TEST_CASE("eight_bit: concatenations and groups give the bits of the plain refer
     using branches =
         network<shape{9, 8, 2}, conv2d<8, 3>, relu,
                 concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<3, 1>, relu, conv2d<16, 3>, relu>,
-                              sequence<max_pool<3, 1, same>, conv2d<12, 1>>>,
-                conv2d<8, 3, 1, same, conv2d_options{.groups = 4}>, relu,
+                              sequence<max_pool<3, 1, padding::same>, conv2d<12, 1>>>,
+                conv2d<8, 3, 1, padding::same, conv2d_options{.groups = 4}>, relu,
                 conv2d<6, 3, 2, pad(1), conv2d_options{.groups = 2, .bias = false}>, max_pool<2>, dense<5>>;
     CHECK(frames_that_differ<branches>(17, 20) == 0);
 }

@@ -18,25 +18,26 @@ using small_network = tactnet::tactnet4<tactnet::shape{7, 13}, 5>;
 /// Every kind of step, and sizes that fill no vector: then distances between pixels depend on the instruction
 /// set.
 using mixed_network = tactnet::network<
-    tactnet::shape{8, 9, 2}, tactnet::batch_norm, tactnet::conv2d<6, 3, tactnet::extent(2, 1)>, tactnet::relu,
+    tactnet::shape{8, 9, 2}, tactnet::batch_norm, tactnet::conv2d<6, 3, tactnet::extent2d(2, 1)>,
+    tactnet::relu,
     tactnet::residual<tactnet::sequence<tactnet::conv2d<20, 3>, tactnet::relu, tactnet::conv2d<20, 3>>,
                       tactnet::sequence<tactnet::conv2d<20, 1>, tactnet::batch_norm>>,
     tactnet::relu, tactnet::residual<tactnet::conv2d<20, 3>>, tactnet::max_pool<3, 1>, tactnet::relu,
     tactnet::sequence<tactnet::conv2d<5, 2>, tactnet::max_pool<2>>,
-    tactnet::conv2d<16, 3, 1, tactnet::same, tactnet::in_groups(1)>,
-    tactnet::named<"mixed",
-                   tactnet::concatenation<
-                       tactnet::conv2d<8, 1, 1, tactnet::same, tactnet::in_groups(2)>,
-                       tactnet::sequence<tactnet::conv2d<6, 1>, tactnet::relu,
-                                         tactnet::conv2d<5, 3, 1, tactnet::same, tactnet::without_bias>>,
-                       tactnet::identity>>,
+    tactnet::conv2d<16, 3, 1, tactnet::padding::same, tactnet::in_groups(1)>,
+    tactnet::named<"mixed", tactnet::concatenation<
+                                tactnet::conv2d<8, 1, 1, tactnet::padding::same, tactnet::in_groups(2)>,
+                                tactnet::sequence<
+                                    tactnet::conv2d<6, 1>, tactnet::relu,
+                                    tactnet::conv2d<5, 3, 1, tactnet::padding::same, tactnet::without_bias>>,
+                                tactnet::identity_layer>>,
     tactnet::local_response_norm<>, tactnet::square_root<>, tactnet::average_pool<2, 1>, tactnet::dense<3>,
     tactnet::softmax>;
 
 /// More memory than a stack should hold, and a step that is not among those of deployment/.
 using large_network =
-    tactnet::network<tactnet::shape{6, 5}, tactnet::as_photograph<tactnet::extent(300, 310)>,
-                     tactnet::conv2d<3, 5, 4, tactnet::valid>, tactnet::relu, tactnet::max_pool<8>,
+    tactnet::network<tactnet::shape{6, 5}, tactnet::as_photograph<tactnet::extent2d(300, 310)>,
+                     tactnet::conv2d<3, 5, 4, tactnet::padding::valid>, tactnet::relu, tactnet::max_pool<8>,
                      tactnet::dense<2>>;
 
 /// As a sensor may count: most of it untouched.
@@ -57,7 +58,8 @@ Network filled_network() {
     net.for_each_parameter([&](const tactnet::parameter& p, auto values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             const float drawn = static_cast<float>((i * 73 + i * i * 3 + p.offset * 5) % 201) / 100.0f - 1.0f;
-            const bool positive = p.what == tactnet::role::running_variance || p.what == tactnet::role::scale;
+            const bool positive = p.what == tactnet::parameter_role::running_variance ||
+                                  p.what == tactnet::parameter_role::scale;
             values[i] = positive ? 1.0f + drawn / 2 : drawn / 4;
         }
     });

@@ -55,7 +55,7 @@ struct numbers_of {
 /// A channel of the output by plain sums: group by group.
 template <frame_convolution C>
 support::rounded_map expected_of(const std::vector<double>& in, const std::vector<float>& folded,
-                                 tactnet::extent tiled) {
+                                 tactnet::extent2d tiled) {
     constexpr std::size_t channels = C.window.input.channels / C.groups, filters = C.filters / C.groups,
                           area = C.window.input.area();
     support::rounded_map all;
@@ -102,8 +102,8 @@ support::error_shares errors_of_step(std::uint64_t seed) {
     return support::shares_of(found, expected_of<C>(in.exact, numbers.folded, step::tile_outputs));
 }
 
-constexpr sliding_window over(shape input, extent kernel, extent stride = 1) {
-    return sliding_window::over(input, kernel, stride, same);
+constexpr sliding_window over(shape input, extent2d kernel, extent2d stride = 1) {
+    return sliding_window::over(input, kernel, stride, padding::same);
 }
 
 } // namespace

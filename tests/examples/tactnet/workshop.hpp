@@ -42,7 +42,7 @@ public:
     workshop() {
         fs::create_directory(work());
         const char* names[] = {"left", "middle, of all", "right"}; // the comma is for CSV
-        tactnet::random_stream random(1, tactnet::draw::order);
+        tactnet::random_stream random(1, tactnet::random_purposes::order);
         for (std::size_t c = 0; c < 3; ++c)
             for (std::size_t i = 0; i < images_per_class; ++i) {
                 std::vector<std::uint8_t> pixels(rows * columns);

@@ -149,7 +149,7 @@ TEST_CASE("batch_norm: running moments after a million steps") {
     const images in = images_of(values);
     norm::memory memory;
     memory.resize(in.samples());
-    const pass p{.threads = threads, .epsilon = 1e-5};
+    const execution_context p{.threads = threads, .epsilon = 1e-5};
     std::vector<float> running{0, 1};
     norm::observe_forward(p, memory, in.view());
     for (int step = 0; step < 1'000'000; ++step)
@@ -203,11 +203,11 @@ void check_folded(const std::string& name, float mean, float variance, double ep
     support::fill(net, 3);
     net.epsilon = epsilon;
     net.for_each_parameter([&](const parameter& p, auto values) {
-        if (p.what == role::running_mean)
+        if (p.what == parameter_role::running_mean)
             std::fill(values.begin(), values.end(), mean);
-        if (p.what == role::running_variance)
+        if (p.what == parameter_role::running_variance)
             std::fill(values.begin(), values.end(), variance);
-        if (p.what == role::bias && values.size() == 4)
+        if (p.what == parameter_role::bias && values.size() == 4)
             std::fill(values.begin(), values.end(), bias);
     });
     const auto layers = support::describe<folding>();
@@ -233,7 +233,7 @@ bool refused(float variance, double epsilon) {
     support::fill(net, 3);
     net.epsilon = epsilon;
     net.for_each_parameter([&](const parameter& p, auto values) {
-        if (p.what == role::running_variance)
+        if (p.what == parameter_role::running_variance)
             values[1] = variance;
     });
     try {

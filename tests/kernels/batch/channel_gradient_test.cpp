@@ -55,15 +55,15 @@ void compare() {
 } // namespace
 
 TEST_CASE_TEMPLATE("channel_gradient: against plain loops, piece by piece too", T, float, double) {
-    compare<T, sliding_window::over({3, 4, 16}, 3, 1, same), 30>();
-    compare<T, sliding_window::over({5, 3, 32}, extent{2, 3}, 2, same), 13>();
-    compare<T, sliding_window::over({4, 20, 48}, 3, 1, valid), 2>();
-    compare<T, sliding_window::over({1, 1, 64}, 3, 1, same), 1>();
+    compare<T, sliding_window::over({3, 4, 16}, 3, 1, padding::same), 30>();
+    compare<T, sliding_window::over({5, 3, 32}, extent2d{2, 3}, 2, padding::same), 13>();
+    compare<T, sliding_window::over({4, 20, 48}, 3, 1, padding::valid), 2>();
+    compare<T, sliding_window::over({1, 1, 64}, 3, 1, padding::same), 1>();
 }
 
 TEST_CASE("channel_gradient: every weight has a place of its own") {
     constexpr std::size_t filters = 5;
-    constexpr auto window = sliding_window::over({5, 3, 64}, extent{2, 3}, 2, same);
+    constexpr auto window = sliding_window::over({5, 3, 64}, extent2d{2, 3}, 2, padding::same);
     using plan = channel_gradient_plan<window, filters, float>;
     std::vector<int> used(filters * window.input.channels * window.kernel.area());
     for (std::size_t f = 0; f < filters; ++f)
@@ -79,8 +79,10 @@ TEST_CASE("channel_gradient: every weight has a place of its own") {
 
 TEST_CASE("channel_gradient: many threads have work, and wide maps are left to the other way") {
     if constexpr (lanes < float >> 1) {
-        CHECK(channel_gradient_plan<sliding_window::over({2, 4, 64}, 3, 1, same), 128, float>::pieces >= 8);
-        CHECK_FALSE(channel_gradient_plan<sliding_window::over({28, 5000, 64}, 3, 1, same), 8, float>::fits);
+        CHECK(channel_gradient_plan<sliding_window::over({2, 4, 64}, 3, 1, padding::same), 128,
+                                    float>::pieces >= 8);
+        CHECK_FALSE(
+            channel_gradient_plan<sliding_window::over({28, 5000, 64}, 3, 1, padding::same), 8, float>::fits);
     }
-    CHECK_FALSE(channel_gradient_plan<sliding_window::over({4, 4, 1}, 3, 1, same), 8, double>::fits);
+    CHECK_FALSE(channel_gradient_plan<sliding_window::over({4, 4, 1}, 3, 1, padding::same), 8, double>::fits);
 }

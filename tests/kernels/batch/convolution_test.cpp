@@ -19,10 +19,10 @@ constexpr batch_convolution ahead = batch_convolution::forward(window, filters),
                             back = batch_convolution::backward(window, filters);
 
 static_assert(ahead.output == shape{window.output_rows(), window.output_columns(), filters});
-static_assert(ahead.spacing == extent{1} && ahead.stride == window.stride && ahead.top == 1 &&
+static_assert(ahead.spacing == extent2d{1} && ahead.stride == window.stride && ahead.top == 1 &&
               ahead.left == 0);
 // Backwards the stride becomes the distance between pixels, and padding what the kernel reaches beyond it.
-static_assert(back.spacing == window.stride && back.stride == extent{1} && back.top == 1 && back.left == 1);
+static_assert(back.spacing == window.stride && back.stride == extent2d{1} && back.top == 1 && back.left == 1);
 static_assert(back.input == ahead.output && back.output == ahead.input);
 
 int weight(std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {

@@ -13,7 +13,7 @@ using namespace tactnet::kernels;
 
 namespace {
 
-constexpr sliding_window window = sliding_window::over({4, 6, 1}, 2, 2, same);
+constexpr sliding_window window = sliding_window::over({4, 6, 1}, 2, 2, padding::same);
 constexpr std::size_t pixels = 24, windows = 6;
 
 } // namespace

@@ -16,7 +16,7 @@ namespace {
 
 template <class T>
 aligned_vector<T> draw_vectors(std::size_t count, double low, double high) {
-    random_stream random(2, draw::order);
+    random_stream random(2, random_purposes::order);
     aligned_vector<T> v(count * lanes<T>);
     for (T& each : v)
         each = static_cast<T>(random.uniform(low, high));
@@ -67,7 +67,7 @@ TEST_CASE_TEMPLATE("moments_of: against two passes in extended precision", T, fl
 
 TEST_CASE("moments: parts join to the whole, in any grouping") {
     moments whole, left, right;
-    random_stream random(3, draw::order);
+    random_stream random(3, random_purposes::order);
     long double sum = 0, squares = 0;
     std::vector<double> values(1000);
     for (std::size_t i = 0; i < values.size(); ++i) {

@@ -68,9 +68,9 @@ void compare() {
 
 TEST_CASE_TEMPLATE("weight_gradient: each weight in its place, by tiles, across channels, across samples", T,
                    float, double) {
-    constexpr auto tiled = sliding_window::over({7, 13, 32}, 3, 1, same),
-                   strided = sliding_window::over({7, 13, 2 * lanes<T>}, 3, 2, same),
-                   odd = sliding_window::over({7, 13, 3}, 3, 1, same);
+    constexpr auto tiled = sliding_window::over({7, 13, 32}, 3, 1, padding::same),
+                   strided = sliding_window::over({7, 13, 2 * lanes<T>}, 3, 2, padding::same),
+                   odd = sliding_window::over({7, 13, 3}, 3, 1, padding::same);
     if (lanes<T> >= 4) // else each number is transformed again for few sums
         CHECK(weight_gradient<tiled, 30, T>::tiled);
     CHECK_FALSE(weight_gradient<strided, 30, T>::tiled);

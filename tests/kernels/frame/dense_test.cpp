@@ -130,8 +130,8 @@ TEST_CASE("dense: outputs and channels that fill vectors and that do not") {
 }
 
 TEST_CASE("pooling: windows that overlap, keep the image, or reach beyond it") {
-    compare_pool<sliding_window::over({7, 9, 12}, 3, 2, same), 16>();
-    compare_pool<sliding_window::over({7, 9, 20}, 2, 1, same), 32>();
+    compare_pool<sliding_window::over({7, 9, 12}, 3, 2, padding::same), 16>();
+    compare_pool<sliding_window::over({7, 9, 20}, 2, 1, padding::same), 32>();
     compare_pool<sliding_window::over({6, 5, 3}, 3, 1, pad(1)), 3>();
-    compare_pool<sliding_window::over({8, 4, 5}, extent(4, 1), extent(3, 2), valid), 8>();
+    compare_pool<sliding_window::over({8, 4, 5}, extent2d(4, 1), extent2d(3, 2), padding::valid), 8>();
 }

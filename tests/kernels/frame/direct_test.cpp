@@ -18,7 +18,7 @@ using namespace tactnet::kernels;
 namespace {
 
 /// Runs one fused step on random numbers and holds every output to the bound of its error.
-template <frame_convolution C, extent Tile>
+template <frame_convolution C, extent2d Tile>
 void compare(std::uint64_t seed) {
     CAPTURE(C.window.input.rows);
     CAPTURE(C.window.input.columns);
@@ -61,7 +61,7 @@ void compare(std::uint64_t seed) {
     tactnet::aligned_vector<float> bias(C.output_stride());
     for (std::size_t f = 0; f < C.filters; ++f)
         bias[f] = static_cast<float>(biases[f].value);
-    if constexpr (Tile != extent(0)) {
+    if constexpr (Tile != extent2d(0)) {
         using tiles = winograd_tiles<C, Tile>;
         static_assert(tile_possible(C, Tile));
         support::guarded_map packed(tiles::weights, 4321, 0), scratch(tiles::scratch, 54321, NAN);
@@ -82,7 +82,7 @@ void compare(std::uint64_t seed) {
     support::rounded_map expected =
         support::bounded_convolution(support::window_of(w), C.filters, weights, biases, in,
                                      C.adds ? &added : nullptr, {Tile.rows, Tile.columns});
-    if (C.pool != extent(1)) {
+    if (C.pool != extent2d(1)) {
         const auto behind = [](std::size_t reach, std::size_t size) {
             return reach > size ? reach - size : 0;
         };
@@ -122,14 +122,14 @@ void compare(std::uint64_t seed) {
     CHECK(unclean == 0);
 }
 
-constexpr frame_convolution step(shape in, extent kernel, std::size_t filters, std::size_t input_stride,
-                                 extent stride = 1, padding around = same) {
+constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters, std::size_t input_stride,
+                                 extent2d stride = 1, padding around = padding::same) {
     return {.window = sliding_window::over(in, kernel, stride, around),
             .filters = filters,
             .input_stride = input_stride};
 }
 /// Behind it a max pool of windows side by side; `whole` leaves out windows that the image does not fill.
-constexpr frame_convolution pooled(frame_convolution c, extent pool, bool whole = false) {
+constexpr frame_convolution pooled(frame_convolution c, extent2d pool, bool whole = false) {
     const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
     c.pool = pool, c.rectified = true;
     c.pooled_rows = whole ? rows / pool.rows : (rows + pool.rows - 1) / pool.rows;
@@ -141,7 +141,7 @@ constexpr frame_convolution adding(frame_convolution c, bool rectified) {
     return c;
 }
 
-template <frame_convolution C, extent Tile = 0>
+template <frame_convolution C, extent2d Tile = 0>
 struct job {
     static void run(std::uint64_t seed) { compare<C, Tile>(seed); }
 };
@@ -154,35 +154,35 @@ void run_all() {
 } // namespace
 
 TEST_CASE("convolution: by taps: sizes, strides and paddings") {
-    run_all<job<step({28, 50}, 5, 8, 1)>,                                  //
-            job<step({1, 1}, 3, 1, 1)>,                                    //
-            job<step({1, 9, 3}, 3, 5, 3)>,                                 //
-            job<step({11, 1, 2}, 2, 12, 16)>,                              //
-            job<step({5, 7, 3}, extent(4, 2), 20, 8)>,                     //
-            job<step({9, 8, 2}, 3, 33, 2, 2)>,                             //
-            job<step({10, 13}, 5, 3, 1, 2, pad(2))>,                       //
-            job<step({6, 7, 5}, extent(2, 3), 16, 8, 1, valid)>,           //
-            job<step({6, 5, 4}, 3, 40, 4, extent(1, 2), pad(0, 2, 1, 0))>, //
+    run_all<job<step({28, 50}, 5, 8, 1)>,                                    //
+            job<step({1, 1}, 3, 1, 1)>,                                      //
+            job<step({1, 9, 3}, 3, 5, 3)>,                                   //
+            job<step({11, 1, 2}, 2, 12, 16)>,                                //
+            job<step({5, 7, 3}, extent2d(4, 2), 20, 8)>,                     //
+            job<step({9, 8, 2}, 3, 33, 2, 2)>,                               //
+            job<step({10, 13}, 5, 3, 1, 2, pad(2))>,                         //
+            job<step({6, 7, 5}, extent2d(2, 3), 16, 8, 1, padding::valid)>,  //
+            job<step({6, 5, 4}, 3, 40, 4, extent2d(1, 2), pad(0, 2, 1, 0))>, //
             job<step({4, 5, 16}, 1, 64, 16)>>();
 }
 
 TEST_CASE("convolution: by taps: pools, ReLU and sums") {
-    run_all<job<pooled(step({7, 13}, 5, 8, 1), 2)>,                     //
-            job<pooled(step({7, 13, 2}, 3, 12, 16), 2, true)>,          //
-            job<pooled(step({8, 11, 3}, 3, 5, 3), extent(3, 2))>,       //
-            job<pooled(step({5, 9, 2}, 2, 33, 2), extent(1, 3), true)>, //
-            job<adding(step({5, 6, 12}, 3, 20, 16), true)>,             //
+    run_all<job<pooled(step({7, 13}, 5, 8, 1), 2)>,                       //
+            job<pooled(step({7, 13, 2}, 3, 12, 16), 2, true)>,            //
+            job<pooled(step({8, 11, 3}, 3, 5, 3), extent2d(3, 2))>,       //
+            job<pooled(step({5, 9, 2}, 2, 33, 2), extent2d(1, 3), true)>, //
+            job<adding(step({5, 6, 12}, 3, 20, 16), true)>,               //
             job<adding(step({3, 9, 4}, 1, 3, 4, 2), false)>>();
 }
 
 TEST_CASE("convolution: by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddings") {
-    run_all<job<step({14, 25, 8}, 3, 16, 8), 2>,           //
-            job<step({7, 13, 16}, 2, 32, 16), 2>,          //
-            job<step({1, 1, 4}, 3, 4, 4), 2>,              //
-            job<step({5, 1, 20}, 3, 5, 32), 2>,            //
-            job<step({1, 6, 3}, 2, 1, 16), 2>,             //
-            job<step({9, 5, 12}, 3, 40, 16, 1, valid), 2>, //
-            job<step({6, 7, 5}, 2, 33, 16, 1, pad(1)), 2>, //
+    run_all<job<step({14, 25, 8}, 3, 16, 8), 2>,                    //
+            job<step({7, 13, 16}, 2, 32, 16), 2>,                   //
+            job<step({1, 1, 4}, 3, 4, 4), 2>,                       //
+            job<step({5, 1, 20}, 3, 5, 32), 2>,                     //
+            job<step({1, 6, 3}, 2, 1, 16), 2>,                      //
+            job<step({9, 5, 12}, 3, 40, 16, 1, padding::valid), 2>, //
+            job<step({6, 7, 5}, 2, 33, 16, 1, pad(1)), 2>,          //
             job<step({6, 7, 4}, 3, 12, 4, 1, pad(2, 0, 1, 2)), 2>>();
 }
 
@@ -195,39 +195,39 @@ TEST_CASE("convolution: by tiles: pools, ReLU and sums") {
 }
 
 TEST_CASE("convolution: by tiles: larger ones, and those that are no squares") {
-    run_all<job<step({6, 9, 8}, 3, 20, 8), extent(2, 4)>,                   //
-            job<step({6, 9, 8}, 3, 20, 8), extent(3, 4)>,                   //
-            job<step({7, 3, 8}, 3, 8, 8), extent(4, 3)>,                    //
-            job<step({11, 7, 8}, 2, 36, 8), extent(5, 3)>,                  //
-            job<step({4, 9, 8}, 2, 8, 8), extent(4, 5)>,                    //
-            job<step({1, 2, 4}, 3, 4, 4, 1, pad(0, 2, 1, 2)), extent(4)>,   //
-            job<pooled(step({7, 10, 5}, 3, 8, 16), 2), extent(4)>,          //
-            job<pooled(step({7, 13, 5}, 2, 8, 16), 2, true), extent(2, 4)>, //
-            job<adding(step({3, 5, 12}, 3, 64, 16), true), extent(3)>>();
+    run_all<job<step({6, 9, 8}, 3, 20, 8), extent2d(2, 4)>,                   //
+            job<step({6, 9, 8}, 3, 20, 8), extent2d(3, 4)>,                   //
+            job<step({7, 3, 8}, 3, 8, 8), extent2d(4, 3)>,                    //
+            job<step({11, 7, 8}, 2, 36, 8), extent2d(5, 3)>,                  //
+            job<step({4, 9, 8}, 2, 8, 8), extent2d(4, 5)>,                    //
+            job<step({1, 2, 4}, 3, 4, 4, 1, pad(0, 2, 1, 2)), extent2d(4)>,   //
+            job<pooled(step({7, 10, 5}, 3, 8, 16), 2), extent2d(4)>,          //
+            job<pooled(step({7, 13, 5}, 2, 8, 16), 2, true), extent2d(2, 4)>, //
+            job<adding(step({3, 5, 12}, 3, 64, 16), true), extent2d(3)>>();
 }
 
 TEST_CASE("convolution: by tiles: chosen where they save, and large ones for wide vectors alone") {
     constexpr bool wide = lanes<float> >= 8;
     // A few pixels or channels are taps; a wide map of many channels is tiles.
-    CHECK(best_tile(step({1, 2, 64}, 3, 128, 64)) == extent(0));
-    CHECK(best_tile(step({28, 50}, 5, 8, 1)) == extent(0));
-    CHECK(best_tile(step({28, 50, 8}, 3, 16, 8, 2)) == extent(0));
-    const extent large = best_tile(step({10, 18, 32}, 3, 64, 32));
-    CHECK(large == (wide ? extent(4, 3) : extent(2)));
-    CHECK(best_tile(step({10, 18, 64}, 2, 128, 64)) == (wide ? extent(5, 3) : extent(2)));
+    CHECK(best_tile(step({1, 2, 64}, 3, 128, 64)) == extent2d(0));
+    CHECK(best_tile(step({28, 50}, 5, 8, 1)) == extent2d(0));
+    CHECK(best_tile(step({28, 50, 8}, 3, 16, 8, 2)) == extent2d(0));
+    const extent2d large = best_tile(step({10, 18, 32}, 3, 64, 32));
+    CHECK(large == (wide ? extent2d(4, 3) : extent2d(2)));
+    CHECK(best_tile(step({10, 18, 64}, 2, 128, 64)) == (wide ? extent2d(5, 3) : extent2d(2)));
     // Transforms with points at roots cost more, so that here two rows are better than four.
     constexpr bool widest = lanes<float> == 16;
-    CHECK(best_tile(pooled(step({14, 25, 8}, 3, 16, 8), 2)) == (widest ? extent(2, 4)
-                                                                : wide ? extent(4)
-                                                                       : extent(2)));
+    CHECK(best_tile(pooled(step({14, 25, 8}, 3, 16, 8), 2)) == (widest ? extent2d(2, 4)
+                                                                : wide ? extent2d(4)
+                                                                       : extent2d(2)));
     // Four tiles that share a weight are enough for a register block.
     if (widest)
-        CHECK(best_tile(pooled(step({4, 7, 8}, 3, 16, 8), 2)) == extent(2, 4));
+        CHECK(best_tile(pooled(step({4, 7, 8}, 3, 16, 8), 2)) == extent2d(2, 4));
     // Weights beyond the second level: fewer of them, though more tiles.
-    CHECK(best_tile(step({6, 12, 128}, 3, 128, 128)) == (wide ? extent(2, 4) : extent(2)));
+    CHECK(best_tile(step({6, 12, 128}, 3, 128, 128)) == (wide ? extent2d(2, 4) : extent2d(2)));
     CHECK_FALSE(tile_possible(step({6, 12, 128}, 3, 128, 128), {1, 3}));
     // A window of a pool lies in one tile.
-    const extent behind = best_tile(pooled(step({7, 13, 64}, 2, 128, 64), 2));
+    const extent2d behind = best_tile(pooled(step({7, 13, 64}, 2, 128, 64), 2));
     CHECK(behind.rows % 2 == 0);
     CHECK(behind.columns % 2 == 0);
 }

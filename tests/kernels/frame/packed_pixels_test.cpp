@@ -13,14 +13,15 @@ using namespace tactnet::kernels;
 
 namespace {
 
-constexpr frame_convolution step(extent image, extent kernel, std::size_t filters, padding around = same) {
+constexpr frame_convolution step(extent2d image, extent2d kernel, std::size_t filters,
+                                 padding around = padding::same) {
     return {.window = sliding_window::over({image.rows, image.columns, 1}, kernel, 1, around),
             .filters = filters,
             .input_stride = 1,
             .rectified = true};
 }
 /// Behind it a max pool of windows side by side, of which the last ones may be cut.
-constexpr frame_convolution pooled(frame_convolution c, extent pool) {
+constexpr frame_convolution pooled(frame_convolution c, extent2d pool) {
     c.pool = pool;
     c.pooled_rows = (c.window.output_rows() + pool.rows - 1) / pool.rows;
     c.pooled_columns = (c.window.output_columns() + pool.columns - 1) / pool.columns;
@@ -91,7 +92,7 @@ TEST_SUITE("kernels") {
         compare<step({7, 13}, 5, filters<2>)>(4);
         compare<step({10, 18}, {2, 3}, filters<2> - 1)>(
             5); // a lane without a filter, a kernel with an even side
-        compare<step({11, 37}, {3, 7}, filters<2>, valid)>(6);
+        compare<step({11, 37}, {3, 7}, filters<2>, padding::valid)>(6);
         compare<step({3, 40}, {5, 1}, filters<2>, pad(2, 2, 0, 0))>(7);
         compare<step({1, 2}, 1, filters<2>)>(8);
         compare<pooled(step({13, 60}, 3, filters<4>), 2)>(9);

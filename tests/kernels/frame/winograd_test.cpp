@@ -16,8 +16,8 @@ using namespace tactnet::kernels;
 
 namespace {
 
-constexpr frame_convolution step(shape in, extent kernel, std::size_t filters, std::size_t input_stride) {
-    return {.window = sliding_window::over(in, kernel, 1, same),
+constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters, std::size_t input_stride) {
+    return {.window = sliding_window::over(in, kernel, 1, padding::same),
             .filters = filters,
             .input_stride = input_stride,
             .rectified = true};
@@ -34,7 +34,7 @@ constexpr frame_convolution adding(frame_convolution c) {
 
 /// How many outputs of some frames together have other bits than alone; `EndsWithinFrame` is whether a band
 /// of tiles is to do so. NaN lies around all that they may read or write, between the frames too.
-template <frame_convolution C, extent Tile, std::size_t Frames, bool EndsWithinFrame = false>
+template <frame_convolution C, extent2d Tile, std::size_t Frames, bool EndsWithinFrame = false>
 std::size_t other_bits(std::uint64_t seed) {
     using together = winograd_tiles<C, Tile, Frames>;
     using alone = winograd_tiles<C, Tile>;
@@ -82,19 +82,19 @@ std::size_t other_bits(std::uint64_t seed) {
 
 TEST_SUITE("kernels") {
     TEST_CASE("winograd: frames together have the bits of each alone") {
-        CHECK(other_bits<pooled(step({4, 7, 16}, 2, 32, 16)), extent(2), 4>(1) == 0); // few tiles a frame
-        CHECK(other_bits<pooled(step({5, 9, 16}, 3, 32, 16)), extent(2), 3>(2) == 0);
-        CHECK(other_bits<pooled(step({3, 3, 64}, 3, 64, 64)), extent(4), 4>(3) == 0); // one tile a frame
-        CHECK(other_bits<adding(step({6, 9, 16}, 3, 48, 16)), extent(2, 4), 2>(4) == 0);
-        CHECK(other_bits<step({14, 25, 16}, 3, 16, 16), extent(3), 3>(5) ==
+        CHECK(other_bits<pooled(step({4, 7, 16}, 2, 32, 16)), extent2d(2), 4>(1) == 0); // few tiles a frame
+        CHECK(other_bits<pooled(step({5, 9, 16}, 3, 32, 16)), extent2d(2), 3>(2) == 0);
+        CHECK(other_bits<pooled(step({3, 3, 64}, 3, 64, 64)), extent2d(4), 4>(3) == 0); // one tile a frame
+        CHECK(other_bits<adding(step({6, 9, 16}, 3, 48, 16)), extent2d(2, 4), 2>(4) == 0);
+        CHECK(other_bits<step({14, 25, 16}, 3, 16, 16), extent2d(3), 3>(5) ==
               0); // bands that end within a frame
     }
 
     TEST_CASE("winograd: frames pass together only where what is transformed stays near") {
         constexpr frame_convolution few = pooled(step({4, 7, 16}, 2, 32, 16)),
                                     many = step({10, 18, 64}, 3, 64, 64);
-        CHECK(frames_by_tiles<few, extent(2)> == 4);
-        CHECK(frames_by_tiles<many, extent(2)> == 1);
-        static_assert(winograd_tiles<few, extent(2), 4>::scratch * sizeof(float) <= l2_cache_bytes / 8);
+        CHECK(frames_by_tiles<few, extent2d(2)> == 4);
+        CHECK(frames_by_tiles<many, extent2d(2)> == 1);
+        static_assert(winograd_tiles<few, extent2d(2), 4>::scratch * sizeof(float) <= l2_cache_bytes / 8);
     }
 }

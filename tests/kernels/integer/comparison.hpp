@@ -185,14 +185,14 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
 }
 
 /// A convolution by its window; pixels lie side by side, or with lanes between them.
-constexpr frame_convolution of(shape input, std::size_t filters, extent kernel, extent stride = 1,
-                               padding around = same, std::size_t input_stride = 0) {
+constexpr frame_convolution of(shape input, std::size_t filters, extent2d kernel, extent2d stride = 1,
+                               padding around = padding::same, std::size_t input_stride = 0) {
     return {.window = sliding_window::over(input, kernel, stride, around),
             .filters = filters,
             .input_stride = input_stride > 0 ? input_stride : input.channels};
 }
 /// With a max pool and a ReLU behind it.
-constexpr frame_convolution pooled(frame_convolution c, extent pool, std::size_t rows, std::size_t columns,
+constexpr frame_convolution pooled(frame_convolution c, extent2d pool, std::size_t rows, std::size_t columns,
                                    bool rectified = true) {
     c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns, c.rectified = rectified;
     return c;

@@ -19,25 +19,26 @@ TEST_CASE("convolve_integer: kernels of 1 to 7 and any number of channels give t
     CHECK(all_differing<of({5, 6, 1}, 1, 1), of({5, 6, 1}, 8, 3), of({6, 7, 2}, 3, 2), of({6, 5, 3}, 5, 4),
                         of({7, 6, 4}, 12, 5), of({7, 9, 5}, 16, 6), of({8, 9, 8}, 4, 7)>() == 0);
     CHECK(all_differing<of({5, 6, 12}, 16, 3), of({4, 5, 16}, 17, 3), of({4, 3, 33}, 40, 3),
-                        of({3, 4, 33}, 2, extent(2, 3)), of({1, 1, 5}, 33, 1),
-                        of({3, 5, 2}, 24, extent(3, 5), 1, valid)>() == 0);
+                        of({3, 4, 33}, 2, extent2d(2, 3)), of({1, 1, 5}, 33, 1),
+                        of({3, 5, 2}, 24, extent2d(3, 5), 1, padding::valid)>() == 0);
 }
 
 TEST_CASE("convolve_integer: strides and pads give the sums of plain loops") {
-    CHECK(all_differing<of({9, 8, 3}, 7, 3, 2), of({9, 8, 1}, 9, 5, extent(2, 3), pad(2)),
-                        of({8, 9, 4}, 8, 2, extent(3, 1), valid), of({7, 7, 8}, 33, 3, 2, pad(1, 0, 2, 1)),
-                        of({5, 4, 2}, 4, 4, 3, pad(3))>() == 0);
+    CHECK(all_differing<of({9, 8, 3}, 7, 3, 2), of({9, 8, 1}, 9, 5, extent2d(2, 3), pad(2)),
+                        of({8, 9, 4}, 8, 2, extent2d(3, 1), padding::valid),
+                        of({7, 7, 8}, 33, 3, 2, pad(1, 0, 2, 1)), of({5, 4, 2}, 4, 4, 3, pad(3))>() == 0);
 }
 
 TEST_CASE("convolve_integer: lanes between pixels are not looked at") {
-    CHECK(all_differing<of({5, 6, 3}, 5, 3, 1, same, 4), of({5, 6, 5}, 16, 3, 1, same, 8),
-                        of({4, 5, 9}, 8, 2, 1, same, 16), of({4, 5, 1}, 8, 3, 2, same, 16)>() == 0);
+    CHECK(all_differing<of({5, 6, 3}, 5, 3, 1, padding::same, 4), of({5, 6, 5}, 16, 3, 1, padding::same, 8),
+                        of({4, 5, 9}, 8, 2, 1, padding::same, 16),
+                        of({4, 5, 1}, 8, 3, 2, padding::same, 16)>() == 0);
 }
 
 TEST_CASE("convolve_integer: a pool takes the largest sum, also of cut windows") {
     CHECK(all_differing<pooled(of({8, 6, 4}, 8, 3), 2, 4, 3), pooled(of({7, 9, 2}, 16, 3), 2, 4, 5),
                         pooled(of({7, 9, 2}, 16, 3), 2, 3, 4), pooled(of({9, 7, 8}, 5, 2), 3, 3, 2, false),
-                        pooled(of({6, 9, 1}, 33, 5), extent(1, 2), 6, 4)>() == 0);
+                        pooled(of({6, 9, 1}, 33, 5), extent2d(1, 2), 6, 4)>() == 0);
 }
 
 TEST_CASE("convolve_integer: the sum with what lies in the output") {
@@ -65,7 +66,7 @@ TEST_CASE("convolve_integer: the largest bytes and weights neither overflow nor 
     CHECK(both(std::integral_constant<frame_convolution, of({3, 4, 33}, 6, 7)>{}) == 0);
     CHECK(both(std::integral_constant<frame_convolution, of({3, 3, 16}, 16, 3)>{}) == 0);
     CHECK(both(std::integral_constant<frame_convolution, of({4, 4, 1}, 8, 5)>{}) == 0);
-    CHECK(both(std::integral_constant<frame_convolution, of({10, 18, 128}, 4, extent(10, 18), 1, valid)>{}) ==
-          0);
+    CHECK(both(std::integral_constant<frame_convolution,
+                                      of({10, 18, 128}, 4, extent2d(10, 18), 1, padding::valid)>{}) == 0);
     CHECK(saturated < outputs / 4); // or the bytes would not tell the sums
 }

@@ -18,8 +18,9 @@ std::size_t all_differing() {
 TEST_CASE("convolve_integer: words and kernels of 1 to 7 give the sums of plain loops") {
     CHECK(all_differing<of({5, 6, 1}, 1, 1), of({5, 6, 1}, 8, 3), of({6, 7, 2}, 3, 2), of({6, 5, 3}, 5, 4),
                         of({7, 6, 4}, 12, 5), of({7, 9, 5}, 16, 6), of({8, 9, 1}, 40, 7)>() == 0);
-    CHECK(all_differing<of({9, 8, 3}, 7, 3, 2), of({9, 8, 1}, 9, 5, extent(2, 3), pad(2)),
-                        of({5, 6, 3}, 5, 3, 1, same, 4), of({4, 5, 1}, 8, 2, 1, valid, 16)>() == 0);
+    CHECK(all_differing<of({9, 8, 3}, 7, 3, 2), of({9, 8, 1}, 9, 5, extent2d(2, 3), pad(2)),
+                        of({5, 6, 3}, 5, 3, 1, padding::same, 4),
+                        of({4, 5, 1}, 8, 2, 1, padding::valid, 16)>() == 0);
 }
 
 TEST_CASE("convolve_integer: words with pools, sums and wider maps") {

@@ -42,7 +42,7 @@ TEST_CASE("convolve_integer_tiles: kernels of 3 x 3 and 2 x 2 give the sums of p
     CHECK(tiles_differing<of({7, 5, 16}, 33, 3)>() == 0);
     CHECK(tiles_differing<of({5, 7, 12}, 5, 2)>() == 0);
     CHECK(tiles_differing<of({4, 9, 4}, 16, 3, 1, pad(2))>() == 0);
-    CHECK(tiles_differing<of({5, 6, 5}, 8, 3, 1, valid, 8)>() == 0);
+    CHECK(tiles_differing<of({5, 6, 5}, 8, 3, 1, padding::valid, 8)>() == 0);
 }
 
 TEST_CASE("convolve_integer_tiles: pools, sums, wider maps and floats") {

@@ -19,7 +19,7 @@ std::size_t apart(std::size_t a, std::size_t b) {
 
 /// Against the sum written out in double; half of the rows are empty.
 template <shape Shape>
-void compare(extent reach) {
+void compare(extent2d reach) {
     CAPTURE(Shape.columns);
     CAPTURE(reach.columns);
     std::uint64_t state = Shape.size();

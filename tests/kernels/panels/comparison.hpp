@@ -66,7 +66,7 @@ struct large_numbers {
     }
     [[nodiscard]] float weight(std::size_t f, std::size_t channel, std::size_t row,
                                std::size_t column) const {
-        const tactnet::extent k = c.window.kernel;
+        const tactnet::extent2d k = c.window.kernel;
         return static_cast<float>(
             weights[((f * c.window.input.channels + channel) * k.rows + row) * k.columns + column]);
     }
@@ -107,7 +107,7 @@ struct large_numbers {
         const std::size_t tiles = tactnet::kernels::large_convolution(c).tiles.outputs;
         rounded_map expected = bounded_convolution(window_of(w), c.filters, weights, biases, inputs[frame],
                                                    c.adds ? &added[frame] : nullptr, {tiles, tiles});
-        if (c.pool != tactnet::extent(1)) {
+        if (c.pool != tactnet::extent2d(1)) {
             const auto behind = [](std::size_t reach, std::size_t size) {
                 return reach > size ? reach - size : 0;
             };

@@ -12,8 +12,8 @@ using support::several_lanes;
 
 namespace {
 
-constexpr frame_convolution step(shape in, extent kernel, std::size_t filters, std::size_t input_stride,
-                                 extent stride = 1, padding around = same) {
+constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters, std::size_t input_stride,
+                                 extent2d stride = 1, padding around = padding::same) {
     return {.window = sliding_window::over(in, kernel, stride, around),
             .filters = filters,
             .input_stride = input_stride};
@@ -25,10 +25,10 @@ TEST_CASE("panel_plan: an image whose pixels stand for themselves is one row, on
           "pixel") {
     constexpr kernels::panel_plan row(step({14, 13, 96}, 1, 64, 96));
     static_assert(row.flat() && row.convolution.window.input == shape{1, 182, 96} && !row.staged);
-    constexpr kernels::panel_plan pixel(step({6, 5, 32}, extent(6, 5), 64, 32, 1, valid));
+    constexpr kernels::panel_plan pixel(step({6, 5, 32}, extent2d(6, 5), 64, 32, 1, padding::valid));
     static_assert(pixel.flat() && pixel.convolution.window.input == shape{1, 1, 960} && !pixel.staged);
     // Not where there are gaps between the pixels, or padding.
-    constexpr kernels::panel_plan gaps(step({6, 5, 30}, extent(6, 5), 64, 32, 1, valid));
+    constexpr kernels::panel_plan gaps(step({6, 5, 30}, extent2d(6, 5), 64, 32, 1, padding::valid));
     static_assert(!gaps.flat() && gaps.convolution.window.input == shape{6, 5, 30});
     constexpr kernels::panel_plan padded(step({14, 13, 96}, 1, 64, 96, 1, pad(1)));
     static_assert(!padded.flat() && padded.staged);
@@ -65,14 +65,14 @@ TEST_CASE("convolve_panels: single taps: one row of pixels, any number of channe
 TEST_CASE("convolve_panels: kernels, steps and paddings") {
     support::compare_large(step({31, 30, 3}, 7, several_lanes, 3, 2, pad(3)), 0, 1);
     support::compare_large(step({35, 37, 3}, 11, several_lanes + 3, 3, 4, pad(2)), 0, 2);
-    support::compare_large(step({23, 21, 3}, 3, several_lanes, 3, 2, valid), 0, 3);
+    support::compare_large(step({23, 21, 3}, 3, several_lanes, 3, 2, padding::valid), 0, 3);
     support::compare_large(step({7, 6, 70}, 3, 3 * several_lanes, 80, 2, pad(1)), 0, 4);
     // Bands of a row; as many filters make tiles worth it where vectors hold one number.
     support::compare_large(step({3, 300, 9}, 3, several_lanes, 9), several_lanes > 2 ? 0 : 4, 5);
-    support::compare_large(step({9, 8, 130}, extent(5, 2), several_lanes, 130), 0, 6);
+    support::compare_large(step({9, 8, 130}, extent2d(5, 2), several_lanes, 130), 0, 6);
     support::compare_large(step({2, 2, 33}, 5, several_lanes, 33), 0, 7);
-    support::compare_large(step({6, 5, 30}, extent(6, 5), 2 * several_lanes, 32, 1, valid), 0, 8);
-    support::compare_large(step({6, 5, 30}, extent(6, 5), 5 * several_lanes, 30, 1, valid), 0, 9);
+    support::compare_large(step({6, 5, 30}, extent2d(6, 5), 2 * several_lanes, 32, 1, padding::valid), 0, 8);
+    support::compare_large(step({6, 5, 30}, extent2d(6, 5), 5 * several_lanes, 30, 1, padding::valid), 0, 9);
 }
 
 TEST_CASE("convolve_panels: sums and ReLU") {

@@ -15,8 +15,8 @@ using support::several_lanes;
 
 namespace {
 
-frame_convolution step(shape in, extent kernel, std::size_t filters, extent stride = 1,
-                       padding around = same) {
+frame_convolution step(shape in, extent2d kernel, std::size_t filters, extent2d stride = 1,
+                       padding around = padding::same) {
     return {.window = sliding_window::over(in, kernel, stride, around),
             .filters = filters,
             .input_stride = in.channels,
@@ -45,12 +45,12 @@ TEST_CASE("convolve_large: frames and threads leave the same bits as one frame o
         step({5, 5, 1024}, 1, several_lanes),                     // the same, copied
         step({17, 15, 3}, 7, several_lanes, 2),                   // rows
         step({7, 7, 3 * several_lanes}, 3, 5 * several_lanes, 2), // rows, shared by filters
-        step({4, 3, 8 * several_lanes}, extent(4, 3), 6 * several_lanes, 1, valid)};
+        step({4, 3, 8 * several_lanes}, extent2d(4, 3), 6 * several_lanes, 1, padding::valid)};
     for (const frame_convolution& c : kinds) {
         CAPTURE(c.window.input.rows);
         CAPTURE(c.window.kernel.rows);
         // Of single pixels more than a register block has rows.
-        const std::size_t frames = c.window.kernel == extent(4, 3) ? 17 : 3;
+        const std::size_t frames = c.window.kernel == extent2d(4, 3) ? 17 : 3;
         support::large_numbers all(c, frames, 7);
         const std::vector<float> together = all.run(1);
         for (std::size_t frame = 0; frame < frames; ++frame) {
@@ -72,7 +72,7 @@ TEST_CASE("convolve_large: frames and threads leave the same bits as one frame o
 }
 
 TEST_CASE("panel_plan: the weights of a dense layer pass once for all frames") {
-    const kernels::panel_plan fc6(step({6, 6, 256}, 6, 4096, 1, valid));
+    const kernels::panel_plan fc6(step({6, 6, 256}, 6, 4096, 1, padding::valid));
     REQUIRE(fc6.flat());
     CHECK(fc6.band_columns == 1);
     for (const std::size_t frames : {2U, 16U, 56U})

@@ -11,7 +11,8 @@ using support::several_lanes;
 
 namespace {
 
-frame_convolution step(shape in, std::size_t filters, padding around = same, std::size_t input_stride = 0) {
+frame_convolution step(shape in, std::size_t filters, padding around = padding::same,
+                       std::size_t input_stride = 0) {
     return {.window = sliding_window::over(in, 3, 1, around),
             .filters = filters,
             .input_stride = input_stride > 0 ? input_stride : in.channels};
@@ -41,7 +42,8 @@ TEST_CASE("convolve_tiles: outputs of two and of four a side, odd sizes and padd
     support::compare_large(step({13, 14, several_lanes}, several_lanes + 1), 2, 2);
     support::compare_large(step({28, 24, several_lanes}, several_lanes), 4, 3);
     support::compare_large(step({25, 31, several_lanes}, 3 * several_lanes, pad(1, 0, 2, 1)), 4, 4);
-    support::compare_large(step({26, 26, several_lanes}, several_lanes, valid, 2 * several_lanes), 4, 5);
+    support::compare_large(step({26, 26, several_lanes}, several_lanes, padding::valid, 2 * several_lanes), 4,
+                           5);
     support::compare_large(step({8, 8, 512}, several_lanes), 2, 6); // channels that would clash
 }
 

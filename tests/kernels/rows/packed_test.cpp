@@ -14,7 +14,7 @@ using namespace tactnet::kernels;
 namespace {
 
 std::vector<float> random_values(std::size_t count, std::uint64_t seed) {
-    random_stream random(seed, draw::order);
+    random_stream random(seed, random_purposes::order);
     std::vector<float> values(count);
     for (float& value : values)
         value = static_cast<float>(random.uniform(-1, 1));

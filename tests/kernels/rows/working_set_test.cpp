@@ -24,7 +24,7 @@ struct working_set {
     aligned_vector<float> rising, falling;
 
     explicit working_set(std::uint64_t seed) {
-        random_stream random(seed, draw::order);
+        random_stream random(seed, random_purposes::order);
         for (std::size_t i = 0; i < count; ++i) {
             gradient.push_back(std::floor(random.uniform(-8, 8))); // with ties
             up.push_back(random.below(3) == 0 ? -infinity : 0);
@@ -87,7 +87,7 @@ TEST_CASE("working_set: choices and steps as plain loops make them") {
 }
 
 TEST_CASE("working_set: dense rows: a long product and a sum, against double precision") {
-    random_stream random(1, draw::order);
+    random_stream random(1, random_purposes::order);
     for (const std::size_t count : {std::size_t{16}, std::size_t{1408}, std::size_t{16 * 1001}}) {
         aligned_vector<float> a(count), b(count);
         double exact = 0, size = 0;

@@ -18,7 +18,7 @@ struct alignas(64) values : std::array<T, lanes<T>> {};
 
 template <class T>
 values<T> draw_values(std::uint32_t item) {
-    random_stream random(1, draw::order, item);
+    random_stream random(1, random_purposes::order, item);
     values<T> v;
     for (T& each : v)
         each = static_cast<T>(random.uniform(-4, 4));

@@ -13,7 +13,7 @@ TEST_CASE("concatenation: branches of different depth, with batch norms") {
                 shape{4, 3, 2}>();
 }
 TEST_CASE("concatenation: the input itself, a pool, a single layer") {
-    check_layer<concatenation<identity, max_pool<3, 1, pad(1)>, conv2d<2, 1>>, shape{3, 4, 2}>();
+    check_layer<concatenation<identity_layer, max_pool<3, 1, pad(1)>, conv2d<2, 1>>, shape{3, 4, 2}>();
 }
 TEST_CASE("concatenation: within a list, and within itself") {
     check_layer<sequence<conv2d<3, 1>, concatenation<concatenation<conv2d<2, 1>, relu>, conv2d<1, 3>>, relu,

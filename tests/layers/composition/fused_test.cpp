@@ -19,9 +19,9 @@ static_assert(std::is_same_v<fused<sequence<batch_norm, relu, conv2d<2, 3>, batc
 static_assert(std::is_same_v<fused<sequence<batch_norm, max_pool<2>, relu>>, // another order: not the same
                              sequence<batch_norm, max_pool<2>, relu>>);
 static_assert(std::is_same_v<fused<sequence<residual<sequence<batch_norm, relu>>, relu>>,
-                             sequence<residual<sequence<norm_relu_pool<1>>, identity>, relu>>);
-static_assert(std::is_same_v<fused<sequence<sequence<batch_norm, relu, max_pool<3, 2, valid>>>>,
-                             sequence<sequence<norm_relu_pool<3, 2, valid>>>>);
+                             sequence<residual<sequence<norm_relu_pool<1>>, identity_layer>, relu>>);
+static_assert(std::is_same_v<fused<sequence<sequence<batch_norm, relu, max_pool<3, 2, padding::valid>>>>,
+                             sequence<sequence<norm_relu_pool<3, 2, padding::valid>>>>);
 static_assert(std::is_same_v<fused<sequence<>>, sequence<>>);
 
 namespace {
@@ -41,7 +41,7 @@ results train(std::size_t count, const Alter& alter) {
     const std::size_t places = groups_of<double>(count) * kernels::lanes<double>;
     const auto drawn = [](std::size_t size, std::uint32_t what) {
         aligned_vector<double> values(size);
-        random_stream random(what, draw::order);
+        random_stream random(what, random_purposes::order);
         for (double& v : values)
             v = random.uniform(-1, 1);
         return values;
@@ -57,7 +57,7 @@ results train(std::size_t count, const Alter& alter) {
     results r{aligned_vector<double>(places * layer->output.size()), aligned_vector<double>(in.size()),
               aligned_vector<double>(layer->parameters), aligned_vector<double>(layer->statistics, 1.0)};
     thread_pool threads;
-    const pass p{.threads = threads};
+    const execution_context p{.threads = threads};
     layer->resize(count);
     layer->prepare(p, values.data(), r.running.data());
     layer->forward(p, values.data(), r.running.data(), count, in.data(), r.out.data());

@@ -15,7 +15,7 @@ TEST_CASE("norm_relu_pool: 2, stride 2, odd sizes keep the rest") {
     check_layer<norm_relu_pool<2>, shape{7, 5, 2}>();
 }
 TEST_CASE("norm_relu_pool: 2, stride 2, valid drops the rest") {
-    check_layer<norm_relu_pool<2, 2, valid>, shape{7, 5, 2}>();
+    check_layer<norm_relu_pool<2, 2, padding::valid>, shape{7, 5, 2}>();
 }
 TEST_CASE("norm_relu_pool: 2, stride 1") {
     check_layer<norm_relu_pool<2, 1>, shape{5, 4, 3}>();

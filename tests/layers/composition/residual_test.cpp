@@ -56,7 +56,7 @@ TEST_CASE("residual: the same bits as the sum of its branches") {
     const auto whole = support::make_layer<block, float, input>();
     const auto main = support::make_layer<main_branch, float, input>();
     const auto skip = support::make_layer<skip_branch, float, input>();
-    random_stream random(3, draw::order);
+    random_stream random(3, random_purposes::order);
     const auto filled = [&](std::size_t size) {
         array<float> a(size);
         for (float& value : a)
@@ -66,7 +66,7 @@ TEST_CASE("residual: the same bits as the sum of its branches") {
     const array<float> values = filled(whole->parameters), in = filled(input.size() * count);
     const array<float> out_gradient = filled(whole->output.size() * count);
     thread_pool threads;
-    const pass p{.threads = threads};
+    const execution_context p{.threads = threads};
     const auto run = [&](support::erased_layer<float>& layer, const float* own_values, array<float>& out,
                          array<float>& in_gradient, array<float>& gradients) {
         array<float> running(layer.statistics, 1.0f);

@@ -31,7 +31,8 @@ public:
         return c;
     }
 
-    array<T> forward(pass p, const T* values, T* running, const array<T>& in, std::size_t count) {
+    array<T> forward(execution_context p, const T* values, T* running, const array<T>& in,
+                     std::size_t count) {
         kept_ = {in};
         for (std::size_t i = 0; i < layers_.size(); ++i) {
             p.depth = static_cast<std::uint32_t>(i) + 1;
@@ -44,7 +45,7 @@ public:
         }
         return kept_.back();
     }
-    array<T> backward(pass p, const T* values, const array<T>& out_gradient, T* gradients,
+    array<T> backward(execution_context p, const T* values, const array<T>& out_gradient, T* gradients,
                       std::size_t count) {
         array<T> from = out_gradient;
         for (const auto& layer : layers_)
@@ -80,7 +81,7 @@ void check_chain() {
                           places = (count + kernels::lanes<T> - 1) / kernels::lanes<T> * kernels::lanes<T>;
     auto one = support::make_layer<List, T, Input>();
     auto many = chain<T>::of(List{}, std::integral_constant<shape, Input>{});
-    random_stream random(3, draw::order);
+    random_stream random(3, random_purposes::order);
     const auto filled = [&](std::size_t size) {
         array<T> a(size);
         for (T& value : a)
@@ -98,7 +99,7 @@ void check_chain() {
     array<T> values = filled(one->parameters), running(one->statistics, T{1}), running_many = running;
     const array<T> in = samples(Input.size()), out_gradient = samples(one->output.size());
     thread_pool threads;
-    const pass p{.threads = threads, .seed = 5, .step = 9};
+    const execution_context p{.threads = threads, .seed = 5, .step = 9};
     for (int step = 0; step < 2; ++step) { // the second in memory that was used
         array<T> out(one->output.size() * places), in_gradient(in.size()), gradients(values.size()),
             gradients_many = gradients;

@@ -33,21 +33,21 @@ inline std::uint32_t hash_of(std::string_view text) {
 
 /// Whole multiples of 2^-23 in [-1, 1), the same for the same name.
 inline void draw_by_name(std::string_view name, std::span<float> values) {
-    tactnet::random_stream random(2012, tactnet::draw::order, hash_of(name));
+    tactnet::random_stream random(2012, tactnet::random_purposes::order, hash_of(name));
     for (float& value : values)
         value = static_cast<float>(random.bits() >> 8) * 0x1p-23f - 1.0f;
 }
 template <class Network>
 void fill_by_name(Network& net) {
     net.for_each_parameter([](const tactnet::parameter& p, std::span<float> values) {
-        using tactnet::role;
+        using tactnet::parameter_role;
         draw_by_name(p.name, values);
         const float spread = static_cast<float>(std::sqrt(6.0 / static_cast<double>(p.fan_in)));
         for (float& value : values) {
-            if (p.what == role::scale || p.what == role::running_variance)
+            if (p.what == parameter_role::scale || p.what == parameter_role::running_variance)
                 value = 1.0f + 0.5f * value;
             else
-                value *= p.what == role::weight ? spread : 0.125f;
+                value *= p.what == parameter_role::weight ? spread : 0.125f;
         }
     });
 }
@@ -114,7 +114,7 @@ template <class T>
 class stage_walk {
 public:
     stage_walk(golden_stages& golden, tactnet::thread_pool& threads, const T* values, const T* statistics)
-        : golden_(golden), pass_{.threads = threads}, values_(values), statistics_(statistics) {}
+        : golden_(golden), context_{.threads = threads}, values_(values), statistics_(statistics) {}
 
     template <class Spec, class Layer>
     tactnet::aligned_vector<T> through(const std::string& name, tactnet::aligned_vector<T> x) {
@@ -156,8 +156,8 @@ private:
             typename Layer::memory memory;
             memory.resize(1);
             tactnet::aligned_vector<T> out(Layer::output.size() * lanes<T>);
-            Layer::prepare(pass_, values_, statistics_, memory);
-            Layer::infer(pass_, values_, statistics_, memory,
+            Layer::prepare(context_, values_, statistics_, memory);
+            Layer::infer(context_, values_, statistics_, memory,
                          tactnet::input_view<T, Layer::input>(x.data(), 1),
                          tactnet::output_view<T, Layer::output>(out.data(), 1));
             values_ += Layer::parameters;
@@ -173,14 +173,14 @@ private:
         tactnet::sliding_window window = Convolution::window;
         window.input.channels = Convolution::channels;
         const auto c = tactnet::kernels::batch_convolution::forward(window, Convolution::filters);
-        const tactnet::extent tile = tactnet::kernels::best_group_tile(c);
-        if (tile != tactnet::extent(0))
+        const tactnet::extent2d tile = tactnet::kernels::best_group_tile(c);
+        if (tile != tactnet::extent2d(0))
             factor_ = std::max(factor_, tile_deviation(Convolution::channels, window.kernel.rows,
                                                        {tile.rows, tile.columns}));
     }
 
     golden_stages& golden_;
-    tactnet::pass pass_;
+    tactnet::execution_context context_;
     const T *values_, *statistics_;
     double factor_ = 1; // of the deviations in the file
 };

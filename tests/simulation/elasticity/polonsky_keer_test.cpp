@@ -243,7 +243,7 @@ TEST_CASE("polonsky_keer: hard cases on a half space and on layers of all kinds"
 }
 
 TEST_CASE("polonsky_keer: random contacts are found in few steps") {
-    tactnet::random_stream random(3, tactnet::draw::touch);
+    tactnet::random_stream random(3, tactnet::random_purposes::touch);
     for (const bonded_layer& layer : {bonded_layer{}, bonded_layer{.poisson = 0.5, .thickness = 3e-3},
                                       bonded_layer{.poisson = 0.5, .thickness = 1}}) {
         bonded_layer::bound<size> bound(layer, cell);

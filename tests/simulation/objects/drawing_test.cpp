@@ -15,7 +15,8 @@ using namespace tactnet;
 using namespace tactnet::simulation;
 
 constexpr std::size_t draws = 2000;
-const random_stream shapes(1, draw::touch, 0, 0), poses(1, draw::touch, 0, 1), forces(1, draw::touch, 0, 2);
+const random_stream shapes(1, random_purposes::touch, 0, 0), poses(1, random_purposes::touch, 0, 1),
+    forces(1, random_purposes::touch, 0, 2);
 
 TEST_CASE("drawing: forces are log-uniform: half of them below the geometric mean") {
     drawing draw(shapes, poses, forces);
@@ -60,7 +61,7 @@ TEST_CASE("drawing: poses stay within their range, and their tilt has its deviat
 TEST_CASE("drawing: the point of an object that is named lies where the object would") {
     const pose_range range{{1e-3, 2e-3}, {5e-3, 5e-3}};
     for (std::uint32_t i = 0; i < 20; ++i) {
-        const random_stream where(1, draw::touch, i, 1);
+        const random_stream where(1, random_purposes::touch, i, 1);
         const pose plain = drawing(shapes, where, forces).somewhere(range),
                    named = drawing(shapes, where, forces).somewhere(range, {12 * mm, 3 * mm});
         CHECK(named.angle == plain.angle);

@@ -32,7 +32,7 @@ tactnet::thread_pool& pool(std::size_t threads) {
 }
 
 random_stream stream(std::uint32_t purpose) {
-    return {20190412, tactnet::draw::order, purpose};
+    return {20190412, tactnet::random_purposes::order, purpose};
 }
 
 /// Samples one after the other, and how the library keeps them.
@@ -115,10 +115,11 @@ public:
         std::copy(values.begin(), values.end(), values_.begin());
         std::copy(running.begin(), running.end(), running_.begin());
         for (const tactnet::parameter& p : facts_->describe()) {
-            if (p.what == tactnet::role::running_variance)
+            if (p.what == tactnet::parameter_role::running_variance)
                 for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
                     running_[i] = static_cast<T>(1.25) + running_[i];
-            if (p.what == tactnet::role::weight) // so that many layers in a row keep the size of their values
+            if (p.what ==
+                tactnet::parameter_role::weight) // so that many layers in a row keep the size of their values
                 for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
                     values_[i] =
                         static_cast<T>(static_cast<float>(values_[i]) *
@@ -133,7 +134,7 @@ public:
     const array<T>& values() const { return values_; }
     const array<T>& running() const { return running_; }
 
-    tactnet::pass pass(std::size_t threads) const {
+    tactnet::execution_context context(std::size_t threads) const {
         return {.threads = pool(threads),
                 .epsilon = options_.epsilon,
                 .momentum = 0.1,
@@ -147,7 +148,7 @@ public:
     std::unique_ptr<erased_layer<T>> fresh(std::size_t count) const {
         auto layer = make_();
         layer->resize(count);
-        layer->prepare(pass(1), values_.data(), running_.data());
+        layer->prepare(context(1), values_.data(), running_.data());
         return layer;
     }
 
@@ -157,7 +158,7 @@ public:
     array<T> infer_with(erased_layer<T>& layer, const array<T>& in, std::size_t count,
                         std::size_t threads = 1) const {
         array<T> out = room(outputs(), count);
-        layer.infer(pass(threads), values_.data(), running_.data(), count, in.data(), out.data());
+        layer.infer(context(threads), values_.data(), running_.data(), count, in.data(), out.data());
         return out;
     }
     struct training {
@@ -171,8 +172,8 @@ public:
                         std::size_t count, std::size_t threads = 1) const {
         training t{room(outputs(), count), room(inputs(), count),
                    array<T>(values_.size(), static_cast<T>(broken)), running_};
-        layer.forward(pass(threads), values_.data(), t.running.data(), count, in.data(), t.out.data());
-        layer.backward(pass(threads), values_.data(), count, in.data(), t.out.data(), out_gradient.data(),
+        layer.forward(context(threads), values_.data(), t.running.data(), count, in.data(), t.out.data());
+        layer.backward(context(threads), values_.data(), count, in.data(), t.out.data(), out_gradient.data(),
                        t.in_gradient.data(), t.gradients.data());
         return t;
     }
@@ -207,7 +208,7 @@ void check_costs(const subject_in<T>& subject, const reference_layer& reference)
         REQUIRE(p.offset + p.size <= cover.size());
         for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
             ++cover[i];
-        if (p.what == tactnet::role::weight)
+        if (p.what == tactnet::parameter_role::weight)
             CHECK(p.fan_in * p.extents[0] == p.size);
     }
     CHECK(std::all_of(learned.begin(), learned.end(), [](int n) { return n == 1; }));
@@ -300,8 +301,8 @@ void check_gradients(subject_in<double>& subject, const reference_layer& referen
     const auto layer = subject.fresh(count);
     array<double> out = subject.room(subject.outputs(), count), running = subject.running();
     const auto loss = [&](const array<double>& at, const array<double>& parameters) {
-        layer->prepare(subject.pass(1), parameters.data(), subject.running().data());
-        layer->forward(subject.pass(1), parameters.data(), running.data(), count, at.data(), out.data());
+        layer->prepare(subject.context(1), parameters.data(), subject.running().data());
+        layer->forward(subject.context(1), parameters.data(), running.data(), count, at.data(), out.data());
         long double sum = 0;
         for (std::size_t s = 0; s < count; ++s)
             for (std::size_t e = 0; e < subject.outputs(); ++e)
@@ -426,12 +427,12 @@ void check_invariance(const subject_in<T>& subject, const conformance_options& o
                  in_gradient = subject.room(subject.inputs(), most), gradients(other.size());
         for (T& value : other)
             value = 1 - value;
-        used->prepare(subject.pass(1), other.data(), running.data());
-        used->forward(subject.pass(2), other.data(), running.data(), most, poisoned.data(), out.data());
-        used->backward(subject.pass(1), other.data(), most, poisoned.data(), out.data(), dy.data(),
+        used->prepare(subject.context(1), other.data(), running.data());
+        used->forward(subject.context(2), other.data(), running.data(), most, poisoned.data(), out.data());
+        used->backward(subject.context(1), other.data(), most, poisoned.data(), out.data(), dy.data(),
                        in_gradient.data(), gradients.data());
         used->resize(count);
-        used->prepare(subject.pass(1), subject.values().data(), subject.running().data());
+        used->prepare(subject.context(1), subject.values().data(), subject.running().data());
         CHECK(same_bits(inferred, subject.infer_with(*used, some, count)));
         CHECK(same_bits<T>(trained, subject.train_with(*used, some, some_dy, count)));
         CHECK(same_bits<T>(trained, subject.train_with(*used, some, some_dy, count, 5)));
@@ -446,7 +447,7 @@ void check_memory(subject_in<T>& subject, const conformance_options& options) {
     const auto layer = subject.fresh(count);
     array<T> out = subject.infer_with(*layer, x, count);
     const std::size_t before = allocations();
-    layer->infer(subject.pass(1), subject.values().data(), subject.running().data(), count, x.data(),
+    layer->infer(subject.context(1), subject.values().data(), subject.running().data(), count, x.data(),
                  out.data());
     CHECK(allocations() == before);
 
@@ -454,29 +455,29 @@ void check_memory(subject_in<T>& subject, const conformance_options& options) {
     array<T> in_gradient = subject.room(subject.inputs(), count), gradients(expected.gradients.size());
     array<T> running = subject.running();
     // The same without anyone to ask for the input's gradient.
-    layer->backward(subject.pass(1), subject.values().data(), count, x.data(), expected.out.data(), dy.data(),
-                    nullptr, gradients.data());
+    layer->backward(subject.context(1), subject.values().data(), count, x.data(), expected.out.data(),
+                    dy.data(), nullptr, gradients.data());
     CHECK(same_bits(gradients, expected.gradients));
 
     const array<T> nothing = subject.room(std::max(subject.inputs(), subject.outputs()), count);
     if (!subject.facts().keeps_output) {
-        layer->backward(subject.pass(1), subject.values().data(), count, x.data(), nothing.data(), dy.data(),
-                        in_gradient.data(), gradients.data());
+        layer->backward(subject.context(1), subject.values().data(), count, x.data(), nothing.data(),
+                        dy.data(), in_gradient.data(), gradients.data());
         CHECK(same_bits(in_gradient, expected.in_gradient));
         CHECK(same_bits(gradients, expected.gradients));
     }
     if (subject.facts().in_place) {
         REQUIRE(subject.inputs() == subject.outputs());
         array<T> both = x;
-        layer->infer(subject.pass(1), subject.values().data(), subject.running().data(), count, both.data(),
-                     both.data());
+        layer->infer(subject.context(1), subject.values().data(), subject.running().data(), count,
+                     both.data(), both.data());
         CHECK(same_bits(both, 0, out, count, subject.outputs(), count));
         both = x;
-        layer->forward(subject.pass(1), subject.values().data(), running.data(), count, both.data(),
+        layer->forward(subject.context(1), subject.values().data(), running.data(), count, both.data(),
                        both.data());
         CHECK(same_bits(both, 0, expected.out, count, subject.outputs(), count));
-        layer->backward(subject.pass(1), subject.values().data(), count, both.data(), both.data(), dy.data(),
-                        in_gradient.data(), gradients.data());
+        layer->backward(subject.context(1), subject.values().data(), count, both.data(), both.data(),
+                        dy.data(), in_gradient.data(), gradients.data());
         CHECK(same_bits(in_gradient, expected.in_gradient));
         CHECK(same_bits(gradients, expected.gradients));
     }

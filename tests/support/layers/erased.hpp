@@ -24,13 +24,13 @@ public:
 
     [[nodiscard]] virtual std::vector<tactnet::parameter> describe() const = 0;
     virtual void resize(std::size_t count) = 0;
-    virtual void prepare(const tactnet::pass& p, const T* values, const T* running) = 0;
-    virtual void infer(const tactnet::pass& p, const T* values, const T* running, std::size_t count,
-                       const T* in, T* out) = 0;
-    virtual void forward(const tactnet::pass& p, const T* values, T* running, std::size_t count, const T* in,
-                         T* out) = 0;
-    virtual void backward(const tactnet::pass& p, const T* values, std::size_t count, const T* in,
-                          const T* out, const T* out_gradient, T* in_gradient, T* gradients) = 0;
+    virtual void prepare(const tactnet::execution_context& p, const T* values, const T* running) = 0;
+    virtual void infer(const tactnet::execution_context& p, const T* values, const T* running,
+                       std::size_t count, const T* in, T* out) = 0;
+    virtual void forward(const tactnet::execution_context& p, const T* values, T* running, std::size_t count,
+                         const T* in, T* out) = 0;
+    virtual void backward(const tactnet::execution_context& p, const T* values, std::size_t count,
+                          const T* in, const T* out, const T* out_gradient, T* in_gradient, T* gradients) = 0;
 };
 
 template <class Spec, class T, tactnet::shape Input>
@@ -57,19 +57,19 @@ public:
         return list;
     }
     void resize(std::size_t count) override { memory_.resize(count); }
-    void prepare(const tactnet::pass& p, const T* values, const T* running) override {
+    void prepare(const tactnet::execution_context& p, const T* values, const T* running) override {
         bound::prepare(p, values, running, memory_);
     }
-    void infer(const tactnet::pass& p, const T* values, const T* running, std::size_t count, const T* in,
-               T* out) override {
+    void infer(const tactnet::execution_context& p, const T* values, const T* running, std::size_t count,
+               const T* in, T* out) override {
         bound::infer(p, values, running, memory_, input_view{in, count}, output_view{out, count});
     }
-    void forward(const tactnet::pass& p, const T* values, T* running, std::size_t count, const T* in,
-                 T* out) override {
+    void forward(const tactnet::execution_context& p, const T* values, T* running, std::size_t count,
+                 const T* in, T* out) override {
         run_forward<bound>(p, values, running, memory_, input_view{in, count}, output_view{out, count});
     }
-    void backward(const tactnet::pass& p, const T* values, std::size_t count, const T* in, const T* out,
-                  const T* out_gradient, T* in_gradient, T* gradients) override {
+    void backward(const tactnet::execution_context& p, const T* values, std::size_t count, const T* in,
+                  const T* out, const T* out_gradient, T* in_gradient, T* gradients) override {
         using result_view = tactnet::input_view<T, bound::output>;
         run_backward<bound>(p, values, memory_, input_view{in, count}, result_view{out, count},
                             result_view{out_gradient, count},

@@ -14,7 +14,7 @@ namespace support {
 template <class Spec>
 struct reference_of;
 
-inline reference_window window_over(extents3 in, tactnet::extent kernel, tactnet::extent stride,
+inline reference_window window_over(extents3 in, tactnet::extent2d kernel, tactnet::extent2d stride,
                                     tactnet::padding around) {
     if (around.how == tactnet::padding::rule::same)
         return reference_window::same(in, kernel.rows, kernel.columns, stride.rows, stride.columns);
@@ -23,7 +23,7 @@ inline reference_window window_over(extents3 in, tactnet::extent kernel, tactnet
     return around.how == tactnet::padding::rule::ceil_mode ? given.completed() : given;
 }
 
-template <std::size_t Filters, tactnet::extent Kernel, tactnet::extent Stride, tactnet::padding Padding,
+template <std::size_t Filters, tactnet::extent2d Kernel, tactnet::extent2d Stride, tactnet::padding Padding,
           tactnet::conv2d_options Options>
 struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static reference_pointer on(extents3 in) {
@@ -35,7 +35,7 @@ struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> 
         const auto ahead = batch_convolution::forward(window, filters),
                    back = batch_convolution::backward(window, filters);
         const auto tile_of = [](const batch_convolution& c) {
-            const tactnet::extent tile = tactnet::kernels::best_group_tile(c);
+            const tactnet::extent2d tile = tactnet::kernels::best_group_tile(c);
             return tile_size{tile.rows, tile.columns};
         };
         return reference_convolution(
@@ -55,13 +55,13 @@ template <>
 struct reference_of<tactnet::relu> {
     static reference_pointer on(extents3 in) { return reference_relu(in); }
 };
-template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
+template <tactnet::extent2d Window, tactnet::extent2d Stride, tactnet::padding Padding>
 struct reference_of<tactnet::max_pool<Window, Stride, Padding>> {
     static reference_pointer on(extents3 in) {
         return reference_max_pool(window_over(in, Window, Stride, Padding));
     }
 };
-template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding>
+template <tactnet::extent2d Window, tactnet::extent2d Stride, tactnet::padding Padding>
 struct reference_of<tactnet::norm_relu_pool<Window, Stride, Padding>> {
     static reference_pointer on(extents3 in) {
         std::vector<reference_pointer> layers;
@@ -71,7 +71,7 @@ struct reference_of<tactnet::norm_relu_pool<Window, Stride, Padding>> {
         return reference_sequence(in, std::move(layers));
     }
 };
-template <tactnet::extent Window, tactnet::extent Stride, tactnet::padding Padding,
+template <tactnet::extent2d Window, tactnet::extent2d Stride, tactnet::padding Padding,
           tactnet::average_over Over>
 struct reference_of<tactnet::average_pool<Window, Stride, Padding, Over>> {
     static reference_pointer on(extents3 in) {
@@ -82,7 +82,7 @@ struct reference_of<tactnet::average_pool<Window, Stride, Padding, Over>> {
                                       completed ? Padding.right : window.right);
     }
 };
-template <tactnet::extent Output>
+template <tactnet::extent2d Output>
 struct reference_of<tactnet::adaptive_average_pool<Output>> {
     static reference_pointer on(extents3 in) {
         return reference_adaptive_average(in, Output.rows, Output.columns);

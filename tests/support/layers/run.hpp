@@ -11,7 +11,7 @@ using value_of = typename Layer::value_type;
 
 /// The forward pass of a layer on its own.
 template <class Layer>
-void run_forward(const tactnet::pass& p, const value_of<Layer>* values, value_of<Layer>* running,
+void run_forward(const tactnet::execution_context& p, const value_of<Layer>* values, value_of<Layer>* running,
                  typename Layer::memory& memory, tactnet::input_view<value_of<Layer>, Layer::input> in,
                  tactnet::output_view<value_of<Layer>, Layer::output> out) {
     if constexpr (tactnet::part_layer<Layer>) {
@@ -30,8 +30,8 @@ void run_forward(const tactnet::pass& p, const value_of<Layer>* values, value_of
 
 /// The way back of a layer on its own.
 template <class Layer>
-void run_backward(const tactnet::pass& p, const value_of<Layer>* values, typename Layer::memory& memory,
-                  tactnet::input_view<value_of<Layer>, Layer::input> in,
+void run_backward(const tactnet::execution_context& p, const value_of<Layer>* values,
+                  typename Layer::memory& memory, tactnet::input_view<value_of<Layer>, Layer::input> in,
                   tactnet::input_view<value_of<Layer>, Layer::output> out,
                   tactnet::input_view<value_of<Layer>, Layer::output> out_gradient,
                   tactnet::output_view<value_of<Layer>, Layer::input> in_gradient,

@@ -66,7 +66,7 @@ TEST_CASE("images_as_taken: what is varied is the image as it was taken") {
     augmentation_ranges ranges = how.ranges;
     CHECK(v.images.taken.tactels_for_one() == 13.0 / 7);
     ranges.translation *= 13.0 / 7;
-    random_stream random(1, draw::augmentation, 3, 5);
+    random_stream random(1, random_purposes::augmentation, 3, 5);
     tensor<float, taken> by_hand;
     transform_image<taken>(image_transform::draw(ranges, random),
                            v.images.taken.pixels.subspan<5 * taken.size(), taken.size()>(), by_hand.view());

@@ -43,7 +43,8 @@ TEST_CASE("evaluate: images that are their own reflections look the same every w
     const std::vector<float> mean(net::input_shape.size(), 100);
     const labelled_images images{pixels, labels, 2};
     const evaluation once = evaluate(network, mean, 0.1F, images, all, threads),
-                     averaged = evaluate(network, mean, 0.1F, images, all, threads, seen::in_all_reflections);
+                     averaged = evaluate(network, mean, 0.1F, images, all, threads,
+                                         test_time_augmentation::reflections);
     CHECK(once.confusion.total() == 70);
     // Of an image that is the mean only the two biases are left, which differ by 0.01.
     const std::vector<std::uint8_t> grey(net::input_shape.size(), 100);

@@ -77,7 +77,7 @@ public:
                                                             std::span<const std::size_t> chosen,
                                                             tactnet::thread_pool& threads) const override {
         return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads,
-                                 tactnet::seen::in_all_reflections);
+                                 tactnet::test_time_augmentation::reflections);
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const override {

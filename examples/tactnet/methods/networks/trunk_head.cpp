@@ -22,7 +22,7 @@ tactnet::stored_arrays stored_arrays_of(const compiled_head& head, const tactnet
 /// A frozen trunk with the head that was trained behind it.
 class trained_trunk_head final : public trained_method {
 public:
-    trained_trunk_head(const compiled_head& head, tactnet::extent image,
+    trained_trunk_head(const compiled_head& head, tactnet::extent2d image,
                        std::shared_ptr<const trunk_features> features, any_model model)
         : head_(head), image_(image), features_(std::move(features)), model_(std::move(model)) {}
 
@@ -95,7 +95,7 @@ private:
     }
 
     const compiled_head& head_;
-    tactnet::extent image_;
+    tactnet::extent2d image_;
     std::shared_ptr<const trunk_features> features_;
     any_model model_;
 };
@@ -107,7 +107,7 @@ struct kept_rows {
 
 class trunk_head_training final : private kept_rows, public looped_training {
 public:
-    trunk_head_training(const compiled_head& head, tactnet::extent image,
+    trunk_head_training(const compiled_head& head, tactnet::extent2d image,
                         std::shared_ptr<const trunk_features> features, const tactnet::recipe& recipe,
                         const tactnet::labelled_images& images, tactnet::data_split split, std::uint64_t seed,
                         tactnet::thread_pool& threads)
@@ -128,7 +128,7 @@ public:
 
 private:
     const compiled_head& head_;
-    tactnet::extent image_;
+    tactnet::extent2d image_;
     std::shared_ptr<const trunk_features> features_;
 };
 
@@ -198,7 +198,7 @@ public:
 
 private:
     const compiled_head& head() const { return trunk_->head; }
-    tactnet::extent image() const { return {rows, columns}; }
+    tactnet::extent2d image() const { return {rows, columns}; }
 
     std::shared_ptr<const compiled_trunk> trunk_;
 };

@@ -17,7 +17,7 @@ namespace {
 /// The training of a support vector machine: a single step.
 class svm_training final : public training_run {
 public:
-    svm_training(tactnet::extent image, std::shared_ptr<image_features> features, const svm_recipe& recipe,
+    svm_training(tactnet::extent2d image, std::shared_ptr<image_features> features, const svm_recipe& recipe,
                  const tactnet::labelled_images& images, tactnet::data_split split,
                  tactnet::thread_pool& threads)
         : image_(image),
@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    tactnet::extent image_;
+    tactnet::extent2d image_;
     std::shared_ptr<image_features> features_;
     const svm_recipe& recipe_;
     std::optional<support_vector_machine> own_;
@@ -95,7 +95,7 @@ frame_work svm_method::make_work(std::size_t) const {
     const label_list all = tactnet::all_samples(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         labels.push_back(i % classes);
-        tactnet::random_stream random(1, tactnet::draw::order, i);
+        tactnet::random_stream random(1, tactnet::random_purposes::order, i);
         const double row = random.uniform(0, static_cast<double>(rows)),
                      column = random.uniform(0, static_cast<double>(columns)),
                      size = 2 + static_cast<double>(i % classes);
@@ -120,7 +120,7 @@ std::unique_ptr<training_run> svm_method::train_on(std::unique_ptr<image_feature
                                                    const tactnet::labelled_images& images,
                                                    tactnet::data_split split,
                                                    tactnet::thread_pool& threads) const {
-    return std::make_unique<svm_training>(tactnet::extent{rows, columns}, std::move(features), recipe_,
+    return std::make_unique<svm_training>(tactnet::extent2d{rows, columns}, std::move(features), recipe_,
                                           images, std::move(split), threads);
 }
 
@@ -148,7 +148,7 @@ std::unique_ptr<trained_method> svm_method::load(const weight_file& from, std::o
         throw tactnet::file_error(file.file(), "tensor 'labels'",
                                   fmt::format("labels of {} classes", says.classes.size()),
                                   fmt::to_string(own.labels().back()));
-    auto trained = std::make_unique<trained_svm>(tactnet::extent{rows, columns}, std::move(features),
+    auto trained = std::make_unique<trained_svm>(tactnet::extent2d{rows, columns}, std::move(features),
                                                  std::move(own), says.classes);
     trained->check_selftest(file);
     return trained;

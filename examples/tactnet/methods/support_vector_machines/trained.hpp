@@ -20,7 +20,7 @@
 /// A support vector machine with the features in front of it.
 class trained_svm final : public trained_method {
 public:
-    trained_svm(tactnet::extent image, std::shared_ptr<const image_features> features,
+    trained_svm(tactnet::extent2d image, std::shared_ptr<const image_features> features,
                 support_vector_machine own, std::vector<std::string> classes)
         : image_(image), features_(std::move(features)), own_(std::move(own)), classes_(std::move(classes)) {}
 
@@ -103,7 +103,7 @@ private:
         return result;
     }
 
-    tactnet::extent image_;
+    tactnet::extent2d image_;
     std::shared_ptr<const image_features> features_;
     support_vector_machine own_;
     std::vector<std::string> classes_;

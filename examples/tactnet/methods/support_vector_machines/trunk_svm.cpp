@@ -47,7 +47,7 @@ const std::vector<trunk_recipe>& trunk_recipes() {
 class trunk_image_features final : public image_features {
 public:
     trunk_image_features(std::shared_ptr<const compiled_trunk> trunk, trunk_features_form form,
-                         tactnet::extent image, std::shared_ptr<const trunk_features> own = nullptr)
+                         tactnet::extent2d image, std::shared_ptr<const trunk_features> own = nullptr)
         : trunk_(std::move(trunk)), form_(form), image_(image), own_(std::move(own)) {}
 
     std::size_t size() const override { return form_.size(trunk_->map); }
@@ -67,13 +67,13 @@ public:
 private:
     std::shared_ptr<const compiled_trunk> trunk_;
     trunk_features_form form_;
-    tactnet::extent image_;
+    tactnet::extent2d image_;
     std::shared_ptr<const trunk_features> own_;
 };
 
 /// Numbers as features are: none below zero.
 std::vector<float> made_up_rows(std::size_t rows, std::size_t size) {
-    tactnet::random_stream random(1, tactnet::draw::order);
+    tactnet::random_stream random(1, tactnet::random_purposes::order);
     std::vector<float> values(rows * size);
     for (float& value : values)
         value = static_cast<float>(random.uniform());
@@ -117,7 +117,7 @@ public:
         : svm_method(recipe.svm, rows_, columns_,
                      [=, form = recipe.features] {
                          return std::make_unique<trunk_image_features>(trunk, form,
-                                                                       tactnet::extent{rows_, columns_});
+                                                                       tactnet::extent2d{rows_, columns_});
                      }),
           form_(recipe.features),
           trunk_(std::move(trunk)) {}
@@ -134,8 +134,8 @@ public:
                                         tactnet::data_split split, std::uint64_t,
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
-        return train_on(std::make_unique<trunk_image_features>(trunk_, form_, tactnet::extent{rows, columns},
-                                                               features_of(from)),
+        return train_on(std::make_unique<trunk_image_features>(
+                            trunk_, form_, tactnet::extent2d{rows, columns}, features_of(from)),
                         images, std::move(split), threads);
     }
     method_costs costs(std::size_t classes) const override {

@@ -26,7 +26,7 @@
 namespace {
 
 /// An image as it is, and mirrored at its rows (bit 0 of `view`) and at its columns (bit 1).
-std::vector<std::uint8_t> mirrored(std::span<const std::uint8_t> image, tactnet::extent size,
+std::vector<std::uint8_t> mirrored(std::span<const std::uint8_t> image, tactnet::extent2d size,
                                    std::size_t view) {
     std::vector<std::uint8_t> result;
     for (std::size_t y = 0; y < size.rows; ++y)
@@ -88,7 +88,7 @@ void feature_finder::find(const any_trunk& network, std::span<const std::uint8_t
 }
 
 trunk_features::trunk_features(std::shared_ptr<const compiled_trunk> trunk, trunk_features_form form,
-                               tactnet::extent image, std::shared_ptr<tactnet::safetensors_source> file,
+                               tactnet::extent2d image, std::shared_ptr<tactnet::safetensors_source> file,
                                std::string prefix)
     : file_(std::move(file)),
       prefix_(std::move(prefix)),
@@ -223,7 +223,7 @@ pretrained_file pretrained_file_of(const compiled_trunk& trunk) {
 }
 
 std::shared_ptr<pretrained_weights> open_trunk(std::shared_ptr<const compiled_trunk> trunk,
-                                               trunk_features_form form, tactnet::extent image,
+                                               trunk_features_form form, tactnet::extent2d image,
                                                const std::filesystem::path& path) {
     return std::make_shared<trunk_features>(
         std::move(trunk), form, image,
@@ -238,7 +238,7 @@ std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrain
 }
 
 frame_work work_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
-                       tactnet::extent image, std::function<void(std::span<const float>)> use) {
+                       tactnet::extent2d image, std::function<void(std::span<const float>)> use) {
     const feature_finder finder{trunk, form, image, tactnet::torchvision_photograph};
     return [finder, network = std::shared_ptr(trunk->seeded()), use = std::move(use),
             images = std::vector<std::uint8_t>(), found = std::vector<float>()](std::size_t frames) mutable {
@@ -262,7 +262,7 @@ tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_feat
 }
 
 std::shared_ptr<const trunk_features> stored_features(std::shared_ptr<const compiled_trunk> trunk,
-                                                      trunk_features_form form, tactnet::extent image,
+                                                      trunk_features_form form, tactnet::extent2d image,
                                                       const weight_file& file) {
     if (!file.trunk)
         throw tactnet::file_error(file.arrays.file(), "",

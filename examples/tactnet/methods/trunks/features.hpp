@@ -28,7 +28,7 @@
 struct feature_finder {
     std::shared_ptr<const compiled_trunk> trunk;
     trunk_features_form form;
-    tactnet::extent image;
+    tactnet::extent2d image;
     tactnet::photograph_form photograph;
 
     /// Numbers of one image.
@@ -47,7 +47,7 @@ class trunk_features final : public pretrained_weights {
 public:
     /// Throws tactnet::file_error unless the file has the arrays of the trunk, their names behind `prefix`.
     trunk_features(std::shared_ptr<const compiled_trunk> trunk, trunk_features_form form,
-                   tactnet::extent image, std::shared_ptr<tactnet::safetensors_source> file,
+                   tactnet::extent2d image, std::shared_ptr<tactnet::safetensors_source> file,
                    std::string prefix);
 
     bool prepare(const image_data& data, const feature_place& place, tactnet::thread_pool& threads) override;
@@ -88,7 +88,7 @@ pretrained_file pretrained_file_of(const compiled_trunk& trunk);
 
 /// That file, opened. Throws tactnet::file_error.
 std::shared_ptr<pretrained_weights> open_trunk(std::shared_ptr<const compiled_trunk> trunk,
-                                               trunk_features_form form, tactnet::extent image,
+                                               trunk_features_form form, tactnet::extent2d image,
                                                const std::filesystem::path& path);
 
 /// What open_trunk gave, which methods keep as pretrained weights of any kind.
@@ -101,7 +101,7 @@ inline constexpr double feature_rounding = 0.02;
 /// Frames on their way through a trunk with weights by chance, and what is behind it: use(features) for the
 /// rows of all frames of a call.
 frame_work work_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
-                       tactnet::extent image, std::function<void(std::span<const float>)> use);
+                       tactnet::extent2d image, std::function<void(std::span<const float>)> use);
 
 /// How features of a trunk are computed. A weight file says the same, or it is for others.
 tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form);
@@ -109,5 +109,5 @@ tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_feat
 /// Those of the trunk in the weight file of a method behind it. Throws tactnet::file_error where there is
 /// none.
 std::shared_ptr<const trunk_features> stored_features(std::shared_ptr<const compiled_trunk> trunk,
-                                                      trunk_features_form form, tactnet::extent image,
+                                                      trunk_features_form form, tactnet::extent2d image,
                                                       const weight_file& file);

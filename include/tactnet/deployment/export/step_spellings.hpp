@@ -16,7 +16,7 @@ inline namespace TACTNET_ARCH {
 namespace detail {
 
 /// For people.
-[[nodiscard]] inline std::string by(const extent& e) {
+[[nodiscard]] inline std::string by(const extent2d& e) {
     return std::to_string(e.rows) + " × " + std::to_string(e.columns);
 }
 template <class Format>
@@ -88,13 +88,13 @@ template <class Format>
 }
 [[nodiscard]] inline std::string description_of(const kernels::frame_convolution& c) {
     std::string what = "Convolution " + by(c.window.kernel);
-    if (c.window.stride != extent(1))
+    if (c.window.stride != extent2d(1))
         what += " by steps of " + by(c.window.stride);
     if (c.adds)
         what += ", sum with the other branch";
     if (c.groups > 1)
         what += " in " + std::to_string(c.groups) + " groups";
-    if (c.pool != extent(1))
+    if (c.pool != extent2d(1))
         what += ", max pool " + by(c.pool);
     if (c.rectified)
         what += ", ReLU";

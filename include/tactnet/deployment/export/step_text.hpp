@@ -79,7 +79,7 @@ private:
     return "tactnet::shape{.rows = " + std::to_string(s.rows) + ", .columns = " + std::to_string(s.columns) +
            ", .channels = " + std::to_string(s.channels) + "}";
 }
-[[nodiscard]] inline std::string text_of(const extent& e) {
+[[nodiscard]] inline std::string text_of(const extent2d& e) {
     std::string text = "{"; // appended: GCC 12 warns of a sum that begins with so short a literal
     text += std::to_string(e.rows) + ", " + std::to_string(e.columns) + "}";
     return text;

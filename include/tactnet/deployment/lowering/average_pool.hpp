@@ -14,12 +14,12 @@ struct lowered_average_pool
     using as_output = lowered_average_pool<typename Place::as_output>;
 };
 
-template <extent Window, extent Stride, padding Padding, average_over Over>
+template <extent2d Window, extent2d Stride, padding Padding, average_over Over>
 struct lowering<average_pool<Window, Stride, Padding, Over>> {
     template <class Place>
     using at = lowered_average_pool<Place>;
 };
-template <extent Output>
+template <extent2d Output>
 struct lowering<adaptive_average_pool<Output>> {
     template <class Place>
     using at = lowered_average_pool<Place>;

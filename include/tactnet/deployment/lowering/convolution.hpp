@@ -19,7 +19,7 @@ struct no_norm {
 
 /// What a convolution has taken up of the layers behind it.
 struct convolution_epilogue {
-    extent pool = 1; ///< window and stride of a max pool
+    extent2d pool = 1; ///< window and stride of a max pool
     std::size_t pooled_rows = 0, pooled_columns = 0;
     bool rectified = false, adds = false;
     std::size_t map_stride = 0, map_offset = 0; ///< of a wider map that takes the output
@@ -116,7 +116,7 @@ private:
     }
 };
 
-template <std::size_t Filters, extent Kernel, extent Stride, padding Padding, conv2d_options Options>
+template <std::size_t Filters, extent2d Kernel, extent2d Stride, padding Padding, conv2d_options Options>
 struct lowering<conv2d<Filters, Kernel, Stride, Padding, Options>> {
     template <class Place>
     using at = lowered_convolution<Place>;

@@ -7,7 +7,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-template <extent Window, extent Stride, padding Padding>
+template <extent2d Window, extent2d Stride, padding Padding>
 struct lowering<max_pool<Window, Stride, Padding>> {
     template <class Place>
     static constexpr sliding_window maximum = Place::layer::window;

@@ -54,10 +54,10 @@ public:
     /// Pixels that share a vector, where taps are added to few filters.
     static constexpr std::size_t pixels_of_vector = !large && pixels::suits ? pixels::pixels : 1;
     /// Rows and columns of outputs that make a tile, where tiles take fewer operations than taps; else 0.
-    static constexpr extent tile_outputs = large                  ? extent(large_plan.tiles.outputs)
-                                           : pixels_of_vector > 1 ? extent(0)
-                                                                  : kernels::best_tile(part);
-    static constexpr bool tiled = tile_outputs != extent(0);
+    static constexpr extent2d tile_outputs = large                  ? extent2d(large_plan.tiles.outputs)
+                                             : pixels_of_vector > 1 ? extent2d(0)
+                                                                    : kernels::best_tile(part);
+    static constexpr bool tiled = tile_outputs != extent2d(0);
     static constexpr std::size_t packed_weights = [] {
         if constexpr (large)
             return whole_lines(large_plan.weights());
@@ -172,7 +172,7 @@ private:
     /// Counted over all groups; zero for a channel of another group than the filter's.
     static constexpr float weight_of(const float* from, std::size_t filter, std::size_t channel,
                                      std::size_t row, std::size_t column) {
-        constexpr extent k = Kernel.window.kernel;
+        constexpr extent2d k = Kernel.window.kernel;
         constexpr std::size_t channels = Kernel.window.input.channels / Kernel.groups;
         if constexpr (Kernel.groups > 1) {
             const std::size_t first = filter / (Kernel.filters / Kernel.groups) * channels;

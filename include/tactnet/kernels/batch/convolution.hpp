@@ -22,9 +22,9 @@ namespace kernels {
 struct batch_convolution {
     shape input;
     shape output;
-    extent kernel;
-    extent stride;
-    extent spacing;
+    extent2d kernel;
+    extent2d stride;
+    extent2d spacing;
     std::ptrdiff_t top;
     std::ptrdiff_t left;
 

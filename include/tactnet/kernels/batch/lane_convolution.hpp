@@ -13,8 +13,8 @@ namespace kernels {
 /// A convolution of one group of samples in the way that takes least: by tiles, or tap by tap.
 template <batch_convolution C, class T>
 struct lane_convolution {
-    static constexpr extent tile = best_group_tile(C); ///< 0: by taps
-    static constexpr bool tiled = tile != extent(0);   ///< whether by tiles
+    static constexpr extent2d tile = best_group_tile(C); ///< 0: by taps
+    static constexpr bool tiled = tile != extent2d(0);   ///< whether by tiles
     /// Elements of the packed weights.
     static constexpr std::size_t weights = [] {
         if constexpr (tiled)

@@ -21,19 +21,19 @@ class weight_gradient {
 
 public:
     /// Outputs of a tile; 0: by taps.
-    static constexpr extent tile = [] {
+    static constexpr extent2d tile = [] {
         constexpr std::size_t rows = across_channels::fits ? across_channels::tile_rows
                                                            : across_samples::tile_rows,
                               bands = (W.output_rows() + rows - 1) / rows;
         if (!group_tile_possible(ahead, 2))
-            return extent(0);
+            return extent2d(0);
         // Here sums that go to their totals are counted as one and a half: they lie apart.
         return cheapest_group_tile(
             cost_by_taps(ahead) + bands * weights * 3,
-            [](extent outputs) { return tiled_gradient_possible<T>(ahead, outputs); },
-            [](extent outputs) { return gradient_cost_by_tiles<T>(ahead, outputs); });
+            [](extent2d outputs) { return tiled_gradient_possible<T>(ahead, outputs); },
+            [](extent2d outputs) { return gradient_cost_by_tiles<T>(ahead, outputs); });
     }();
-    static constexpr bool tiled = tile != extent(0); ///< whether by tiles
+    static constexpr bool tiled = tile != extent2d(0); ///< whether by tiles
 
 private:
     // The plan of the way that is taken.

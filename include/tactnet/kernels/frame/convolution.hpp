@@ -18,7 +18,7 @@ struct frame_convolution {
     sliding_window window;
     std::size_t filters;
     std::size_t input_stride; ///< elements from one pixel of the input to the next
-    extent pool = 1;          ///< window and stride of the max pool behind, without padding before the image
+    extent2d pool = 1;        ///< window and stride of the max pool behind, without padding before the image
     std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if a pool cuts or completes windows
     bool rectified = false;
     bool adds = false;          ///< to the map that the output takes the place of

@@ -30,7 +30,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
                                                     const float* bias, float* output, frame_block where) {
     using wide = sized_vector<float, C.width()>;
     constexpr std::size_t width = C.width(), step = C.window.stride.columns;
-    constexpr extent kernel = C.window.kernel;
+    constexpr extent2d kernel = C.window.kernel;
     constexpr std::size_t under_rows = (Rows - 1) * C.window.stride.rows + kernel.rows;
     constexpr std::size_t under_columns = (Columns - 1) * step + kernel.columns;
     constexpr auto stride = static_cast<std::ptrdiff_t>(C.input_stride);
@@ -176,7 +176,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
 /// `alignment`, as is the output. With `adds`, the output holds the other term before.
 template <frame_convolution C>
 void convolve_frame(const float* input, const float* weights, const float* bias, float* output) {
-    static_assert(!C.adds || C.pool == extent(1), "convolve_frame: a sum is not pooled");
+    static_assert(!C.adds || C.pool == extent2d(1), "convolve_frame: a sum is not pooled");
     static_assert(C.groups == 1 && C.fits_map(), "convolve_frame: the output does not fit its map");
     blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first = first_vector * C.width();

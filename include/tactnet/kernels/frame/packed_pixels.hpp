@@ -27,7 +27,7 @@ struct packed_pixels {
     /// Whether several pixels fit a vector, and nothing is asked that this kernel does not do.
     static constexpr bool suits =
         pixels > 1 &&
-        C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent(1) &&
+        C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent2d(1) &&
         !C.adds && C.map_stride == 0 && pixels % C.pool.columns == 0 && C.columns() >= pixels;
 
     static constexpr std::size_t vectors = (C.columns() + pixels - 1) / pixels; ///< of a row of outputs
@@ -90,7 +90,7 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::under_row
     using plan = packed_pixels<C>;
     using narrow = sized_vector<float, plan::width>;
     constexpr std::size_t width = plan::width, pixels = plan::pixels;
-    constexpr extent kernel = C.window.kernel;
+    constexpr extent2d kernel = C.window.kernel;
     constexpr std::size_t under_rows = Rows - 1 + kernel.rows;
     constexpr std::size_t under_columns = (Vectors - 1) * pixels + kernel.columns;
 

@@ -16,11 +16,11 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// Rows and columns of an input tile, and of the transformed kernel, for a tile of so many outputs.
-[[nodiscard]] constexpr extent tile_side(const frame_convolution& c, extent outputs) {
+[[nodiscard]] constexpr extent2d tile_side(const frame_convolution& c, extent2d outputs) {
     return {outputs.rows + c.window.kernel.rows - 1, outputs.columns + c.window.kernel.columns - 1};
 }
 /// Tiles that cover the outputs.
-[[nodiscard]] constexpr std::size_t tile_count(const frame_convolution& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t tile_count(const frame_convolution& c, extent2d outputs) {
     return (c.rows() + outputs.rows - 1) / outputs.rows *
            ((c.columns() + outputs.columns - 1) / outputs.columns);
 }
@@ -37,14 +37,15 @@ namespace kernels {
 
 /// Whether there are lines for such a tile (simd/tile_lines.hpp), it holds whole windows of the pool, and the
 /// input lies in whole vectors.
-[[nodiscard]] constexpr bool tile_possible(const frame_convolution& c, extent outputs) {
+[[nodiscard]] constexpr bool tile_possible(const frame_convolution& c, extent2d outputs) {
     const std::size_t channels = c.window.input.channels, width = lanes_for<float>(channels);
-    const extent side = tile_side(c, outputs);
-    return (c.window.kernel == extent(3) || c.window.kernel == extent(2)) && c.window.stride == extent(1) &&
-           (c.pool == extent(1) || c.pool == extent(2)) && outputs.rows % c.pool.rows == 0 &&
-           outputs.columns % c.pool.columns == 0 && std::min(outputs.rows, outputs.columns) >= 2 &&
-           std::max(side.rows, side.columns) <= 6 && c.input_stride % width == 0 &&
-           c.input_stride >= (channels + width - 1) / width * width && c.input_offset_multiple % width == 0;
+    const extent2d side = tile_side(c, outputs);
+    return (c.window.kernel == extent2d(3) || c.window.kernel == extent2d(2)) &&
+           c.window.stride == extent2d(1) && (c.pool == extent2d(1) || c.pool == extent2d(2)) &&
+           outputs.rows % c.pool.rows == 0 && outputs.columns % c.pool.columns == 0 &&
+           std::min(outputs.rows, outputs.columns) >= 2 && std::max(side.rows, side.columns) <= 6 &&
+           c.input_stride % width == 0 && c.input_stride >= (channels + width - 1) / width * width &&
+           c.input_offset_multiple % width == 0;
 }
 
 /// What tiles are counted at, in twentieths of a product of a vector.
@@ -63,25 +64,25 @@ struct tile_costs {
     /// Transforms, for each vector of an input tile. Wide vectors hide them behind the products, but for one
     /// operation, and more with each direction that has points at roots; else each load, addition and store
     /// counts.
-    static constexpr std::size_t input(extent side) { return wide ? hidden(side) : 80; }
+    static constexpr std::size_t input(extent2d side) { return wide ? hidden(side) : 80; }
     /// The same for products.
-    static constexpr std::size_t output(extent side) { return wide ? hidden(side) : 60; }
+    static constexpr std::size_t output(extent2d side) { return wide ? hidden(side) : 60; }
     /// What a tile must be cheaper than to take the place of a smaller one or of taps, since it has more
     /// weights and larger errors: by a twentieth of its own cost.
     static constexpr std::size_t to_replace(std::size_t cost) { return cost * 20 / 21; }
 
 private:
-    static constexpr std::size_t hidden(extent side) {
+    static constexpr std::size_t hidden(extent2d side) {
         const int with_roots = (side.rows > 4 ? 1 : 0) + (side.columns > 4 ? 1 : 0);
         return with_roots == 0 ? 20 : with_roots == 1 ? 30 : 50;
     }
 };
 
 /// What a convolution costs by such tiles.
-[[nodiscard]] constexpr std::size_t cost_by_tiles(const frame_convolution& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t cost_by_tiles(const frame_convolution& c, extent2d outputs) {
     const std::size_t channels = c.window.input.channels, input_lanes = lanes_for<float>(channels),
                       input_vectors = (channels + input_lanes - 1) / input_lanes;
-    const extent side = tile_side(c, outputs);
+    const extent2d side = tile_side(c, outputs);
     const std::size_t elements = side.area(), count = tile_count(c, outputs);
     const bool far = elements * channels * c.padded_filters() * sizeof(float) > tile_costs::most_near_bytes;
     const std::size_t of_channel =
@@ -92,9 +93,9 @@ private:
 }
 
 /// Rows and columns of the outputs of a tile; 0 where taps one by one take fewer operations.
-[[nodiscard]] constexpr extent best_tile(const frame_convolution& c) {
+[[nodiscard]] constexpr extent2d best_tile(const frame_convolution& c) {
     // Register blocks of few sums wait for the weights, unless four tiles share each of these.
-    const auto fills_block = [&](extent outputs) {
+    const auto fills_block = [&](extent2d outputs) {
         const std::size_t count = tile_count(c, outputs), vectors = tile_block_vectors(c, count),
                           tiles = tiles_of_block(count, vectors);
         return tiles >= 4 || tiles * vectors >= 8;
@@ -104,12 +105,12 @@ private:
     const std::size_t by_taps =
         c.window.taps_on_pixels() * c.window.input.channels * c.vectors() * tile_costs::tap;
     const std::size_t by_2 = cost_by_tiles(c, 2);
-    extent best = by_2 < tile_costs::to_replace(by_taps) ? 2 : 0;
+    extent2d best = by_2 < tile_costs::to_replace(by_taps) ? 2 : 0;
     // Narrow vectors spend on transforms what larger tiles save.
     std::size_t least = tile_costs::to_replace(std::min(by_2, by_taps));
     for (std::size_t rows = 2; tile_costs::wide && rows <= 5; ++rows)
         for (std::size_t columns = 2; columns <= 5; ++columns) {
-            const extent outputs(rows, columns);
+            const extent2d outputs(rows, columns);
             if (!tile_possible(c, outputs) || !fills_block(outputs) || cost_by_tiles(c, outputs) >= least)
                 continue;
             best = outputs;

@@ -17,7 +17,7 @@ namespace kernels {
 
 /// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); what lies outside the image
 /// is zero. Frames lie `distance` elements apart.
-template <frame_convolution C, extent Outputs, std::size_t Frames>
+template <frame_convolution C, extent2d Outputs, std::size_t Frames>
 [[gnu::flatten, gnu::noinline]] void transform_winograd_input(const float* input, std::size_t distance,
                                                               float* transformed, std::size_t first,
                                                               std::size_t last) {
@@ -58,7 +58,7 @@ template <frame_convolution C, extent Outputs, std::size_t Frames>
 }
 
 /// products[tile][filter] of one element and `Tiles` tiles: a matrix product over the channels.
-template <frame_convolution C, extent Outputs, std::size_t Vectors, std::size_t Tiles>
+template <frame_convolution C, extent2d Outputs, std::size_t Vectors, std::size_t Tiles>
 [[gnu::flatten, gnu::noinline]] void multiply_winograd_tiles(const float* input, const float* weights,
                                                              float* products) {
     using tiles = winograd_tiles<C, Outputs>;
@@ -87,7 +87,7 @@ template <frame_convolution C, extent Outputs, std::size_t Vectors, std::size_t 
 
 /// Outputs of the tiles [first, last): Aᵀ m A, bias, the other term of a sum, max pool, ReLU. Frames lie
 /// `distance` elements apart.
-template <frame_convolution C, extent Outputs, std::size_t Frames, std::size_t Vectors>
+template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t Vectors>
 [[gnu::flatten, gnu::noinline]] void transform_winograd_output(const float* products, const float* bias,
                                                                float* output, std::size_t distance,
                                                                std::size_t first, std::size_t last) {
@@ -160,10 +160,10 @@ template <frame_convolution C, extent Outputs, std::size_t Frames, std::size_t V
 /// output = the fused step for so many frames, as convolve_frame for each; inputs and outputs of frames lie
 /// so many elements apart. `scratch` holds winograd_tiles<C, Outputs, Frames>::scratch elements. The bits of
 /// a frame do not depend on those beside it.
-template <frame_convolution C, extent Outputs = best_tile(C), std::size_t Frames = 1>
+template <frame_convolution C, extent2d Outputs = best_tile(C), std::size_t Frames = 1>
 void convolve_frames_by_tiles(const float* input, std::size_t input_distance, const float* weights,
                               const float* bias, float* output, std::size_t output_distance, float* scratch) {
-    static_assert(!C.adds || C.pool == extent(1), "convolve_frames_by_tiles: a sum is not pooled");
+    static_assert(!C.adds || C.pool == extent2d(1), "convolve_frames_by_tiles: a sum is not pooled");
     static_assert(C.groups == 1 && C.fits_map(), "convolve_frames_by_tiles: the output does not fit its map");
     using tiles = winograd_tiles<C, Outputs, Frames>;
     float* const products = scratch + tiles::transformed_input;
@@ -186,7 +186,7 @@ void convolve_frames_by_tiles(const float* input, std::size_t input_distance, co
     });
 }
 /// The same for one frame.
-template <frame_convolution C, extent Outputs = best_tile(C)>
+template <frame_convolution C, extent2d Outputs = best_tile(C)>
 void convolve_frame_by_tiles(const float* input, const float* weights, const float* bias, float* output,
                              float* scratch) {
     convolve_frames_by_tiles<C, Outputs>(input, 0, weights, bias, output, 0, scratch);

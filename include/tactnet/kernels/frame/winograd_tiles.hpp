@@ -22,14 +22,14 @@ namespace kernels {
 
 /// How a convolution is cut into tiles of so many rows and columns of outputs, those of several frames in one
 /// list. Nothing of the packed kernels depends on the number of frames.
-template <frame_convolution C, extent Outputs = best_tile(C), std::size_t Frames = 1>
+template <frame_convolution C, extent2d Outputs = best_tile(C), std::size_t Frames = 1>
 struct winograd_tiles {
     static_assert(
         tile_possible(C, Outputs),
         "winograd_tiles: this convolution has no such tile; best_tile gives 0 where taps take fewer "
         "operations");
     /// Rows and columns of an input tile, and of the transformed kernel.
-    static constexpr extent side = tile_side(C, Outputs);
+    static constexpr extent2d side = tile_side(C, Outputs);
     static constexpr std::size_t elements = side.area(); ///< of an input tile
     static constexpr std::size_t columns = (C.columns() + Outputs.columns - 1) / Outputs.columns;
     static constexpr std::size_t of_frame = tile_count(C, Outputs); ///< tiles of one
@@ -69,17 +69,17 @@ struct winograd_tiles {
 /// Frames whose tiles make one list, where there are so many frames: few tiles are done before their kernels
 /// have come, which more of them share. Not where all that is transformed would leave the nearest levels:
 /// with an eighth of the second one list was faster, with more it was slower (Zen 4).
-template <frame_convolution C, extent Outputs = best_tile(C)>
+template <frame_convolution C, extent2d Outputs = best_tile(C)>
 inline constexpr std::size_t
     frames_by_tiles = winograd_tiles<C, Outputs, 4>::scratch * sizeof(float) <= l2_cache_bytes / 8 ? 4 : 1;
 
 /// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then [element][channel]
 /// [filter of the block]. `weight(filter, channel, row, column)`.
-template <frame_convolution C, extent Outputs = best_tile(C), class Weight>
+template <frame_convolution C, extent2d Outputs = best_tile(C), class Weight>
 constexpr void pack_winograd_weights(float* packed, Weight&& weight) {
     using tiles = winograd_tiles<C, Outputs>;
     constexpr std::size_t kernel = C.window.kernel.rows, channels = tiles::channels;
-    constexpr extent side = tiles::side;
+    constexpr extent2d side = tiles::side;
     for (std::size_t first = 0; first < C.padded_filters(); first += tiles::block_stride) {
         const std::size_t count = std::min(tiles::block_stride, C.padded_filters() - first);
         for (std::size_t channel = 0; channel < channels; ++channel)

@@ -184,7 +184,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
 #pragma GCC unroll 64
             for (std::size_t i = 0; i < 4; ++i)
                 y[i] = (y[i] >> tiles::excess) + start;
-            if constexpr (C.pool == extent(2)) {
+            if constexpr (C.pool == extent2d(2)) {
                 const auto larger = [](const sum& a, const sum& b) { return a > b ? a : b; };
                 sum largest = y[0];
                 if (right)

@@ -76,9 +76,9 @@ struct integer_tiles {
         elements * groups * group * C.padded_filters() * sizeof(std::int16_t);
 
     /// Beyond a thousand channels sums might pass 31 bits.
-    static constexpr bool possible = (C.window.kernel == extent(3) || C.window.kernel == extent(2)) &&
-                                     C.window.stride == extent(1) &&
-                                     (C.pool == extent(1) || C.pool == extent(2)) && C.groups == 1 &&
+    static constexpr bool possible = (C.window.kernel == extent2d(3) || C.window.kernel == extent2d(2)) &&
+                                     C.window.stride == extent2d(1) &&
+                                     (C.pool == extent2d(1) || C.pool == extent2d(2)) && C.groups == 1 &&
                                      input_width % group == 0 && C.window.input.channels <= 1024;
     /// Whether fewer operations are needed than with taps. A product counts twice, since its sum is another
     /// operation; transforms count with their loads and stores.

@@ -32,7 +32,7 @@ class even_stencil {
 public:
     /// `weight(rows, columns)`; a radius beyond the map is cut.
     template <class Weight>
-    even_stencil(extent radius, const Weight& weight)
+    even_stencil(extent2d radius, const Weight& weight)
         : radius_(std::min(radius.rows, Shape.rows - 1), std::min(radius.columns, Shape.columns - 1)),
           rows_(Shape.rows * row_size, 0.0f),
           pair_(row_size, 0.0f) {
@@ -97,7 +97,7 @@ private:
         }
     }
 
-    extent radius_;
+    extent2d radius_;
     aligned_vector<float> rows_, pair_, weights_;
 };
 

@@ -45,10 +45,10 @@ struct panel_plan {
                             reach(w.output_rows(), w.stride.rows, w.kernel.rows) > w.input.rows ||
                             reach(w.output_columns(), w.stride.columns, w.kernel.columns) > w.input.columns;
         if (!padded && convolution.input_stride == w.input.channels &&
-            w.kernel == extent(w.input.rows, w.input.columns)) {
+            w.kernel == extent2d(w.input.rows, w.input.columns)) {
             w = {{1, 1, w.input.size()}, 1, 1};
             convolution.input_stride = w.input.channels;
-        } else if (!padded && w.kernel == extent(1) && w.stride == extent(1)) {
+        } else if (!padded && w.kernel == extent2d(1) && w.stride == extent2d(1)) {
             w = {{1, w.input.area(), w.input.channels}, 1, 1};
         }
         const bool one_pixel = w.input.area() == 1;
@@ -72,11 +72,11 @@ struct panel_plan {
     }
     /// Whether the image is one row of pixels without a neighbourhood, so that several make a longer one.
     [[nodiscard]] constexpr bool flat() const {
-        return convolution.window.kernel == extent(1) && convolution.window.input.rows == 1 &&
-               convolution.window.stride == extent(1);
+        return convolution.window.kernel == extent2d(1) && convolution.window.input.rows == 1 &&
+               convolution.window.stride == extent2d(1);
     }
     /// Pixels of the input under a band.
-    [[nodiscard]] constexpr extent under(std::size_t rows, std::size_t columns) const {
+    [[nodiscard]] constexpr extent2d under(std::size_t rows, std::size_t columns) const {
         const sliding_window& w = convolution.window;
         return {(rows - 1) * w.stride.rows + w.kernel.rows,
                 (columns - 1) * w.stride.columns + w.kernel.columns};
@@ -96,7 +96,7 @@ struct panel_plan {
     /// body(part) for all of them in order.
     template <class Body>
     constexpr void for_each_part(Body&& body) const {
-        const extent kernel = convolution.window.kernel;
+        const extent2d kernel = convolution.window.kernel;
         const std::size_t rows = joined ? 1 : kernel.rows, lines = joined ? kernel.rows : kernel.columns;
         std::size_t first = 0;
         for (std::size_t row = 0; row < rows; ++row)
@@ -163,7 +163,7 @@ inline void convolve_panels(const panel_plan& plan, const panel_share& share, co
             const float* from = input + (top * w.input.columns + left) * c.input_stride;
             std::size_t row_distance = w.input.columns * c.input_stride;
             if (plan.staged) {
-                const extent size = plan.under(rows, columns);
+                const extent2d size = plan.under(rows, columns);
                 stage_map(w, c.input_stride, input, top, left, size, plan.stride, memory);
                 from = memory, row_distance = size.columns * plan.stride;
             }

@@ -43,7 +43,7 @@ struct large_convolution {
     [[nodiscard]] static constexpr bool fits(const frame_convolution& c) {
         return c.groups == 1 && c.fits_map() && c.width() == lanes<float> &&
                c.output_stride() % lanes<float> == 0 &&
-               (c.pool == extent(1) ? c.pooled_rows == 0 : tile_plan(c).outputs > 0);
+               (c.pool == extent2d(1) ? c.pooled_rows == 0 : tile_plan(c).outputs > 0);
     }
     [[nodiscard]] constexpr bool tiled() const { return tiles.outputs > 0; }
     [[nodiscard]] constexpr std::size_t weights() const {

@@ -37,7 +37,7 @@ inline void copy_line(const float* from, float* to, std::size_t count) {
 /// `size` pixels from `top` and `left` on, counted with the padding, which is zero. Pixels of the map are
 /// `input_stride` elements apart, those of the copy `stride`, without gaps between its rows.
 inline void stage_map(const sliding_window& w, std::size_t input_stride, const float* input, std::size_t top,
-                      std::size_t left, extent size, std::size_t stride, float* to) {
+                      std::size_t left, extent2d size, std::size_t stride, float* to) {
     const std::size_t channels = w.input.channels;
     const auto kept = [](std::size_t at, std::size_t before, std::size_t first, std::size_t count) {
         return at > before + first ? std::min(at - before - first, count) : 0;

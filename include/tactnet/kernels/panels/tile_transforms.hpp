@@ -37,7 +37,7 @@ template <std::size_t Outputs>
 struct tile_outputs {
     float* output;
     std::size_t row_distance, pixel_distance; ///< elements
-    extent size;                              ///< outputs that are in the image, before a pool
+    extent2d size;                            ///< outputs that are in the image, before a pool
     bool adds, rectified;
     bool pooled; ///< by a max pool of 2 × 2
 };

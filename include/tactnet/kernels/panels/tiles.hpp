@@ -29,8 +29,8 @@ struct tile_plan {
 
     constexpr explicit tile_plan(const frame_convolution& c) : convolution(c), outputs(0) {
         const bool possible =
-            c.window.kernel == extent(3) && c.window.stride == extent(1) &&
-            (c.pool == extent(1) || c.pool == extent(2)) && c.window.input.channels % lanes<float> == 0 &&
+            c.window.kernel == extent2d(3) && c.window.stride == extent2d(1) &&
+            (c.pool == extent2d(1) || c.pool == extent2d(2)) && c.window.input.channels % lanes<float> == 0 &&
             c.input_stride % lanes<float> == 0 && c.input_offset_multiple % lanes<float> == 0;
         if (!possible)
             return;
@@ -153,7 +153,7 @@ void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share
     const sliding_window& w = c.window;
     const std::size_t channels = plan.channels(), filters = c.padded_filters();
     const filter_panels panels(filters);
-    const bool pooled = c.pool == extent(2);
+    const bool pooled = c.pool == extent2d(2);
     float* const transformed = memory + plan.patch();
     const std::size_t input_distance = band * plan.tile_stride(),
                       product_distance = band * plan.product_stride();

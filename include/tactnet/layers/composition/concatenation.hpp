@@ -132,13 +132,13 @@ struct concatenation {
                         learnable(list[p].what) ? positions[i].parameters : positions[i].statistics;
             });
         }
-        static void prepare(const pass& p, const T* values, const T* running, memory& m) {
+        static void prepare(const execution_context& p, const T* values, const T* running, memory& m) {
             kernels::unroll<size>([&](auto i) {
                 at<i>::prepare(p, values + positions[i].parameters, running + positions[i].statistics,
                                detail::get<i>(m.inner));
             });
         }
-        static void infer(const pass& p, const T* values, const T* running, memory& m,
+        static void infer(const execution_context& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             kernels::unroll<size>([&](auto i) {
                 const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
@@ -147,8 +147,8 @@ struct concatenation {
                 copy<at<i>::output, true>(p, own.data(), out.data(), in.lane_blocks(), positions[i].channels);
             });
         }
-        static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
+        static void forward(const execution_context& p, const T* values, T* running, memory& m,
+                            input_view<T, Input> in, output_view<T, output> out) {
             kernels::unroll<size>([&](auto i) {
                 const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
                 at<i>::forward(at_depth(p, i), values + positions[i].parameters,
@@ -156,7 +156,7 @@ struct concatenation {
                 copy<at<i>::output, true>(p, own.data(), out.data(), in.lane_blocks(), positions[i].channels);
             });
         }
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
             grow(m.in_gradient, in.lane_blocks() * in.lane_block_size);
@@ -191,15 +191,15 @@ struct concatenation {
             if (elements.size() < count)
                 elements.resize(count);
         }
-        static pass at_depth(const pass& p, std::size_t index) {
-            pass inner = p;
+        static execution_context at_depth(const execution_context& p, std::size_t index) {
+            execution_context inner = p;
             inner.depth = p.depth * 64 + static_cast<std::uint32_t>(index) + 1;
             return inner;
         }
         /// Between the map of a branch and its channels of the whole map, which comes last.
         template <shape Branch, bool ToWhole, class BranchElement, class WholeElement>
-        static void copy(const pass& p, BranchElement* branch, WholeElement* whole, std::size_t groups,
-                         std::size_t first_channel) {
+        static void copy(const execution_context& p, BranchElement* branch, WholeElement* whole,
+                         std::size_t groups, std::size_t first_channel) {
             p.threads.for_each(groups, [&](std::size_t g) {
                 constexpr std::size_t count = Branch.size() * kernels::lanes<T>;
                 WholeElement* const place =

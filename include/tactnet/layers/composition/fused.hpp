@@ -30,7 +30,7 @@ struct fused_list<sequence<Done...>, Spec, Rest...>
 template <class... Done, class... Rest>
 struct fused_list<sequence<Done...>, batch_norm, relu, Rest...>
     : fused_list<sequence<Done..., norm_relu_pool<1>>, Rest...> {};
-template <class... Done, extent Window, extent Stride, padding Padding, class... Rest>
+template <class... Done, extent2d Window, extent2d Stride, padding Padding, class... Rest>
 struct fused_list<sequence<Done...>, batch_norm, relu, max_pool<Window, Stride, Padding>, Rest...>
     : fused_list<sequence<Done..., norm_relu_pool<Window, Stride, Padding>>, Rest...> {};
 

@@ -11,7 +11,7 @@ inline namespace TACTNET_ARCH {
 /// window of one pixel stands for no pooling. Lists are written with the three: `fused` joins them. Of
 /// different elements of a window that the norm rounds to the same number, the gradient goes to the largest
 /// of them and not to the first.
-template <extent Window, extent Stride = Window, padding Padding = same>
+template <extent2d Window, extent2d Stride = Window, padding Padding = padding::same>
 struct norm_relu_pool {
     static constexpr std::string_view name = batch_norm::name;
     static constexpr bool numbered = batch_norm::numbered;
@@ -45,11 +45,11 @@ struct norm_relu_pool {
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             norm::describe(prefix, list);
         }
-        static void prepare(const pass&, const T* values, const T*, memory& m) {
+        static void prepare(const execution_context&, const T* values, const T*, memory& m) {
             for (std::size_t c = 0; c < Input.channels; ++c)
                 m.sign[c] = static_cast<T>((values[c] > T{}) - (values[c] < T{}));
         }
-        static void infer(const pass& p, const T* values, const T* running, memory& m,
+        static void infer(const execution_context& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             norm::use_running(p, running, m);
             each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
@@ -60,7 +60,7 @@ struct norm_relu_pool {
 
         /// Windows choose here, while the map is still in the caches: of a large batch it is in memory when
         /// the moments are known.
-        static void observe_forward(const pass& p, memory& m, input_view<T, Input> in) {
+        static void observe_forward(const execution_context& p, memory& m, input_view<T, Input> in) {
             each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
                 norm::observe_input(m, in, p.first_group, g, c);
                 if constexpr (pools)
@@ -68,18 +68,18 @@ struct norm_relu_pool {
                                                      chosen_by(p, m, g, c));
             });
         }
-        static void begin_forward(const pass& p, T* running, memory& m, std::size_t samples) {
+        static void begin_forward(const execution_context& p, T* running, memory& m, std::size_t samples) {
             norm::begin_forward(p, running, m, samples);
         }
-        static void forward(const pass& p, const T* values, T*, memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
+        static void forward(const execution_context& p, const T* values, T*, memory& m,
+                            input_view<T, Input> in, output_view<T, output> out) {
             each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
                 kernels::normalise_and_rectify(norm::rule(values, m, c), inputs_behind(p, m, in, g, c),
                                                out.lane_block(g) + c * pooled, pooled);
             });
         }
 
-        static void observe_backward(const pass& p, memory& m, input_view<T, Input> in,
+        static void observe_backward(const execution_context& p, memory& m, input_view<T, Input> in,
                                      input_view<T, output> out, input_view<T, output> out_gradient) {
             const kernels::vector<T> zero(T{});
             each_channel(p, in.lane_blocks(), [&](std::size_t g, std::size_t c) {
@@ -92,10 +92,11 @@ struct norm_relu_pool {
                 });
             });
         }
-        static void begin_backward(const pass& p, const T* values, memory& m, std::size_t samples) {
+        static void begin_backward(const execution_context& p, const T* values, memory& m,
+                                   std::size_t samples) {
             norm::begin_backward(p, values, m, samples);
         }
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
@@ -117,18 +118,18 @@ struct norm_relu_pool {
 
         /// body(group, channel)
         template <class Body>
-        static void each_channel(const pass& p, std::size_t groups, const Body& body) {
+        static void each_channel(const execution_context& p, std::size_t groups, const Body& body) {
             p.threads.for_each(groups, [&](std::size_t g) {
                 for (std::size_t c = 0; c < Input.channels; ++c)
                     body(g, c);
             });
         }
-        static T* chosen_by(const pass& p, memory& m, std::size_t g, std::size_t c) {
+        static T* chosen_by(const execution_context& p, memory& m, std::size_t g, std::size_t c) {
             return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
         }
         /// Of each output of a channel the input that it was made of.
-        static const T* inputs_behind(const pass& p, const memory& m, input_view<T, Input> in, std::size_t g,
-                                      std::size_t c) {
+        static const T* inputs_behind(const execution_context& p, const memory& m, input_view<T, Input> in,
+                                      std::size_t g, std::size_t c) {
             if constexpr (pools)
                 return m.chosen.data() + ((p.first_group + g) * Input.channels + c) * pooled;
             else

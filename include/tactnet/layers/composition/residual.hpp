@@ -45,12 +45,12 @@ template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannel
 } // namespace detail
 
 /// The skip of a residual block that passes its input on as it is.
-using identity = sequence<>;
+using identity_layer = sequence<>;
 
 /// Residual block (He, Zhang, Ren, Sun, 2016): main(x) + skip(x), where skip is `identity` or a projection.
 /// A branch is a list of layers or a single one. The ReLU behind the sum is a layer of its own. The arrays of
 /// the skip go by "projection", or by the name that it is given.
-template <class Main, class Skip = identity>
+template <class Main, class Skip = identity_layer>
 struct residual {
     static constexpr std::string_view name = "block";
     static constexpr bool numbered = true;
@@ -107,11 +107,11 @@ struct residual {
             for (std::size_t p = first; p < list.size(); ++p)
                 list[p].offset += learnable(list[p].what) ? main::parameters : main::statistics;
         }
-        static void prepare(const pass& p, const T* values, const T* running, memory& m) {
+        static void prepare(const execution_context& p, const T* values, const T* running, memory& m) {
             main::prepare(p, values, running, m.main_memory);
             skip::prepare(p, values + main::parameters, running + main::statistics, m.skip_memory);
         }
-        static void infer(const pass& p, const T* values, const T* running, memory& m,
+        static void infer(const execution_context& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             const output_view<T, output> main_out = main_result(m, out);
             main::infer(p, values, running, m.main_memory, in, main_out);
@@ -120,8 +120,8 @@ struct residual {
                             {m.skip_output.data(), in.samples()});
             sum<output>(p, main_out, skipped(m, in), out);
         }
-        static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
+        static void forward(const execution_context& p, const T* values, T* running, memory& m,
+                            input_view<T, Input> in, output_view<T, output> out) {
             const output_view<T, output> main_out = main_result(m, out);
             main::forward(p, values, running, m.main_memory, in, main_out);
             if constexpr (projects)
@@ -129,7 +129,7 @@ struct residual {
                               {m.skip_output.data(), in.samples()});
             sum<output>(p, main_out, skipped(m, in), out);
         }
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
             main::backward(p, values, m.main_memory, in,
@@ -170,7 +170,7 @@ struct residual {
                 return {in.data(), in.samples()};
         }
         template <shape Shape>
-        static void sum(const pass& p, input_view<T, Shape> a, input_view<T, Shape> b,
+        static void sum(const execution_context& p, input_view<T, Shape> a, input_view<T, Shape> b,
                         output_view<T, Shape> to) {
             p.threads.for_each(to.lane_blocks(), [&](std::size_t g) {
                 kernels::add(a.lane_block(g), b.lane_block(g), to.lane_block(g), to.lane_block_size);

@@ -70,14 +70,14 @@ struct sequence {
             }
         };
 
-        static void prepare(const pass& p, const T* values, const T* running, memory& m) {
+        static void prepare(const execution_context& p, const T* values, const T* running, memory& m) {
             kernels::unroll<size>([&](auto i) {
                 static_assert(listed_layer<at<i>>, "sequence: expected layers, by parts or not");
                 at<i>::prepare(p, values + list::template parameter_offset<i>,
                                running + list::template statistic_offset<i>, detail::get<i>(m.inner));
             });
         }
-        static void infer(const pass& p, const T* values, const T* running, memory& m,
+        static void infer(const execution_context& p, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             if constexpr (size == 0)
                 copy(p, in, out);
@@ -87,8 +87,8 @@ struct sequence {
                              input_of<i>(m, in, out), output_of<i>(m, out));
             });
         }
-        static void forward(const pass& p, const T* values, T* running, memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
+        static void forward(const execution_context& p, const T* values, T* running, memory& m,
+                            input_view<T, Input> in, output_view<T, output> out) {
             if constexpr (size == 0)
                 copy(p, in, out);
             else if constexpr (at<0>::observes)
@@ -99,7 +99,7 @@ struct sequence {
                                                                                 out);
             });
         }
-        static void backward(const pass& p, const T* values, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
                              input_view<T, output> out, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T* gradients) {
             m.make_room_for_gradients(in.lane_blocks(), p.threads.threads());
@@ -134,14 +134,14 @@ struct sequence {
         /// Layers Begin … End − 1, and what layer End must see of each part. Stages without a layer only
         /// show.
         template <std::size_t Begin, std::size_t End>
-        static void forward_stage(const pass& p, const T* values, T* running, memory& m,
+        static void forward_stage(const execution_context& p, const T* values, T* running, memory& m,
                                   input_view<T, Input> in, output_view<T, output> out) {
             for_each_part_layer<Begin, End>([&](auto i) {
                 at<i>::begin_forward(p, running + list::template statistic_offset<i>, detail::get<i>(m.inner),
                                      in.samples());
             });
             for_each_part<at<Begin>::by_parts>(
-                p, in.lane_blocks(), [&](const pass& part, std::size_t first, std::size_t last) {
+                p, in.lane_blocks(), [&](const execution_context& part, std::size_t first, std::size_t last) {
                     kernels::unroll<End - Begin>([&](auto offset) {
                         constexpr std::size_t i = Begin + offset;
                         at<i>::forward(at_depth(part, i), values + list::template parameter_offset<i>,
@@ -158,14 +158,15 @@ struct sequence {
         /// Layers End − 1 … Begin, and what layer Begin − 1 must see of each part. `from` and `to` are
         /// gradients of whole batches.
         template <std::size_t Begin, std::size_t End>
-        static void backward_stage(const pass& p, const T* values, memory& m, input_view<T, Input> in,
-                                   input_view<T, output> out, const T* from, T* to, T* gradients) {
+        static void backward_stage(const execution_context& p, const T* values, memory& m,
+                                   input_view<T, Input> in, input_view<T, output> out, const T* from, T* to,
+                                   T* gradients) {
             for_each_part_layer<Begin, End>([&](auto i) {
                 at<i>::begin_backward(p, values + list::template parameter_offset<i>, detail::get<i>(m.inner),
                                       in.samples());
             });
             for_each_part<at<End - 1>::by_parts>(
-                p, in.lane_blocks(), [&](const pass& part, std::size_t first, std::size_t last) {
+                p, in.lane_blocks(), [&](const execution_context& part, std::size_t first, std::size_t last) {
                     input_view<T, at<End - 1>::output> whole(from, in.samples());
                     const std::size_t samples = whole.part(first, last).samples();
                     const T* above = whole.part(first, last).data();
@@ -194,13 +195,13 @@ struct sequence {
         }
 
         template <shape Shape>
-        static void copy(const pass& p, input_view<T, Shape> from, output_view<T, Shape> to) {
+        static void copy(const execution_context& p, input_view<T, Shape> from, output_view<T, Shape> to) {
             p.threads.for_each(from.lane_blocks(), [&](std::size_t g) {
                 std::copy_n(from.lane_block(g), from.lane_block_size, to.lane_block(g));
             });
         }
-        static pass at_depth(const pass& p, std::size_t index) {
-            pass inner = p;
+        static execution_context at_depth(const execution_context& p, std::size_t index) {
+            execution_context inner = p;
             inner.depth = p.depth * 64 + static_cast<std::uint32_t>(index) + 1;
             return inner;
         }

@@ -66,12 +66,12 @@ public:
 
 /// body(pass, first, last) for the parts of a batch, or once for all of it.
 template <bool ByParts, class Body>
-void for_each_part(const pass& p, std::size_t groups, const Body& body) {
+void for_each_part(const execution_context& p, std::size_t groups, const Body& body) {
     if constexpr (!ByParts)
         return body(p, 0, groups);
     const std::size_t most = p.threads.threads();
     for (std::size_t first = 0; first < groups; first += most) {
-        pass part = p;
+        execution_context part = p;
         part.first_group = first;
         body(part, first, std::min(first + most, groups));
     }

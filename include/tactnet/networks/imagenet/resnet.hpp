@@ -28,7 +28,7 @@ using basic_block = sequence<
     named<"",
           residual<unnamed<named<"conv1", resnet_convolution<Filters, 3, Stride>>, named<"bn1", batch_norm>,
                            relu, named<"conv2", resnet_convolution<Filters, 3, 1>>, named<"bn2", batch_norm>>,
-                   std::conditional_t<Projects, resnet_downsample<Filters, Stride>, identity>>>,
+                   std::conditional_t<Projects, resnet_downsample<Filters, Stride>, identity_layer>>>,
     relu>;
 
 /// 1 × 1, 3 × 3 and 1 × 1: the outer ones narrow the map and widen it by four.
@@ -39,7 +39,7 @@ using bottleneck = sequence<
               unnamed<named<"conv1", resnet_convolution<Filters, 1, 1>>, named<"bn1", batch_norm>, relu,
                       named<"conv2", resnet_convolution<Filters, 3, Stride>>, named<"bn2", batch_norm>, relu,
                       named<"conv3", resnet_convolution<4 * Filters, 1, 1>>, named<"bn3", batch_norm>>,
-              std::conditional_t<Projects, resnet_downsample<4 * Filters, Stride>, identity>>>,
+              std::conditional_t<Projects, resnet_downsample<4 * Filters, Stride>, identity_layer>>>,
     relu>;
 
 namespace detail {

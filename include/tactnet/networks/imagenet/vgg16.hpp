@@ -13,7 +13,7 @@ inline namespace TACTNET_ARCH {
 
 template <std::size_t Filters>
 using vgg_convolution = conv2d<Filters, 3, 1, pad(1)>;
-using vgg_pool = max_pool<2, 2, valid>;
+using vgg_pool = max_pool<2, 2, padding::valid>;
 
 /// The convolutions: 512 channels.
 using vgg16_features =

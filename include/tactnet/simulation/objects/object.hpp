@@ -14,9 +14,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose touch{9}; ///< what touches a simulated sensor, and how
-} // namespace draw
+} // namespace random_purposes
 
 namespace simulation {
 

@@ -44,7 +44,8 @@ inline constexpr std::array<object_family, 22> paper_objects{{
 [[nodiscard]] inline touch draw_touch(std::size_t label, std::uint64_t seed, std::uint32_t number) {
     enum what : std::uint32_t { shape = 4, pose = 5, force = 6 }; // of 64 for each class
     const auto stream = [&](what drawn) {
-        return random_stream(seed, draw::touch, number, static_cast<std::uint32_t>(label) * 64 + drawn);
+        return random_stream(seed, random_purposes::touch, number,
+                             static_cast<std::uint32_t>(label) * 64 + drawn);
     };
     drawing draw(stream(shape), stream(pose), stream(force));
     return paper_objects.at(label).draw(draw);

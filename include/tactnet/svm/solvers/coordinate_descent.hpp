@@ -88,7 +88,8 @@ public:
         solver_report report;
         gradient_range before;
         while (report.iterations < options_.iteration_limit) {
-            random_stream(options_.seed, draw::order, machine_, static_cast<std::uint32_t>(report.iterations))
+            random_stream(options_.seed, random_purposes::order, machine_,
+                          static_cast<std::uint32_t>(report.iterations))
                 .shuffle(active);
             ++report.iterations;
             const gradient_range range = pass(active, before);

@@ -41,7 +41,7 @@ enum class split_rule {
                 members.push_back(i);
         if (members.empty())
             continue;
-        random_stream random(seed, draw::split, static_cast<std::uint32_t>(label));
+        random_stream random(seed, random_purposes::split, static_cast<std::uint32_t>(label));
         if (rule == split_rule::random) {
             random.shuffle(members);
         } else {

@@ -54,7 +54,7 @@ public:
         std::vector<std::size_t> places(size());
         std::iota(places.begin(), places.end(), std::size_t{0});
         if (steps() > 1)
-            random_stream(seed_, draw::order, static_cast<std::uint32_t>(epoch)).shuffle(places);
+            random_stream(seed_, random_purposes::order, static_cast<std::uint32_t>(epoch)).shuffle(places);
         return places;
     }
     /// One step's part of them. Batches of equal size, so that none is left with a handful of images for its
@@ -88,7 +88,7 @@ private:
             transform_(t, samples_.pixels().data() + sample_at(place) * numbers_, to);
     }
     [[nodiscard]] image_transform drawn(std::size_t place, std::size_t time) const {
-        random_stream random(seed_, draw::augmentation, static_cast<std::uint32_t>(time),
+        random_stream random(seed_, random_purposes::augmentation, static_cast<std::uint32_t>(time),
                              static_cast<std::uint32_t>(sample_at(place)));
         return image_transform::draw(ranges_, random);
     }

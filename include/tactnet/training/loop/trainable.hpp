@@ -83,7 +83,8 @@ protected:
 /// sample.
 [[nodiscard]] inline evaluation evaluate(const trainable& network, std::span<const float> mean, float scale,
                                          const labelled_samples& samples, std::span<const std::size_t> chosen,
-                                         thread_pool& threads, seen how = seen::as_it_is) {
+                                         thread_pool& threads,
+                                         test_time_augmentation how = test_time_augmentation::none) {
     samples.check(network.input_shape(), network.outputs());
     const auto space = network.make_workspace();
     network.prepare(threads, *space);

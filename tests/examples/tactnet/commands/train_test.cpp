@@ -186,7 +186,7 @@ TEST_SUITE("program") {
     TEST_CASE("train: images that are resized are varied as they were taken, and the file says so") {
         const workshop shop;
         const fs::path large = shop / "large";
-        tactnet::random_stream random(2, tactnet::draw::order);
+        tactnet::random_stream random(2, tactnet::random_purposes::order);
         for (std::size_t c = 0; c < 3; ++c)
             for (std::size_t i = 0; i < images_per_class; ++i) {
                 std::vector<std::uint8_t> pixels(28 * 50);

@@ -33,7 +33,7 @@ template <class Network, class Change>
 void write_pretrained(const std::filesystem::path& file, tactnet::element_type type, const Change& change) {
     tactnet::safetensors_writer writer;
     writer.metadata["format"] = "pt";
-    tactnet::random_stream random(6, tactnet::draw::order);
+    tactnet::random_stream random(6, tactnet::random_purposes::order);
     for (const tactnet::parameter& p : Network::describe()) {
         std::string name = p.name;
         std::vector<std::size_t> extents = p.extents;
@@ -42,9 +42,10 @@ void write_pretrained(const std::filesystem::path& file, tactnet::element_type t
             continue;
         // Few numbers again and again: hundreds of megabytes of them would take seconds.
         std::vector<float> some(4099);
-        const bool one = p.what == tactnet::role::scale || p.what == tactnet::role::running_variance;
+        const bool one =
+            p.what == tactnet::parameter_role::scale || p.what == tactnet::parameter_role::running_variance;
         const double most =
-            p.what == tactnet::role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
+            p.what == tactnet::parameter_role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
         for (float& value : some)
             value = static_cast<float>(random.uniform(-most, most) + (one ? 1 : 0));
         std::vector<std::uint16_t> halves(some.size());

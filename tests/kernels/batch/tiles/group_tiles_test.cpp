@@ -7,12 +7,12 @@ using namespace tactnet::kernels;
 
 namespace {
 
-constexpr batch_convolution ahead(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
-                                  padding around = same) {
+constexpr batch_convolution ahead(shape in, std::size_t filters, extent2d kernel = 3, extent2d stride = 1,
+                                  padding around = padding::same) {
     return batch_convolution::forward(sliding_window::over(in, kernel, stride, around), filters);
 }
-constexpr batch_convolution back(shape in, std::size_t filters, extent kernel = 3, extent stride = 1,
-                                 padding around = same) {
+constexpr batch_convolution back(shape in, std::size_t filters, extent2d kernel = 3, extent2d stride = 1,
+                                 padding around = padding::same) {
     return batch_convolution::backward(sliding_window::over(in, kernel, stride, around), filters);
 }
 
@@ -20,7 +20,7 @@ constexpr batch_convolution back(shape in, std::size_t filters, extent kernel = 
 
 TEST_CASE("group_tiles: tiles cover the outputs, also where they reach beyond") {
     constexpr group_tiles tiles = group_tiles::of(ahead({7, 13, 16}, 32), {4, 3});
-    CHECK(tiles.side == extent(6, 5));
+    CHECK(tiles.side == extent2d(6, 5));
     CHECK(tiles.elements() == 30);
     CHECK(tiles.rows == 2);
     CHECK(tiles.columns == 5);
@@ -53,27 +53,27 @@ TEST_CASE("group_tiles: kernels, strides and paddings that have no tile") {
 }
 
 TEST_CASE("group_tiles: taps on padding are not counted") {
-    const auto same_as_window = [](shape in, extent kernel, padding around) {
+    const auto same_as_window = [](shape in, extent2d kernel, padding around) {
         const auto window = sliding_window::over(in, kernel, 1, around);
         const std::size_t expected = 2 * window.taps_on_pixels() * in.channels * 5;
         CHECK(cost_by_taps(batch_convolution::forward(window, 5)) == expected);
         CHECK(cost_by_taps(batch_convolution::backward(window, 5)) == expected);
     };
-    same_as_window({7, 13, 16}, 3, same);
-    same_as_window({1, 2, 3}, 3, same);
-    same_as_window({4, 7, 2}, 2, same);
-    same_as_window({4, 7, 2}, 3, valid);
+    same_as_window({7, 13, 16}, 3, padding::same);
+    same_as_window({1, 2, 3}, 3, padding::same);
+    same_as_window({4, 7, 2}, 2, padding::same);
+    same_as_window({4, 7, 2}, 3, padding::valid);
     same_as_window({4, 7, 2}, 3, pad(2));
 }
 
 TEST_CASE("group_tiles: large tiles where they save products, none where transforms cost more") {
-    CHECK(best_group_tile(ahead({4, 7, 32}, 64)) == extent(4));
-    CHECK(best_group_tile(back({4, 7, 32}, 64)) == extent(4));
-    CHECK(best_group_tile(ahead({2, 4, 64}, 128)) == extent(2, 4));
-    CHECK(best_group_tile(ahead({1, 9, 64}, 128)) == extent(0)); // two of three rows of taps are on padding
-    CHECK(best_group_tile(ahead({28, 50, 1}, 8)) == extent(0));  // one channel
-    CHECK(best_group_tile(ahead({1, 1, 64}, 64)) == extent(0));  // one tap
+    CHECK(best_group_tile(ahead({4, 7, 32}, 64)) == extent2d(4));
+    CHECK(best_group_tile(back({4, 7, 32}, 64)) == extent2d(4));
+    CHECK(best_group_tile(ahead({2, 4, 64}, 128)) == extent2d(2, 4));
+    CHECK(best_group_tile(ahead({1, 9, 64}, 128)) == extent2d(0)); // two of three rows of taps are on padding
+    CHECK(best_group_tile(ahead({28, 50, 1}, 8)) == extent2d(0));  // one channel
+    CHECK(best_group_tile(ahead({1, 1, 64}, 64)) == extent2d(0));  // one tap
     // The way does not depend on the instruction set nor on the precision.
-    CHECK(lane_convolution<ahead({4, 7, 32}, 64), float>::tile == extent(4));
-    CHECK(lane_convolution<ahead({4, 7, 32}, 64), double>::tile == extent(4));
+    CHECK(lane_convolution<ahead({4, 7, 32}, 64), float>::tile == extent2d(4));
+    CHECK(lane_convolution<ahead({4, 7, 32}, 64), double>::tile == extent2d(4));
 }

@@ -23,7 +23,7 @@ using namespace tactnet::kernels;
 
 namespace {
 
-template <class T, sliding_window W, std::size_t Filters, extent Outputs>
+template <class T, sliding_window W, std::size_t Filters, extent2d Outputs>
 void compare(bool biased = true) {
     constexpr batch_convolution c = batch_convolution::forward(W, Filters);
     using plan = tiled_convolution<c, Outputs, T>;
@@ -93,8 +93,8 @@ void compare(bool biased = true) {
 template <class T, std::size_t Kernel>
 void every_tile() {
     unroll<(6 - Kernel) * (6 - Kernel)>([](auto i) {
-        compare<T, sliding_window::over({7, 11, 5}, Kernel, 1, same), 9,
-                extent(i / (6 - Kernel) + 2, i % (6 - Kernel) + 2)>(i % 2 == 0);
+        compare<T, sliding_window::over({7, 11, 5}, Kernel, 1, padding::same), 9,
+                extent2d(i / (6 - Kernel) + 2, i % (6 - Kernel) + 2)>(i % 2 == 0);
     });
 }
 
@@ -109,15 +109,15 @@ TEST_CASE_TEMPLATE("tiled_convolution: every tile of a 2 × 2 kernel", T, float,
 TEST_CASE_TEMPLATE(
     "tiled_convolution: maps smaller than a tile, without padding, with more than the kernel's", T, float,
     double) {
-    compare<T, sliding_window::over({1, 1, 3}, 3, 1, same), 4, extent(4)>();
-    compare<T, sliding_window::over({2, 3, 16}, 3, 1, same), 24, extent(2, 4)>();
-    compare<T, sliding_window::over({9, 6, 2}, 3, 1, valid), 8, extent(3, 4)>();
-    compare<T, sliding_window::over({4, 5, 2}, 3, 1, pad(2, 0, 1, 3)), 3, extent(2)>();
+    compare<T, sliding_window::over({1, 1, 3}, 3, 1, padding::same), 4, extent2d(4)>();
+    compare<T, sliding_window::over({2, 3, 16}, 3, 1, padding::same), 24, extent2d(2, 4)>();
+    compare<T, sliding_window::over({9, 6, 2}, 3, 1, padding::valid), 8, extent2d(3, 4)>();
+    compare<T, sliding_window::over({4, 5, 2}, 3, 1, pad(2, 0, 1, 3)), 3, extent2d(2)>();
 }
 TEST_CASE("tiled_convolution: maps in several bands") {
-    constexpr auto window = sliding_window::over({30, 30, 32}, 3, 1, same);
-    using plan = tiled_convolution<batch_convolution::forward(window, 8), extent(4), float>;
+    constexpr auto window = sliding_window::over({30, 30, 32}, 3, 1, padding::same);
+    using plan = tiled_convolution<batch_convolution::forward(window, 8), extent2d(4), float>;
     if constexpr (lanes<float> >= 8) // else all that is transformed stays near
         static_assert(plan::band < plan::tiles.count() && plan::tiles.count() % plan::band != 0);
-    compare<float, window, 8, extent(4)>();
+    compare<float, window, 8, extent2d(4)>();
 }

@@ -22,7 +22,7 @@ using namespace tactnet::kernels;
 namespace {
 
 /// Two groups one after the other, all pieces and then one by one.
-template <class T, sliding_window W, std::size_t Filters, extent Outputs>
+template <class T, sliding_window W, std::size_t Filters, extent2d Outputs>
 void compare() {
     if constexpr (tiled_gradient_possible<T>(batch_convolution::forward(W, Filters), Outputs)) {
         using plan = tiled_gradient_plan<W, Filters, Outputs, T>;
@@ -101,8 +101,8 @@ void compare() {
 template <class T, std::size_t Kernel>
 void every_tile() {
     unroll<(6 - Kernel) * (6 - Kernel)>([](auto i) {
-        compare<T, sliding_window::over({5, 7, lanes<T>}, Kernel, 1, same), 3,
-                extent(i / (6 - Kernel) + 2, i % (6 - Kernel) + 2)>();
+        compare<T, sliding_window::over({5, 7, lanes<T>}, Kernel, 1, padding::same), 3,
+                extent2d(i / (6 - Kernel) + 2, i % (6 - Kernel) + 2)>();
     });
 }
 
@@ -117,27 +117,29 @@ TEST_CASE_TEMPLATE("tiled_gradient: every tile of a 2 × 2 kernel", T, float, do
 TEST_CASE_TEMPLATE("tiled_gradient: blocks of channels and of filters that are not full, maps in bands", T,
                    float, double) {
     constexpr std::size_t three = 3 * lanes<T>; // vectors: a block of two and one of one
-    compare<T, sliding_window::over({4, 3, three}, 3, 1, same), max_block_sums / 2 + 1, extent(2)>();
-    compare<T, sliding_window::over({1, 1, three}, 3, 1, same), 2, extent(4)>();
-    compare<T, sliding_window::over({4, 5, lanes<T>}, 3, 1, pad(2, 0, 1, 2)), 1, extent(2)>();
+    compare<T, sliding_window::over({4, 3, three}, 3, 1, padding::same), max_block_sums / 2 + 1,
+            extent2d(2)>();
+    compare<T, sliding_window::over({1, 1, three}, 3, 1, padding::same), 2, extent2d(4)>();
+    compare<T, sliding_window::over({4, 5, lanes<T>}, 3, 1, pad(2, 0, 1, 2)), 1, extent2d(2)>();
     // Filters in lanes.
-    compare<T, sliding_window::over({4, 5, 3}, 3, 1, pad(2, 0, 1, 2)), three, extent(2, 4)>();
-    compare<T, sliding_window::over({7, 3, max_block_sums / 2 + 1}, 2, 1, same), three, extent(3)>();
-    compare<T, sliding_window::over({11, 40, 12}, 3, 1, valid), 2 * lanes<T>, extent(2)>();
-    constexpr auto wide = sliding_window::over({11, 40, 2 * lanes<T>}, 3, 1, valid);
+    compare<T, sliding_window::over({4, 5, 3}, 3, 1, pad(2, 0, 1, 2)), three, extent2d(2, 4)>();
+    compare<T, sliding_window::over({7, 3, max_block_sums / 2 + 1}, 2, 1, padding::same), three,
+            extent2d(3)>();
+    compare<T, sliding_window::over({11, 40, 12}, 3, 1, padding::valid), 2 * lanes<T>, extent2d(2)>();
+    constexpr auto wide = sliding_window::over({11, 40, 2 * lanes<T>}, 3, 1, padding::valid);
     if constexpr (lanes < T >> 4) {
-        using plan = tiled_gradient_plan<wide, 12, extent(2), T>;
+        using plan = tiled_gradient_plan<wide, 12, extent2d(2), T>;
         static_assert(plan::band_rows < plan::tiles.rows);
     }
-    compare<T, wide, 12, extent(2)>();
+    compare<T, wide, 12, extent2d(2)>();
 }
 
 TEST_CASE("tiled_gradient: channels that fill no vector, and maps that no near cache holds, have none") {
     if constexpr (lanes < float >> 1)
         CHECK_FALSE(tiled_gradient_possible<float>(
-            batch_convolution::forward(sliding_window::over({4, 4, lanes<float> + 1}, 3, 1, same),
+            batch_convolution::forward(sliding_window::over({4, 4, lanes<float> + 1}, 3, 1, padding::same),
                                        2 * lanes<float> - 1),
             2));
     CHECK_FALSE(tiled_gradient_possible<float>(
-        batch_convolution::forward(sliding_window::over({4, 40000, 64}, 3, 1, same), 8), 2));
+        batch_convolution::forward(sliding_window::over({4, 40000, 64}, 3, 1, padding::same), 8), 2));
 }

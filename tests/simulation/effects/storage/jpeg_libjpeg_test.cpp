@@ -21,7 +21,7 @@ using pixels = tensor<float, size>;
 
 /// Blobs on nothing, as imprints are; now and then noise all over.
 pixels drawn(std::uint32_t sample) {
-    random_stream random(5, draw::noise, 0, sample);
+    random_stream random(5, random_purposes::noise, 0, sample);
     pixels counts;
     for (float& count : counts)
         count = sample % 4 == 3 ? static_cast<float>(random.below(256)) : 0;

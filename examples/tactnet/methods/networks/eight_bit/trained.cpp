@@ -32,12 +32,12 @@ public:
     std::string calibration() const override { return calibration_; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads) const override {
-        return evaluate(images, chosen, threads, tactnet::seen::as_it_is);
+        return evaluate(images, chosen, threads, tactnet::test_time_augmentation::none);
     }
     std::optional<tactnet::evaluation> evaluate_reflections(const tactnet::labelled_images& images,
                                                             std::span<const std::size_t> chosen,
                                                             tactnet::thread_pool& threads) const override {
-        return evaluate(images, chosen, threads, tactnet::seen::in_all_reflections);
+        return evaluate(images, chosen, threads, tactnet::test_time_augmentation::reflections);
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const override {
@@ -63,7 +63,7 @@ public:
 
 private:
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-                                 tactnet::thread_pool& threads, tactnet::seen how) const {
+                                 tactnet::thread_pool& threads, tactnet::test_time_augmentation how) const {
         // Counts as they are.
         const std::size_t pixels = code_.rows * code_.columns;
         const std::vector<float> mean(pixels);

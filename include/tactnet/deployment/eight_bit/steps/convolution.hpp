@@ -154,7 +154,7 @@ private:
     /// Counted over all groups; zero for a channel of another group than the filter's.
     static constexpr float weight_of(const float* from, std::size_t filter, std::size_t channel,
                                      std::size_t row, std::size_t column) {
-        constexpr extent k = Kernel.window.kernel;
+        constexpr extent2d k = Kernel.window.kernel;
         constexpr std::size_t channels = Kernel.window.input.channels / Kernel.groups;
         if constexpr (Kernel.groups > 1) {
             const std::size_t first = filter / (Kernel.filters / Kernel.groups) * channels;

@@ -46,7 +46,7 @@ struct gradient_block {
 
 /// Bytes of one row of tiles, transformed, of one block.
 template <class T>
-[[nodiscard]] constexpr std::size_t bytes_of_tile_row(const batch_convolution& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t bytes_of_tile_row(const batch_convolution& c, extent2d outputs) {
     const group_tiles tiles = group_tiles::of(c, outputs);
     const auto block = gradient_block<T>::of(c);
     return tiles.elements() * tiles.columns * (block.vectors * lanes<T> + block.numbers) * lanes<T> *
@@ -55,7 +55,7 @@ template <class T>
 /// Rows of tiles from the first transform to the last; their products are added up in the network's
 /// precision. Not by a configured size of a cache: trainings have the same bits on all cores.
 template <class T>
-[[nodiscard]] constexpr std::size_t tile_rows_of_band(const batch_convolution& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t tile_rows_of_band(const batch_convolution& c, extent2d outputs) {
     return std::clamp<std::size_t>(std::size_t{512} * 1024 / bytes_of_tile_row<T>(c, outputs), 1,
                                    group_tiles::of(c, outputs).rows);
 }
@@ -63,7 +63,7 @@ template <class T>
 /// Whether there is such a way: channels or filters fill whole vectors, and one row of tiles, transformed,
 /// takes a megabyte at most.
 template <class T>
-[[nodiscard]] constexpr bool tiled_gradient_possible(const batch_convolution& c, extent outputs) {
+[[nodiscard]] constexpr bool tiled_gradient_possible(const batch_convolution& c, extent2d outputs) {
     return gradient_block<T>::of(c).fills_vectors() && group_tile_possible(c, outputs) &&
            bytes_of_tile_row<T>(c, outputs) <= std::size_t{1024} * 1024;
 }
@@ -71,7 +71,7 @@ template <class T>
 /// What it costs, in halves of a product as a convolution (group_tiles.hpp). A sum that goes to its total, in
 /// double, is counted as a product.
 template <class T>
-[[nodiscard]] constexpr std::size_t gradient_cost_by_tiles(const batch_convolution& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t gradient_cost_by_tiles(const batch_convolution& c, extent2d outputs) {
     const group_tiles tiles = group_tiles::of(c, outputs);
     const auto block = gradient_block<T>::of(c);
     const std::size_t weights = block.in_lanes * block.others, rows = tile_rows_of_band<T>(c, outputs),
@@ -82,7 +82,7 @@ template <class T>
 }
 
 /// How it is blocked by tiles of so many outputs.
-template <sliding_window W, std::size_t Filters, extent Outputs, class T>
+template <sliding_window W, std::size_t Filters, extent2d Outputs, class T>
 struct tiled_gradient_plan {
     /// The convolution itself.
     static constexpr batch_convolution ahead = batch_convolution::forward(W, Filters);

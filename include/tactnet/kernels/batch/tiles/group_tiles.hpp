@@ -17,11 +17,11 @@ namespace kernels {
 
 /// A map cut into tiles of so many outputs.
 struct group_tiles {
-    extent side;               ///< rows and columns of an input tile, and of the transformed kernel
+    extent2d side;             ///< rows and columns of an input tile, and of the transformed kernel
     std::size_t rows, columns; ///< of tiles that cover the outputs
 
     /// Of a convolution.
-    [[nodiscard]] static constexpr group_tiles of(const batch_convolution& c, extent outputs) {
+    [[nodiscard]] static constexpr group_tiles of(const batch_convolution& c, extent2d outputs) {
         return {{outputs.rows + c.kernel.rows - 1, outputs.columns + c.kernel.columns - 1},
                 (c.output.rows + outputs.rows - 1) / outputs.rows,
                 (c.output.columns + outputs.columns - 1) / outputs.columns};
@@ -50,25 +50,26 @@ template <batch_convolution C, class T>
 
 /// Whether there are lines for such a tile, nothing lies between neighbours, and padding above and on the
 /// left is less than the kernel.
-[[nodiscard]] constexpr bool group_tile_possible(const batch_convolution& c, extent outputs) {
-    const extent side = group_tiles::of(c, outputs).side;
+[[nodiscard]] constexpr bool group_tile_possible(const batch_convolution& c, extent2d outputs) {
+    const extent2d side = group_tiles::of(c, outputs).side;
     const auto less_than = [](std::ptrdiff_t padding, std::size_t kernel) {
         return padding >= 0 && static_cast<std::size_t>(padding) < kernel;
     };
-    return (c.kernel == extent(3) || c.kernel == extent(2)) && c.stride == extent(1) &&
-           c.spacing == extent(1) && less_than(c.top, c.kernel.rows) && less_than(c.left, c.kernel.columns) &&
-           std::min(outputs.rows, outputs.columns) >= 2 && std::max(side.rows, side.columns) <= 6;
+    return (c.kernel == extent2d(3) || c.kernel == extent2d(2)) && c.stride == extent2d(1) &&
+           c.spacing == extent2d(1) && less_than(c.top, c.kernel.rows) &&
+           less_than(c.left, c.kernel.columns) && std::min(outputs.rows, outputs.columns) >= 2 &&
+           std::max(side.rows, side.columns) <= 6;
 }
 
 /// What an element of a tile is counted at to transform it, of one channel or filter, in halves of a product.
 /// Rounded from times of layers (benchmark_training_speed has those of networks): additions are as dear as
 /// products, and lines with points at roots have more of them.
-[[nodiscard]] constexpr std::size_t transform_cost(extent side) {
+[[nodiscard]] constexpr std::size_t transform_cost(extent2d side) {
     return 8 + (side.rows > 4 ? 1 : 0) + (side.columns > 4 ? 1 : 0);
 }
 
 /// Of a convolution by such tiles, in halves of a product.
-[[nodiscard]] constexpr std::size_t cost_by_group_tiles(const batch_convolution& c, extent outputs) {
+[[nodiscard]] constexpr std::size_t cost_by_group_tiles(const batch_convolution& c, extent2d outputs) {
     const group_tiles tiles = group_tiles::of(c, outputs);
     const std::size_t channels = c.input.channels, filters = c.output.channels;
     return tiles.elements() * tiles.count() *
@@ -92,12 +93,12 @@ template <batch_convolution C, class T>
 /// The tiles of outputs that cost least of those that are possible; 0 where `by_taps` is less. Errors grow
 /// with tiles, so that one replaces a smaller one, or taps, only where it saves a twentieth.
 template <class Possible, class Cost>
-[[nodiscard]] constexpr extent cheapest_group_tile(std::size_t by_taps, Possible&& possible, Cost&& cost) {
-    extent best = 0;
+[[nodiscard]] constexpr extent2d cheapest_group_tile(std::size_t by_taps, Possible&& possible, Cost&& cost) {
+    extent2d best = 0;
     std::size_t least = by_taps;
     for (std::size_t area = 4; area <= 25; ++area)
         for (std::size_t rows = 2; rows <= 5; ++rows) {
-            const extent outputs(rows, area / rows);
+            const extent2d outputs(rows, area / rows);
             if (outputs.area() != area || !possible(outputs) || cost(outputs) * 21 >= least * 20)
                 continue;
             best = outputs;
@@ -106,12 +107,12 @@ template <class Possible, class Cost>
     return best;
 }
 /// Of a convolution.
-[[nodiscard]] constexpr extent best_group_tile(const batch_convolution& c) {
+[[nodiscard]] constexpr extent2d best_group_tile(const batch_convolution& c) {
     if (!group_tile_possible(c, 2))
         return 0;
     return cheapest_group_tile(
-        cost_by_taps(c), [&](extent outputs) { return group_tile_possible(c, outputs); },
-        [&](extent outputs) { return cost_by_group_tiles(c, outputs); });
+        cost_by_taps(c), [&](extent2d outputs) { return group_tile_possible(c, outputs); },
+        [&](extent2d outputs) { return cost_by_group_tiles(c, outputs); });
 }
 
 } // namespace kernels

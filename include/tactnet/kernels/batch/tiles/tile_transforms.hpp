@@ -25,7 +25,7 @@ struct plane_layout {
 };
 
 /// The pixels of a tile, of which some may lie outside the map.
-template <extent Side>
+template <extent2d Side>
 struct tile_pixels {
     std::ptrdiff_t top, left;                                   ///< row and column of the first
     std::size_t first_row, last_row, first_column, last_column; ///< of the tile, those in the map
@@ -52,7 +52,7 @@ struct tile_pixels {
 
 /// body(plane, from, row distance, pixel distance) for every plane, where `from` is the first pixel of the
 /// tile; pixels outside the map are zeros. `columns` are those of the map.
-template <extent Side, class T, class Body>
+template <extent2d Side, class T, class Body>
 [[gnu::always_inline]] inline void for_each_plane(const T* map, plane_layout layout, std::size_t columns,
                                                   const tile_pixels<Side>& pixels, Body&& body) {
     constexpr std::size_t width = lanes<T>;
@@ -83,12 +83,12 @@ template <extent Side, class T, class Body>
 
 /// Bᵀ d B of one tile of the input of a convolution, of every plane: element e of plane p to
 /// to[e · element_distance + p · lanes · step]. `input` begins with row `first_row`.
-template <batch_convolution C, extent Outputs, class T>
+template <batch_convolution C, extent2d Outputs, class T>
 [[gnu::flatten, gnu::noinline]] void
 transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* to, std::size_t step,
                      std::size_t element_distance, std::size_t first_row = 0) {
     constexpr group_tiles tiles = group_tiles::of(C, Outputs);
-    constexpr extent side = tiles.side;
+    constexpr extent2d side = tiles.side;
     constexpr std::size_t side_columns = side.columns; // not in the lambda: GCC 12 takes it for uninitialised
     const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows) - C.top,
                left = static_cast<std::ptrdiff_t>(tile % tiles.columns * Outputs.columns) - C.left;
@@ -110,12 +110,12 @@ transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* t
 
 /// A δ Aᵀ of one tile of the outputs' gradient, of every plane: element e of plane p to
 /// to[e · element_distance + p · lanes]. `gradient` begins with row `first_row`.
-template <batch_convolution C, extent Outputs, class T>
+template <batch_convolution C, extent2d Outputs, class T>
 [[gnu::flatten, gnu::noinline]] void
 transform_gradient_tile(const T* gradient, plane_layout layout, std::size_t tile, T* to,
                         std::size_t element_distance, std::size_t first_row = 0) {
     constexpr group_tiles tiles = group_tiles::of(C, Outputs);
-    constexpr extent side = tiles.side;
+    constexpr extent2d side = tiles.side;
     constexpr std::size_t width = lanes<T>;
     const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows),
                left = static_cast<std::ptrdiff_t>(tile % tiles.columns * Outputs.columns);

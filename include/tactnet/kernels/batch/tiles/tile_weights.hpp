@@ -29,9 +29,9 @@ inline void put_lanes(T* to, const vector<double>& values, std::size_t count) {
 /// Kernels as G g Gᵀ in the order of use: blocks of output channels, then [element][input channel][channel of
 /// the block]. `weight(output, input, row, column)` tells each value. In double, several output channels at
 /// once: they are made anew after each step of a training.
-template <batch_convolution C, extent Outputs, class T, class Weight>
+template <batch_convolution C, extent2d Outputs, class T, class Weight>
 [[gnu::flatten]] void pack_tile_weights(T* packed, Weight&& weight) {
-    constexpr extent side = group_tiles::of(C, Outputs).side;
+    constexpr extent2d side = group_tiles::of(C, Outputs).side;
     constexpr std::size_t kernel = C.kernel.rows, taps = kernel * kernel, width = lanes<double>,
                           block = (block_channels + width - 1) / width * width;
     // Kernels that are collected before the first is used: vectors must not be read while their numbers are

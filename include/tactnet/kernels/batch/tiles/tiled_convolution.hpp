@@ -18,7 +18,7 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// How a convolution of one group is computed by tiles.
-template <batch_convolution C, extent Outputs, class T>
+template <batch_convolution C, extent2d Outputs, class T>
 struct tiled_convolution {
     static_assert(group_tile_possible(C, Outputs), "tiled_convolution: there are no lines for this tile");
     /// Its map, cut.
@@ -87,11 +87,11 @@ template <std::size_t Channels, std::size_t Filters, std::size_t Tiles, class T>
 }
 
 /// Aᵀ m A + bias of one tile of one output channel. So many rows and columns of the map are left.
-template <batch_convolution C, extent Outputs, class T>
+template <batch_convolution C, extent2d Outputs, class T>
 [[gnu::always_inline]] inline void transform_output_tile(const T* products, std::size_t element_distance,
                                                          T bias, T* output, std::size_t rows_left,
                                                          std::size_t columns_left) {
-    constexpr extent side = group_tiles::of(C, Outputs).side;
+    constexpr extent2d side = group_tiles::of(C, Outputs).side;
     std::array<std::array<vector<T>, side.columns>, Outputs.rows> half;
 #pragma GCC unroll 64
     for (std::size_t x = 0; x < side.columns; ++x) {
@@ -119,7 +119,7 @@ template <batch_convolution C, extent Outputs, class T>
 }
 
 /// The outputs of the tiles [first_tile, last_tile), one band, of `Filters` output channels.
-template <batch_convolution C, extent Outputs, std::size_t Filters, class T>
+template <batch_convolution C, extent2d Outputs, std::size_t Filters, class T>
 [[gnu::flatten, gnu::noinline]] void transform_output_band(const T* products, const T* bias, T* output,
                                                            std::size_t first_tile, std::size_t last_tile) {
     using plan = tiled_convolution<C, Outputs, T>;
@@ -139,7 +139,7 @@ template <batch_convolution C, extent Outputs, std::size_t Filters, class T>
 
 /// output = bias + convolution of input and weights, for one group. `bias` may be null; `scratch` holds
 /// tiled_convolution::scratch elements.
-template <batch_convolution C, extent Outputs, class T>
+template <batch_convolution C, extent2d Outputs, class T>
 [[gnu::flatten]] void correlate_by_tiles(const T* input, const T* packed_weights, const T* bias, T* output,
                                          T* scratch) {
     using plan = tiled_convolution<C, Outputs, T>;

@@ -54,7 +54,7 @@ template <std::size_t Numbers, std::size_t Vectors, class T>
 }
 
 /// One tile of the input, or of the outputs' gradient, of every plane.
-template <batch_convolution C, extent Outputs, bool OfGradient, class T>
+template <batch_convolution C, extent2d Outputs, bool OfGradient, class T>
 [[gnu::always_inline]] inline void transform_factor(const T* map, plane_layout layout, std::size_t tile,
                                                     T* to, std::size_t element_distance,
                                                     std::size_t first_row = 0) {
@@ -65,7 +65,7 @@ template <batch_convolution C, extent Outputs, bool OfGradient, class T>
 }
 
 /// totals += the gradient of one group, for the pieces [begin, end).
-template <sliding_window W, std::size_t Filters, extent Outputs, class T>
+template <sliding_window W, std::size_t Filters, extent2d Outputs, class T>
 [[gnu::flatten]] void add_tiled_gradient(const T* input, const T* gradient, double* totals, T* scratch,
                                          std::size_t begin, std::size_t end) {
     using plan = tiled_gradient_plan<W, Filters, Outputs, T>;
@@ -122,7 +122,7 @@ template <sliding_window W, std::size_t Filters, extent Outputs, class T>
 
 /// Gᵀ t G of as many sums as a vector of doubles has lanes; from one element to the next, and from one lane
 /// to the next of the gradients [row][column], it is a distance.
-template <extent Side, std::size_t Kernel, class T>
+template <extent2d Side, std::size_t Kernel, class T>
 [[gnu::always_inline]] inline void finish_tiled_weights(const double* totals, std::size_t distance,
                                                         T* gradients, std::size_t lane_distance) {
     constexpr std::size_t width = lanes<double>;
@@ -152,13 +152,13 @@ template <extent Side, std::size_t Kernel, class T>
 }
 
 /// gradients[filter][channel][row][column] from the totals.
-template <sliding_window W, std::size_t Filters, extent Outputs, class T>
+template <sliding_window W, std::size_t Filters, extent2d Outputs, class T>
 [[gnu::flatten]] void finish_tiled_gradient(const double* totals, T* gradients) {
     using plan = tiled_gradient_plan<W, Filters, Outputs, T>;
     constexpr std::size_t taps = W.kernel.area(), of_filter = W.input.channels * taps;
     constexpr std::size_t lane_distance = plan::block.filters_in_lanes ? of_filter : taps,
                           number_distance = plan::block.filters_in_lanes ? taps : of_filter;
-    constexpr extent side = plan::tiles.side;
+    constexpr extent2d side = plan::tiles.side;
     blocked<plan::vectors, plan::block.vectors>([&](auto vectors, std::size_t first_vector) {
         constexpr std::size_t in_block = vectors * lanes<T>;
         blocked<plan::numbers, plan::block.numbers>([&](auto count, std::size_t first_number) {

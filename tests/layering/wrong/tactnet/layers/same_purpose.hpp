@@ -5,10 +5,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-namespace draw {
+namespace random_purposes {
 inline constexpr random_purpose one{3};
 inline constexpr random_purpose other{3};
-} // namespace draw
+} // namespace random_purposes
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -15,7 +15,7 @@ namespace detail {
 /// For sharpness-aware minimisation (Foret et al., 2021): the network goes up the slope, the gradient is
 /// taken there, and the network comes back to take its step. Where the loss is low all around, that gradient
 /// is small; so wide valleys are found, and what is learnt in them holds for other images too.
-class uphill {
+class sam_perturbation {
 public:
     /// Moves the parameters by `radius` in the direction of their gradient. One of zero moves nothing.
     void climb(trainable& network, std::span<const float> gradients, double radius) {

@@ -1,7 +1,7 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/training/loop/sam_perturbation.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
-#include <tactnet/training/loop/uphill.hpp>
 
 #include <doctest/doctest.h>
 
@@ -18,7 +18,8 @@ using net = network<shape{6, 6}, conv2d<2, 3>, batch_norm, relu, dense<3>>;
 
 } // namespace
 
-TEST_CASE("uphill: by the radius in the gradient's direction, and back with the statistics of before") {
+TEST_CASE(
+    "sam_perturbation: by the radius in the gradient's direction, and back with the statistics of before") {
     trainable_network<net> walker;
     const auto values = walker.learnable_values(), statistics = walker.running_statistics();
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -28,7 +29,7 @@ TEST_CASE("uphill: by the radius in the gradient's direction, and back with the 
     std::vector<float> gradients(values.size());
     gradients[1] = 3, gradients[4] = -4;
 
-    detail::uphill path;
+    detail::sam_perturbation path;
     path.climb(walker, gradients, 0.5);
     CHECK(values[0] == before[0]);
     CHECK(values[1] == doctest::Approx(before[1] + 0.3F));
@@ -40,12 +41,13 @@ TEST_CASE("uphill: by the radius in the gradient's direction, and back with the 
     CHECK(std::ranges::all_of(statistics, [](float s) { return s == 3; }));
 }
 
-TEST_CASE("uphill: where there is no slope nothing moves, and tiny or huge ones give the same distance") {
+TEST_CASE(
+    "sam_perturbation: where there is no slope nothing moves, and tiny or huge ones give the same distance") {
     trainable_network<net> walker;
     const auto values = walker.learnable_values();
     std::ranges::fill(values, 0.0F);
     std::vector<float> gradients(values.size());
-    detail::uphill path;
+    detail::sam_perturbation path;
     path.climb(walker, gradients, 0.5);
     CHECK(std::ranges::all_of(values, [](float v) { return v == 0; }));
     path.come_back(walker);
