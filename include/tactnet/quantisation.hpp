@@ -2,6 +2,5 @@
 
 #include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/quantisation/calibration.hpp>
-#include <tactnet/quantisation/deploy.hpp>
 
 // Quantises trained networks to 8 bits: deploy<eight_bit>(model, training_images).

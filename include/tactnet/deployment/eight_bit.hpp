@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deployed_model.hpp>
-#include <tactnet/deployment/eight_bit/folded_check.hpp>
+#include <tactnet/deployment/eight_bit/layout_of.hpp>
 #include <tactnet/deployment/eight_bit/spellings.hpp>
 
 // The number format of 8 bits: deployed<Network, eight_bit>, its files and its exported headers. To make such

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deployed_model.hpp>
-#include <tactnet/deployment/eight_bit/folded_check.hpp>
+#include <tactnet/deployment/eight_bit/layout_of.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>

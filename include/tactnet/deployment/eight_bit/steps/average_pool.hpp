@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/deployment/steps/average_pool.hpp>
+#include <tactnet/deployment/steps/pooling.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 
 #include <algorithm>

@@ -2,8 +2,7 @@
 
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/deployment/steps/norm.hpp>
-#include <tactnet/deployment/steps/relu.hpp>
+#include <tactnet/deployment/steps/elementwise.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 
 #include <algorithm>

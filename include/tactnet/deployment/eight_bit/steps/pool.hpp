@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/deployment/steps/pool.hpp>
+#include <tactnet/deployment/steps/pooling.hpp>
 #include <tactnet/kernels/integer/vector.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 

@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/deployment/steps/square_root.hpp>
+#include <tactnet/deployment/steps/elementwise.hpp>
 #include <tactnet/kernels/integer/root.hpp>
 
 #include <algorithm>

@@ -8,6 +8,20 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// A max pool that no convolution takes along.
+template <class Format, sliding_window Window, std::size_t Stride>
+struct pool_step;
+
+template <sliding_window Window, std::size_t Stride>
+struct pool_step<single_precision, Window, Stride>
+    : step_without_parameters<single_precision,
+                              shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
+                              Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        kernels::pool_frame<Window, Stride>(in, out);
+    }
+};
+
 /// An average pool.
 template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step;

@@ -1,4 +1,4 @@
-#include <tactnet/deployment/steps/softmax.hpp>
+#include <tactnet/deployment/steps/elementwise.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include <tactnet/deployment/steps/relu.hpp>
+#include <tactnet/deployment/steps/elementwise.hpp>
 
 #include <doctest/doctest.h>
 

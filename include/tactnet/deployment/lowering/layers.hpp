@@ -1,0 +1,188 @@
+#pragma once
+
+#include <tactnet/deployment/lowering/lowering.hpp>
+#include <tactnet/deployment/steps/dense.hpp>
+#include <tactnet/deployment/steps/elementwise.hpp>
+#include <tactnet/deployment/steps/pooling.hpp>
+#include <tactnet/layers/average_pool.hpp>
+#include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/composition/named.hpp>
+#include <tactnet/layers/dense.hpp>
+#include <tactnet/layers/dropout.hpp>
+#include <tactnet/layers/local_response_norm.hpp>
+#include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/relu.hpp>
+#include <tactnet/layers/softmax.hpp>
+#include <tactnet/layers/square_root.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// That of what is named.
+template <name_text Name, class Spec>
+struct lowering<named<Name, Spec>> : lowering<Spec> {};
+
+template <unsigned Percent>
+struct lowering<dropout<Percent>> {
+    static constexpr bool inference_no_op = true;
+};
+
+/// A batch norm with its running statistics: x · factor + offset.
+template <class Place>
+class norm_constants {
+public:
+    explicit norm_constants(const parameter_source& list) : from_(Place::parameters(list)) {}
+    [[nodiscard]] double factor(std::size_t channel) const {
+        return static_cast<double>(from_.values[channel]) /
+               std::sqrt(static_cast<double>(from_.statistics[channels + channel]) + from_.epsilon);
+    }
+    /// What becomes of a bias in front of the norm.
+    [[nodiscard]] double shifted(std::size_t channel, double bias) const {
+        return (bias - static_cast<double>(from_.statistics[channel])) * factor(channel) +
+               static_cast<double>(from_.values[channels + channel]);
+    }
+
+private:
+    static constexpr std::size_t channels = Place::layer::output.channels;
+    parameter_source from_;
+};
+
+/// A batch norm that no convolution has taken up, with the ReLU behind it.
+template <class Place, bool Rectified = false>
+struct lowered_norm {
+    using step = norm_step<typename Place::format, Place::layer::output, Place::input_stride, Rectified>;
+
+    static void fold(const parameter_source& list, float* to) {
+        const norm_constants<Place> norm(list);
+        for (std::size_t c = 0; c < step::output.channels; ++c) {
+            to[c] = static_cast<float>(norm.factor(c));
+            to[step::output.channels + c] = static_cast<float>(norm.shifted(c, 0));
+        }
+    }
+    template <class Spec, class>
+    static constexpr auto fuse() {
+        if constexpr (rectifies<Spec>)
+            return std::type_identity<lowered_norm<Place, true>>{};
+        else
+            return not_fused{};
+    }
+};
+
+template <>
+struct lowering<batch_norm> {
+    template <class Place>
+    using channels = norm_constants<Place>;
+    template <class Place>
+    using at = lowered_norm<Place>;
+};
+
+template <>
+struct lowering<relu> {
+    static constexpr bool rectifies = true;
+    template <class Place>
+    using at = lowered_to<relu_step<typename Place::format, Place::layer::output, Place::input_stride>>;
+};
+
+template <class Offset>
+struct lowering<square_root<Offset>> {
+    /// The offset in lowest terms, so that equal ones are one step, and one spelling.
+    template <class Place>
+    using at = lowered_to<square_root_step<typename Place::format, Place::layer::output, Place::input_stride,
+                                           typename Offset::type>>;
+};
+
+template <std::size_t Size, class Alpha, class Beta, class K>
+struct lowering<local_response_norm<Size, Alpha, Beta, K>> {
+    /// Constants in lowest terms, so that equal ones are one step, and one spelling.
+    using rule = kernels::response_rule<Size, typename Alpha::type, typename Beta::type, typename K::type>;
+    template <class Place>
+    using at = lowered_to<
+        local_response_norm_step<typename Place::format, Place::layer::output, Place::input_stride, rule>>;
+};
+
+/// A form whose outputs become probabilities, where it writes those of the network.
+template <class Lowered>
+struct lowered_softmax {
+    using step = softmax_not_last<typename Lowered::step>;
+    static void fold(const parameter_source& list, float* to) { Lowered::fold(list, to); }
+};
+/// The same of a form that can write the outputs of a network.
+template <class Lowered>
+    requires requires {
+        typename Lowered::as_output;
+    }
+struct lowered_softmax<Lowered> {
+    /// Where others follow.
+    using step = softmax_not_last<typename Lowered::step>;
+    /// Where none follows.
+    struct as_output {
+        /// What the form does there, and the softmax.
+        using step = step_with_softmax<typename Lowered::as_output::step>;
+        /// As the form itself.
+        static void fold(const parameter_source& list, float* to) { Lowered::as_output::fold(list, to); }
+    };
+    /// As the form itself.
+    static void fold(const parameter_source& list, float* to) { Lowered::fold(list, to); }
+};
+
+template <>
+struct lowering<softmax> {
+    /// See deployment/lowering/lowering.hpp.
+    template <class Lowered>
+    using output_fused = lowered_softmax<Lowered>;
+    template <class Place>
+    using at = lowered_to<softmax_step<typename Place::format, Place::layer::output, Place::input_stride>>;
+};
+
+template <extent2d Window, extent2d Stride, padding Padding>
+struct lowering<max_pool<Window, Stride, Padding>> {
+    template <class Place>
+    static constexpr sliding_window maximum = Place::layer::window;
+    template <class Place>
+    using at = lowered_to<pool_step<typename Place::format, Place::layer::window, Place::input_stride>>;
+};
+
+template <class Place>
+struct lowered_average_pool
+    : lowered_to<average_pool_step<typename Place::format, Place::layer::windows,
+                                   Place::layer::output.channels, Place::input_stride>> {
+    using as_output = lowered_average_pool<typename Place::as_output>;
+};
+
+template <extent2d Window, extent2d Stride, padding Padding, average_over Over>
+struct lowering<average_pool<Window, Stride, Padding, Over>> {
+    template <class Place>
+    using at = lowered_average_pool<Place>;
+};
+template <extent2d Output>
+struct lowering<adaptive_average_pool<Output>> {
+    template <class Place>
+    using at = lowered_average_pool<Place>;
+};
+
+template <class Place>
+struct lowered_dense {
+    using layer = typename Place::layer;
+    using step = dense_step<typename Place::format,
+                            kernels::frame_dense{layer::input, Place::input_stride, layer::output.channels}>;
+
+    using as_output = lowered_dense<typename Place::as_output>;
+
+    static void fold(const parameter_source& list, float* to) {
+        std::copy_n(Place::parameters(list).values, layer::parameters, to);
+    }
+};
+
+template <std::size_t Outputs>
+struct lowering<dense<Outputs>> {
+    template <class Place>
+    using at = lowered_dense<Place>;
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

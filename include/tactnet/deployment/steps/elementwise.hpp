@@ -1,0 +1,135 @@
+#pragma once
+
+#include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
+#include <tactnet/kernels/frame/local_response.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A batch norm that follows no convolution, with or without ReLU: a factor and an offset for each channel.
+template <class Format, shape Map, std::size_t Stride, bool Rectified>
+struct norm_step;
+
+template <shape Map, std::size_t Stride, bool Rectified>
+struct norm_step<single_precision, Map, Stride, Rectified> {
+    using format = single_precision;
+    static constexpr shape output = Map;
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr std::size_t folded = 2 * Map.channels, packed = 2 * whole_lines(Stride);
+    static constexpr std::size_t workspace_elements = 0;
+
+    static constexpr void pack(const float* from, float* to) {
+        std::copy_n(from, Map.channels, to);
+        std::copy_n(from + Map.channels, Map.channels, to + whole_lines(Stride));
+    }
+    static double output_bound(const float* from, double input) {
+        return detail::largest_sum(from, Map.channels, 1, input);
+    }
+    static void run(const float* factors, const float* in, float* out, float*) noexcept {
+        const float* offsets = factors + whole_lines(Stride);
+        for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
+            for (std::size_t c = 0; c < Stride; ++c) {
+                const float y = kernels::fused_multiply_add(in[pixel + c], factors[c], offsets[c]);
+                out[pixel + c] = Rectified && y < 0 ? 0 : y;
+            }
+    }
+};
+
+/// A ReLU that follows neither a convolution nor a batch norm.
+template <class Format, shape Map, std::size_t Stride>
+struct relu_step;
+
+template <shape Map, std::size_t Stride>
+struct relu_step<single_precision, Map, Stride> : step_without_parameters<single_precision, Map, Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        for (std::size_t e = 0; e < Map.area() * Stride; ++e)
+            out[e] = in[e] < 0 ? 0 : in[e];
+    }
+};
+
+/// √(x + offset) − √offset, and 0 for x below 0. `Offset` is a std::ratio.
+template <class Format, shape Map, std::size_t Stride, class Offset>
+struct square_root_step;
+
+template <shape Map, std::size_t Stride, class Offset>
+struct square_root_step<single_precision, Map, Stride, Offset>
+    : step_without_parameters<single_precision, Map, Stride> {
+    static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
+
+    /// x + offset must stay finite too, and roots of small numbers are larger than they.
+    static double output_bound(const float*, double input) { return std::max(input, 1.0) + offset; }
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        kernels::shifted_roots<Map.area() * Stride>(static_cast<float>(offset), in, out);
+    }
+};
+
+/// Local response normalisation. `Rule` is a kernels::response_rule.
+template <class Format, shape Map, std::size_t Stride, class Rule>
+struct local_response_norm_step;
+
+template <shape Map, std::size_t Stride, class Rule>
+struct local_response_norm_step<single_precision, Map, Stride, Rule>
+    : step_without_parameters<single_precision, Map, Stride> {
+    /// Squares must stay finite, and so must x · k^−β.
+    static double output_bound(const float*, double input) {
+        return std::max(
+            {input, input * std::pow(Rule::k, -Rule::beta), static_cast<double>(Rule::size) * input * input});
+    }
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        kernels::normalise_pixels<Rule, Stride>(Map.area(), in, out);
+    }
+};
+
+/// Softmax over the channels of each pixel.
+template <class Format, shape Map, std::size_t Stride>
+struct softmax_step;
+
+template <shape Map, std::size_t Stride>
+struct softmax_step<single_precision, Map, Stride> : step_without_parameters<single_precision, Map, Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride) {
+            kernels::softmax_of<float>(std::span(in + pixel, Map.channels),
+                                       std::span(out + pixel, Map.channels));
+            std::fill(out + pixel + Map.channels, out + pixel + Stride, 0.0f);
+        }
+    }
+};
+
+/// A step that writes the outputs of a network as floats, and the softmax of these in their place: for number
+/// formats whose maps hold something else.
+template <class Step>
+struct step_with_softmax : Step {
+    using activation = typename Step::format::activation;
+
+    static void run(const typename Step::format::packed* packed, const activation* in, activation* out,
+                    activation* memory) noexcept {
+        Step::run(packed, in, out, memory);
+        auto* const outputs = reinterpret_cast<float*>(out);
+        for (std::size_t pixel = 0; pixel < Step::output.area() * Step::output_stride;
+             pixel += Step::output_stride)
+            kernels::softmax_of<float>(std::span<const float>(outputs + pixel, Step::output.channels),
+                                       std::span(outputs + pixel, Step::output.channels));
+    }
+};
+/// The same step where others follow.
+template <class Step>
+struct softmax_not_last : Step {
+    using activation = typename Step::format::activation;
+
+    static void run(const typename Step::format::packed*, const activation*, activation*,
+                    activation*) noexcept {
+        static_assert(Step::output.size() == 0, "deploy: in this number format a softmax must be the last "
+                                                "layer: maps in front of others hold no probabilities");
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
