@@ -44,7 +44,7 @@ constexpr shape frame{28, 50}, photograph{227, 227, 3};
 using trunk = squeezenet1_1_trunk<photograph>;
 
 /// Features of all images, some at a time, so that one sees how far it is.
-std::vector<float> features_of(const image_set& images, const trunk& network, const photograph_form& form,
+std::vector<float> features_of(const image_set& images, const trunk& network, const photograph_preprocessing& form,
                                feature_pooling pooling, thread_pool& threads) {
     const feature_extractor<trunk, frame> extract(network, form, pooling);
     std::vector<float> rows;
@@ -114,7 +114,7 @@ void run(const std::filesystem::path& folder, const std::filesystem::path& file,
     const auto network = std::make_unique<trunk>();
     const std::array<std::string, 1> unread{"classifier."};
     load_pretrained(*network, weights, unread);
-    const photograph_form form = stored_photograph_form(weights);
+    const photograph_preprocessing form = stored_photograph_preprocessing(weights);
     const image_set images = load_images(list_image_folder(folder), frame.rows, frame.columns, decode_image);
 
     // As the paper: all features behind fire9, one machine for each class, the cost that belongs to a

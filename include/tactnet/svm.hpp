@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/folds.hpp>
 #include <tactnet/svm/grid_search.hpp>
 #include <tactnet/svm/kernel/cache.hpp>
 #include <tactnet/svm/kernel/functions.hpp>
@@ -14,7 +13,6 @@
 #include <tactnet/svm/linear_machine.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>
-#include <tactnet/svm/row_blocks.hpp>
 #include <tactnet/svm/solvers/binary_problem.hpp>
 #include <tactnet/svm/solvers/coordinate_descent.hpp>
 #include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>

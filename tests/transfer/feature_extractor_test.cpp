@@ -39,7 +39,7 @@ std::vector<std::uint8_t> images(std::size_t count) {
 
 TEST_CASE("feature_extractor: what the trunk gives for the photograph of an image") {
     const trunk weights = seeded_trunk();
-    const photograph_form form = mean_photograph(100, 90, 80);
+    const photograph_preprocessing form = mean_photograph(100, 90, 80);
     const auto pixels = images(5);
     const std::vector<std::size_t> chosen{4, 0, 2};
     thread_pool threads(2);

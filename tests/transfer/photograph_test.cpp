@@ -26,7 +26,7 @@ std::array<std::uint8_t, grey.size()> touch() {
 TEST_CASE("photograph: every channel is the resized image, normalised") {
     const auto image = touch();
     for (const resized_pixel pixel : {resized_pixel::count, resized_pixel::number}) {
-        photograph_form form = mean_photograph(123, 117, 104);
+        photograph_preprocessing form = mean_photograph(123, 117, 104);
         form.normalise.scale = {1, 0.5F, 2};
         form.pixel = pixel;
         std::vector<float> found(large.size()), resized(large.area());

@@ -36,7 +36,7 @@ struct weights {
             values[i] = first + static_cast<float>(i);
         writer.add(name, extents, std::span<const float>(values));
     }
-    std::vector<std::vector<float>> read(const photograph_form& form = torchvision_photograph) {
+    std::vector<std::vector<float>> read(const photograph_preprocessing& form = torchvision_photograph) {
         const auto path = folder.path() / "weights";
         writer.write(path);
         safetensors_source file = safetensors_source::open(path);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <tactnet/detail/config.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -82,6 +84,24 @@ inline void check_samples(feature_rows<> rows, std::span<const std::size_t> labe
                                     ", one for each row, found " + std::to_string(labels.size()));
     check_finite(rows);
 }
+
+namespace detail {
+
+/// Calls take(rows) for one block of rows after the other, so that temporary memory does not grow with their
+/// number. `bytes_each` is the temporary memory of a row. A block takes at most 16 MiB, but has at least one
+/// row.
+template <std::size_t Features, class Take>
+void for_each_block(feature_rows<Features> rows, std::size_t bytes_each, const Take& take) {
+    constexpr std::size_t most_bytes = std::size_t{1} << 24U;
+    const std::size_t most = std::max<std::size_t>(1, most_bytes / std::max<std::size_t>(1, bytes_each));
+    for (std::size_t first = 0; first < rows.size(); first += most) {
+        const std::size_t count = std::min(most, rows.size() - first);
+        take(feature_rows<Features>(rows.values().subspan(first * rows.features(), count * rows.features()),
+                                    rows.features()));
+    }
+}
+
+} // namespace detail
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -11,13 +11,14 @@
 #include <utility>
 #include <vector>
 
-// A linear machine of more features than samples. Coordinate descent reads all features of all samples in
-// every round; the dual needs no more of them than their products with each other, which are found once for
-// all classes.
+// A linear machine for more features than samples. Coordinate descent reads all features of all samples in
+// each round; the dual needs only the products of samples with each other, which are computed once for all
+// classes.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// Options of train_linear_machine_by_products.
 struct linear_product_options {
     double cost = 1; ///< C, of an error on one sample
     std::vector<class_weight> class_weights{};
@@ -26,11 +27,10 @@ struct linear_product_options {
     solver_options solver{};
 };
 
-/// Trains one machine for each class among the labels, against all others, by the hinge loss and with an
-/// offset that costs nothing: what a kernel machine of the linear kernel, one versus rest, would decide, by a
-/// row of weights for each class in place of support vectors. On all threads; bit-exact on any number of
-/// them. Throws std::invalid_argument as train_linear_machine, and for products that single
-/// precision does not hold.
+/// Trains a machine per class against all others, with the hinge loss and an unregularised offset. It decides
+/// as a kernel machine with the linear kernel, one versus rest, but stores a row of weights per class in
+/// place of support vectors. Uses all threads; the result is bit-identical on any number of them. Throws
+/// std::invalid_argument as train_linear_machine does, and for products beyond the range of single precision.
 template <std::size_t Features>
 [[nodiscard]] linear_training_result<Features>
 train_linear_machine_by_products(feature_rows<Features> rows, std::span<const std::size_t> labels,

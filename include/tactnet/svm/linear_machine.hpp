@@ -4,7 +4,6 @@
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/multiclass.hpp>
-#include <tactnet/svm/row_blocks.hpp>
 #include <tactnet/svm/solvers/coordinate_descent.hpp>
 #include <tactnet/svm/standardisation.hpp>
 

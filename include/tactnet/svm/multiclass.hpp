@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/solvers/binary_problem.hpp>
 
@@ -13,11 +14,12 @@
 #include <utility>
 #include <vector>
 
-// Many classes by machines of two.
+// Many classes from machines that separate two.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// How machines of two classes decide between many.
 enum class multiclass {
     one_versus_one, ///< a machine for every pair, which votes for one of both
     one_versus_rest ///< a machine for every class; the highest value wins
@@ -37,7 +39,7 @@ struct class_members {
     class_members() = default;
     explicit class_members(std::span<const std::size_t> all_labels)
         : class_members(all_labels, all_samples(all_labels.size())) {}
-    /// Of the samples named alone.
+    /// Only the named samples.
     class_members(std::span<const std::size_t> all_labels, std::span<const std::size_t> named) {
         for (const std::size_t sample : named)
             labels.push_back(all_labels[sample]);
@@ -52,7 +54,7 @@ struct class_members {
         return static_cast<std::size_t>(std::lower_bound(labels.begin(), labels.end(), label) -
                                         labels.begin());
     }
-    /// Throws std::invalid_argument when there is nothing to tell apart.
+    /// Throws std::invalid_argument for fewer than two classes.
     void require_two() const {
         if (size() < 2)
             throw std::invalid_argument(
@@ -159,6 +161,22 @@ binary_problems(const class_members& classes, std::span<const double> costs, mul
         for (std::size_t b = a + 1; b < classes; ++b)
             ++votes[values[machine++] > 0 ? a : b];
     return first_largest(votes);
+}
+
+/// Assigns each sample to a fold of a cross-validation. Each class is shuffled by itself and dealt out in
+/// turn, so that every fold has about as many samples of each class.
+[[nodiscard]] inline std::vector<std::size_t>
+deal_folds(const std::vector<std::vector<std::size_t>>& samples_of_classes, std::size_t samples,
+           std::size_t folds, std::uint64_t seed) {
+    std::vector<std::size_t> fold_of(samples);
+    std::size_t next = 0;
+    for (std::size_t c = 0; c < samples_of_classes.size(); ++c) {
+        std::vector<std::size_t> members = samples_of_classes[c];
+        random_stream(seed, random_purposes::split, static_cast<std::uint32_t>(c)).shuffle(members);
+        for (const std::size_t sample : members)
+            fold_of[sample] = next++ % folds;
+    }
+    return fold_of;
 }
 
 } // namespace TACTNET_ARCH

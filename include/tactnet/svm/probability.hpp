@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-// Probabilities out of decision values.
+// Probabilities from decision values.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -20,7 +20,7 @@ struct sigmoid {
 
     [[nodiscard]] double operator()(double value) const {
         const double z = slope * value + offset;
-        // Of two forms the one whose exponential does not overflow.
+        // Of the two equivalent expressions, the one whose exponential cannot overflow.
         return z >= 0 ? std::exp(-z) / (1 + std::exp(-z)) : 1 / (1 + std::exp(z));
     }
 };
@@ -82,8 +82,8 @@ struct sigmoid {
 
 /// Probabilities of all classes from those of each pair, `pairwise[i][j]` = P(i | i or j), row by row (Wu,
 /// Lin and Weng, "Probability estimates for multi-class classification by pairwise coupling", JMLR 5, 2004,
-/// second method). None is taken for more certain than to 1e-7: a class that is sure against all others would
-/// be divided by nothing.
+/// second method). They are clamped to 1e-7 … 1 − 1e-7: a class that is certain against all others would
+/// lead to a division by zero.
 [[nodiscard]] inline std::vector<double> couple_pairwise(std::span<const double> pairwise,
                                                          std::size_t classes) {
     const std::size_t k = classes;

@@ -13,8 +13,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Every feature less its mean, by its deviation, both of the training set. A feature that is constant there
-/// is only centred.
+/// Subtracts the mean of each feature and divides by its standard deviation, both of the training set. A
+/// feature that is constant there is only centred.
 struct standardisation {
     std::vector<float> mean;
     std::vector<float> deviation; ///< 1 for a constant feature
@@ -37,7 +37,7 @@ struct standardisation {
         });
         standardisation result;
         for (std::size_t f = 0; f < features; ++f) {
-            // A deviation within what rounding makes of a constant is none.
+            // A deviation within the rounding error of a constant counts as zero.
             const double deviation = std::sqrt(squares[f]);
             const double noise = std::numeric_limits<double>::epsilon() * count * std::abs(sums[f]);
             const float single = static_cast<float>(deviation);
@@ -47,7 +47,7 @@ struct standardisation {
         return result;
     }
 
-    /// The rows standardised, one after the other. Throws std::invalid_argument for another number of
+    /// Returns the standardised rows, one after the other. Throws std::invalid_argument for another number of
     /// features.
     [[nodiscard]] std::vector<float> operator()(feature_rows<> rows) const {
         const std::size_t features = rows.features();
@@ -62,7 +62,7 @@ struct standardisation {
     }
 };
 
-/// Rows as a machine is trained on them: standardised where that is asked for.
+/// The rows that a machine is trained on, standardised if requested.
 class training_rows {
 public:
     /// The rows must outlive this.
@@ -73,7 +73,7 @@ public:
             rows_ = feature_rows<>(values_, rows.features());
         }
     }
-    // The rows may be those in here.
+    // rows_ may refer to values_.
     training_rows(const training_rows&) = delete;
     training_rows& operator=(const training_rows&) = delete;
 

@@ -25,11 +25,12 @@ template <std::size_t Channels, std::size_t Rows, std::size_t Columns>
 
 } // namespace detail
 
-/// An image of one channel as the photograph that a network trained on ImageNet takes: resized bicubically,
-/// its channel three times (the paper's equations 1 to 4), each less a mean and divided by a deviation. Mean
-/// and variance of red, green and blue are running statistics that stay as they are, in weight files
-/// "photograph.running_mean" and "photograph.running_var": whoever gives the weights of the network behind it
-/// sets them (see pretrained_trunk). Until then the mean is 0 and the variance 1; no epsilon is added.
+/// Turns an image of one channel into the photograph that an ImageNet network expects: resizes it
+/// bicubically, repeats its channel three times (the paper's equations 1 to 4), subtracts a mean and divides
+/// by a standard deviation. Mean and variance of red, green and blue are running statistics that training
+/// does not change, in weight files "photograph.running_mean" and "photograph.running_var". pretrained_trunk
+/// sets them together with the weights of the network. Until then the mean is 0 and the variance 1; no
+/// epsilon is added.
 template <extent2d Size>
 struct as_photograph {
     static constexpr std::string_view name = "photograph";

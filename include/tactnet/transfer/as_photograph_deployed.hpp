@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <string>
 
-// What as_photograph becomes when a network is deployed, and how its step is spelled in an exported header.
+// Lowers as_photograph to its deployed step, and spells that step in an exported header.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -9,13 +9,12 @@
 #include <cstddef>
 #include <span>
 
-// What as_photograph does in a deployed network. A target that runs an exported network needs this file
-// alone.
+// The deployed step of as_photograph. An exported network needs this file alone.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Folded and packed: mean of red, green and blue, then what remains is multiplied by.
+/// Folded and packed: the mean of red, green and blue, then the factor of each after subtracting it.
 template <class Format, extent2d From, std::size_t InputStride, extent2d To>
 struct as_photograph_step;
 
@@ -26,12 +25,12 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
     static constexpr shape output{To.rows, To.columns, 3};
     static constexpr std::size_t output_stride = 3;
     static constexpr std::size_t folded = 6, packed = whole_lines(folded);
-    static constexpr bool joins_pixels = InputStride != 1; ///< which lie apart
+    static constexpr bool joins_pixels = InputStride != 1; ///< the input has gaps between its pixels
     static constexpr std::size_t workspace_elements =
         whole_lines(resized.area()) + (joins_pixels ? whole_lines(grey.area()) : 0);
 
     static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded, to); }
-    /// A bicubic kernel overshoots.
+    /// More than the input: a bicubic kernel overshoots.
     static double output_bound(const float* numbers, double input) {
         const double most = input * gain<resize_axis<keys<>, From.rows, To.rows>>() *
                             gain<resize_axis<keys<>, From.columns, To.columns>>();
@@ -56,7 +55,7 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
     }
 
 private:
-    /// The largest factor by which an axis may enlarge what passes.
+    /// The largest factor by which resizing one axis may enlarge a value.
     template <class Axis>
     static double gain() {
         double most = 0;

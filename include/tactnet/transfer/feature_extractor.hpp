@@ -2,11 +2,12 @@
 
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
-#include <tactnet/transfer/feature_pooling.hpp>
 #include <tactnet/transfer/photograph.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,13 +16,47 @@
 #include <string>
 #include <vector>
 
+// From the last feature map of a pretrained network to a row of features.
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Pressure images through the first layers of a network that was trained on photographs: features for a
-/// support vector machine, or for layers that are trained on top. `Trunk` is a network of three input
-/// channels, `Grey` the shape of the images. Const calls may come from any number of threads, and a row is
-/// bit-exact on any number of them.
+/// Which values of a feature map become features.
+enum class feature_pooling {
+    none,    ///< every value, as in the paper
+    maximum, ///< the largest of each channel
+    average  ///< the mean of each channel
+};
+
+/// The number of features of a map.
+[[nodiscard]] constexpr std::size_t feature_count(feature_pooling pooling, shape map) {
+    return pooling == feature_pooling::none ? map.size() : map.channels;
+}
+
+/// `map` is ordered [channel][row][column]; `to` holds feature_count(pooling, extents) numbers.
+inline void pool_features(feature_pooling pooling, std::span<const float> map, shape extents,
+                          std::span<float> to) {
+    if (pooling == feature_pooling::none) {
+        std::copy(map.begin(), map.end(), to.begin());
+        return;
+    }
+    for (std::size_t channel = 0; channel < extents.channels; ++channel) {
+        const auto plane = map.subspan(channel * extents.area(), extents.area());
+        if (pooling == feature_pooling::maximum) {
+            to[channel] = *std::max_element(plane.begin(), plane.end());
+        } else {
+            double sum = 0;
+            for (const float value : plane)
+                sum += static_cast<double>(value);
+            to[channel] = static_cast<float>(sum / static_cast<double>(plane.size()));
+        }
+    }
+}
+
+/// Computes features of pressure images with the first layers of a network that was trained on photographs,
+/// for a support vector machine or a trained head. `Trunk` is a network of three input channels, `Grey` the
+/// shape of the images. Any number of threads may call const members; rows are bit-identical on any number of
+/// them.
 template <class Trunk, shape Grey>
 class feature_extractor {
     using trunk_type = deployed<Trunk>;
@@ -29,21 +64,20 @@ class feature_extractor {
 
 public:
     static constexpr shape image_shape = Grey;
-    /// What the trunk ends in.
+    /// The shape of the trunk's last feature map.
     static constexpr shape map = trunk_type::view_type::output_shape;
 
-    /// Takes the weights of a trained trunk. Throws as `deploy`.
-    feature_extractor(const Trunk& trunk, const photograph_form& form,
+    /// Copies the weights of a trained trunk. Throws as `deploy` does.
+    feature_extractor(const Trunk& trunk, const photograph_preprocessing& form,
                       feature_pooling pooling = feature_pooling::none)
         : trunk_(deploy(trunk)), form_(form), pooling_(pooling) {}
 
-    /// Numbers of one image.
+    /// The number of features of one image.
     [[nodiscard]] std::size_t features() const { return feature_count(pooling_, map); }
 
-    /// A row of features for each of the chosen images, which are stored one after the other: [row][column],
-    /// counts of 8 bits. Throws std::invalid_argument unless all images are whole and each chosen one is
-    /// among them, and std::runtime_error when a feature is not finite, which finite weights of a usual size
-    /// do not give.
+    /// Returns a row of features per chosen image. Images are 8-bit counts, ordered [image][row][column].
+    /// Throws std::invalid_argument for an incomplete image and for a chosen index beyond the last, and
+    /// std::runtime_error if a feature is not finite.
     [[nodiscard]] std::vector<float> rows(std::span<const std::uint8_t> images,
                                           std::span<const std::size_t> chosen, thread_pool& threads) const {
         check(images, chosen);
@@ -58,7 +92,7 @@ public:
     }
 
 private:
-    /// Of one image on its way. Too large for the stack.
+    /// Buffers of one thread; too large for the stack.
     struct memory {
         tensor<float, photograph> picture;
         tensor<float, map> last;
@@ -87,7 +121,7 @@ private:
     }
 
     trunk_type trunk_;
-    photograph_form form_;
+    photograph_preprocessing form_;
     feature_pooling pooling_;
 };
 

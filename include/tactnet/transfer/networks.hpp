@@ -1,17 +1,19 @@
 #pragma once
 
+#include <tactnet/layers.hpp>
 #include <tactnet/networks/imagenet/alexnet.hpp>
 #include <tactnet/networks/imagenet/resnet.hpp>
 #include <tactnet/networks/imagenet/squeezenet.hpp>
 #include <tactnet/networks/imagenet/vgg16.hpp>
+#include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published_training.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 
 #include <cstddef>
 
-// The paper's networks that have learnt from photographs and are trained on with touches (TL-NN): the same
-// networks, for an image of one channel, with a last layer of their own. What is published of their training
-// is in the authors' programs.
+// The paper's ImageNet networks for transfer learning (TL-NN): pretrained on photographs, fine-tuned on
+// pressure images of one channel, with a new last layer. The training settings are those of the authors'
+// programs.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -28,44 +30,60 @@ struct behind_photograph<Touch, basic_network<T, Photograph, Specs...>> {
 
 } // namespace detail
 
-/// A network of photographs as one of pressure images: with as_photograph in front.
+/// Puts as_photograph before a network for photographs, so that it takes pressure images.
 template <shape Touch, class Network>
 using behind_photograph = typename detail::behind_photograph<Touch, Network>::type;
 
+/// SqueezeNet 1.1 for touches.
 template <shape Touch, std::size_t Classes>
 using squeezenet_nn = behind_photograph<Touch, squeezenet1_1<shape{227, 227, 3}, Classes>>;
+/// AlexNet for touches.
 template <shape Touch, std::size_t Classes>
 using alexnet_nn = behind_photograph<Touch, alexnet<shape{224, 224, 3}, Classes>>;
+/// ResNet-50 for touches.
 template <shape Touch, std::size_t Classes>
 using resnet50_nn = behind_photograph<Touch, resnet50<shape{224, 224, 3}, Classes>>;
+/// VGG16 for touches.
 template <shape Touch, std::size_t Classes>
 using vgg16_nn = behind_photograph<Touch, vgg16<shape{224, 224, 3}, Classes>>;
 
-/// How the authors trained each, for images of any size. A rate beside a factor is that of the last layer.
+/// How the authors trained SqueezeNet, for images of any size. The rate is that of the last layer; the other
+/// layers learn at the rate divided by `new_layer_factor`.
 [[nodiscard]] constexpr published_training squeezenet_nn_training(shape) {
     return {.rate = 1e-3,
             .drop_period = 0,
             .patience = 0,
             .transfer = published_transfer{.epochs = 15, .batch = 64, .new_layer_factor = 1}};
 }
+/// How the authors trained AlexNet.
 [[nodiscard]] constexpr published_training alexnet_nn_training(shape) {
     return {.rate = 2e-3,
             .drop_period = 0,
             .patience = 0,
             .transfer = published_transfer{.epochs = 10, .batch = 5, .new_layer_factor = 20}};
 }
+/// How the authors trained ResNet-50.
 [[nodiscard]] constexpr published_training resnet50_nn_training(shape) {
     return {.rate = 1e-3,
             .drop_period = 0,
             .patience = 4,
             .transfer = published_transfer{.epochs = 10, .batch = 16, .new_layer_factor = 1}};
 }
+/// How the authors trained VGG16.
 [[nodiscard]] constexpr published_training vgg16_nn_training(shape) {
     return {.rate = 2e-3,
             .drop_period = 0,
             .patience = 0,
             .transfer = published_transfer{.epochs = 10, .batch = 32, .new_layer_factor = 20}};
 }
+
+/// A head for a frozen trunk: layers that are trained on `Features` numbers per image, which
+/// feature_extractor computes once. The first batch norm normalises features of any usual scale; a feature
+/// whose variance is below epsilon would fade. `Hidden` is the width of the hidden layer.
+template <std::size_t Features, std::size_t Classes, std::size_t Hidden = 256>
+using feature_head = network<shape{1, 1, Features}, batch_norm, dropout<20>, //
+                             dense<Hidden>, batch_norm, relu, dropout<50>,   //
+                             dense<Classes>>;
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

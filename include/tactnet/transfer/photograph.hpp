@@ -1,49 +1,55 @@
 #pragma once
 
+#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/three_channels.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
-// A pressure image as the photograph that a network trained on ImageNet expects: resized bicubically, its
-// channel three times (the paper's equations 1 to 4), normalised as the weights want it.
+// Turns a pressure image into the photograph that an ImageNet network expects: resized bicubically, its
+// channel repeated three times (the paper's equations 1 to 4), normalised as in the training of the weights.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What a resized pixel is before it is normalised.
+/// The value of a resized pixel before it is normalised.
 enum class resized_pixel {
-    count, ///< rounded and kept within 0 … 255, as MATLAB's imresize does with 8-bit images
-    number ///< as the bicubic kernel gives it
+    count, ///< rounded and clamped to 0 … 255, as MATLAB's imresize does with 8-bit images
+    number ///< the result of the bicubic kernel
 };
 
-/// What weights were trained with. Values are counts, 0 … 255.
-struct photograph_form {
+/// The preprocessing that weights were trained with. Values are counts, 0 … 255.
+struct photograph_preprocessing {
     channel_normalisation normalise; ///< of red, green and blue
     resized_pixel pixel = resized_pixel::count;
 };
 
-/// Of torchvision's weights: mean and standard deviation of ImageNet's channels, there given for 0 … 1.
-inline constexpr photograph_form torchvision_photograph{
+/// The preprocessing of torchvision's weights: mean and standard deviation of ImageNet's channels, which
+/// torchvision states for values of 0 … 1.
+inline constexpr photograph_preprocessing torchvision_photograph{
     {.mean = {0.485F * 255, 0.456F * 255, 0.406F * 255},
      .scale = {1 / (0.229F * 255), 1 / (0.224F * 255), 1 / (0.225F * 255)}},
     resized_pixel::count};
 
-/// Of weights in the line of Caffe, such as MATLAB's: the mean of each channel is subtracted, no more.
-[[nodiscard]] constexpr photograph_form mean_photograph(float red, float green, float blue) {
+/// The preprocessing of weights that descend from Caffe, such as MATLAB's: only the mean is subtracted.
+[[nodiscard]] constexpr photograph_preprocessing mean_photograph(float red, float green, float blue) {
     return {{.mean = {red, green, blue}, .scale = {1, 1, 1}}, resized_pixel::count};
 }
 
 namespace detail {
 
-/// From the first channel of a photograph to all three, normalised.
+/// Fills all three channels of a photograph from its first, and normalises them.
 inline void spread_first_channel(std::span<float> photograph, const channel_normalisation& normalise) {
     const std::size_t area = photograph.size() / 3;
-    // The first comes last, since all are made from it.
+    // The first channel comes last, since all are computed from it.
     for (std::size_t channel = 3; channel-- > 0;) {
         const float mean = normalise.mean[channel], scale = normalise.scale[channel];
         const auto plane = photograph.subspan(channel * area, area);
@@ -54,9 +60,10 @@ inline void spread_first_channel(std::span<float> photograph, const channel_norm
 
 } // namespace detail
 
-/// `to` is [channel][row][column]. No heap and little stack: its own first channel is used on the way.
+/// Turns an image of compile-time size into a photograph. Uses no heap: the first channel of `to` is its
+/// buffer.
 template <shape Grey, shape Photograph>
-void to_photograph(tensor_view<const std::uint8_t, Grey> image, const photograph_form& form,
+void to_photograph(tensor_view<const std::uint8_t, Grey> image, const photograph_preprocessing& form,
                    tensor_view<float, Photograph> to) {
     static_assert(Grey.channels == 1 && Photograph.channels == 3,
                   "to_photograph: expected an image of one channel, and room for three");
@@ -66,6 +73,29 @@ void to_photograph(tensor_view<const std::uint8_t, Grey> image, const photograph
         for (std::size_t e = 0; e < resized.size(); ++e)
             to.data()[e] = static_cast<float>(to_count(to.data()[e]));
     detail::spread_first_channel(to.elements(), form.normalise);
+}
+
+/// Turns an image whose size is known at run time into a photograph. It resizes in double precision: rounded
+/// pixels may differ by one count from those of the overload above. `to` is ordered [channel][row][column].
+/// Throws std::invalid_argument for an empty image, and if a span does not have the length of its size.
+inline void to_photograph(std::span<const std::uint8_t> image, extent2d grey,
+                          const photograph_preprocessing& form, extent2d photograph, std::span<float> to) {
+    const std::size_t area = photograph.area();
+    if (to.size() != 3 * area)
+        throw std::invalid_argument("to_photograph: expected room for " + std::to_string(3 * area) +
+                                    " numbers, found " + std::to_string(to.size()));
+    const auto first = to.first(area);
+    if (form.pixel == resized_pixel::count) {
+        const auto counts =
+            resize_bicubic(image, grey.rows, grey.columns, photograph.rows, photograph.columns);
+        std::copy(counts.begin(), counts.end(), first.begin());
+    } else {
+        const std::vector<float> numbers(image.begin(), image.end());
+        const auto resized = resize_bicubic(std::span<const float>(numbers), grey.rows, grey.columns,
+                                            photograph.rows, photograph.columns);
+        std::copy(resized.begin(), resized.end(), first.begin());
+    }
+    detail::spread_first_channel(to, form.normalise);
 }
 
 } // namespace TACTNET_ARCH

@@ -15,15 +15,32 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What a training begins with that goes on from weights learnt from photographs: the values of each array of
-/// a network that has as_photograph in front, in its order; none for those of the last layer, which learns
-/// other classes. Mean and variance of the photograph are those that `form` says, for inputs of 0 … 1.
+/// Reads the preprocessing that the weights of a file were trained with: if the file has an array
+/// `input_mean` of three numbers (after `prefix`), these are subtracted from the counts; otherwise it is
+/// torchvision's. `File` is a safetensors_source or safetensors. Throws file_error for an array of another
+/// size, and for numbers that are not finite.
+template <class File>
+[[nodiscard]] photograph_preprocessing stored_photograph_preprocessing(File& file,
+                                                                       const std::string& prefix = "") {
+    const std::string name = prefix + "input_mean";
+    if (!file.contains(name))
+        return torchvision_photograph;
+    file.require_extents(name, std::array<std::size_t, 1>{3});
+    const std::vector<float> mean = file.template values<float>(name);
+    detail::check_values(file, name, mean);
+    return mean_photograph(mean[0], mean[1], mean[2]);
+}
+
+/// Reads the initial values for fine-tuning a pretrained network: the values of each array of a network that
+/// begins with as_photograph, in its order, and none for the last layer, which learns other classes. `form`
+/// gives the mean and variance of the photograph, for inputs of 0 … 1.
 ///
-/// Throws file_error, one that names all of them, for arrays that are missing, surplus or of other extents,
-/// and for values that are not finite; std::invalid_argument for a network without as_photograph, or without
-/// a last layer of its own.
-[[nodiscard]] inline std::vector<std::vector<float>>
-pretrained_trunk(safetensors_source& file, const stored_arrays& arrays, const photograph_form& form) {
+/// Throws one file_error that lists all arrays that are missing, surplus or of other extents, and file_error
+/// for values that are not finite; std::invalid_argument for a network without as_photograph or without a
+/// last layer of its own.
+[[nodiscard]] inline std::vector<std::vector<float>> pretrained_trunk(safetensors_source& file,
+                                                                      const stored_arrays& arrays,
+                                                                      const photograph_preprocessing& form) {
     const std::string last = arrays.output_layer();
     if (last.empty() || arrays.list.size() < 4 || arrays.list[0].name != "photograph.running_mean")
         throw std::invalid_argument(
@@ -33,7 +50,7 @@ pretrained_trunk(safetensors_source& file, const stored_arrays& arrays, const ph
     for (const named_array& each : arrays.list)
         if (!each.name.starts_with(last) && !each.name.starts_with("photograph."))
             trunk.list.push_back(each);
-    // Whatever classes the file knows, and what it says of its inputs.
+    // The last layer is not read: its classes may be others.
     const std::array<std::string, 1> unread{last};
     require_arrays(file, trunk, 0, unread);
     std::vector<std::vector<float>> values;

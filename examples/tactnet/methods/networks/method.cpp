@@ -9,7 +9,6 @@
 
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/transfer/pretrained_trunk.hpp>
-#include <tactnet/transfer/stored_photograph_form.hpp>
 
 #include <fmt/format.h>
 
@@ -176,7 +175,7 @@ public:
     }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
         auto file = tactnet::safetensors_source::open(path);
-        const auto form = tactnet::stored_photograph_form(file);
+        const auto form = tactnet::stored_photograph_preprocessing(file);
         return std::make_shared<begun_weights>(
             tactnet::pretrained_trunk(file, stored_arrays_of(*code_), form));
     }

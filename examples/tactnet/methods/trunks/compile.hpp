@@ -10,7 +10,7 @@
 #include <tactnet/networks.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
-#include <tactnet/transfer/feature_head.hpp>
+#include <tactnet/transfer/networks.hpp>
 
 #include <memory>
 #include <span>

@@ -10,9 +10,9 @@
 
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/transfer/feature_pooling.hpp>
-#include <tactnet/transfer/running_photograph.hpp>
-#include <tactnet/transfer/stored_photograph_form.hpp>
+#include <tactnet/transfer/feature_extractor.hpp>
+#include <tactnet/transfer/photograph.hpp>
+#include <tactnet/transfer/pretrained_trunk.hpp>
 
 #include <fmt/format.h>
 
@@ -92,7 +92,7 @@ trunk_features::trunk_features(std::shared_ptr<const compiled_trunk> trunk, trun
                                std::string prefix)
     : file_(std::move(file)),
       prefix_(std::move(prefix)),
-      finder_{std::move(trunk), form, image, tactnet::stored_photograph_form(*file_, prefix_)} {
+      finder_{std::move(trunk), form, image, tactnet::stored_photograph_preprocessing(*file_, prefix_)} {
     tactnet::require_pretrained(*file_, tactnet::with_prefix(finder_.trunk->arrays(), prefix_),
                                 finder_.trunk->names.behind, prefix_);
 }

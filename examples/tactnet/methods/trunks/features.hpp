@@ -29,7 +29,7 @@ struct feature_finder {
     std::shared_ptr<const compiled_trunk> trunk;
     trunk_features_form form;
     tactnet::extent2d image;
-    tactnet::photograph_form photograph;
+    tactnet::photograph_preprocessing photograph;
 
     /// Numbers of one image.
     std::size_t size() const { return form.size(trunk->map); }

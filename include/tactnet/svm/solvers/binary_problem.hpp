@@ -5,19 +5,19 @@
 #include <cstddef>
 #include <vector>
 
-// What solvers are given and what they give: two classes, and a machine that tells them apart.
+// The input and output of a solver: two classes, and a machine that separates them.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Two classes: which samples, on which side, and what an error on each costs at most.
+/// Two classes: the samples, their sides, and the cost of an error on each.
 struct binary_problem {
     std::vector<std::size_t> samples;
     std::vector<double> sides; ///< +1 or −1
     std::vector<double> costs; ///< C of the sample
 };
 
-/// How a solver ended.
+/// The outcome of a solver.
 struct solver_report {
     std::size_t iterations = 0;
     bool converged = false; ///< otherwise the limit was reached; the machine is usable, if not the best

@@ -1,4 +1,4 @@
-#include <tactnet/transfer/feature_pooling.hpp>
+#include <tactnet/transfer/feature_extractor.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/training/trainer.hpp>
-#include <tactnet/transfer/feature_head.hpp>
+#include <tactnet/transfer/networks.hpp>
 
 #include <doctest/doctest.h>
 
@@ -71,7 +71,7 @@ TEST_CASE("feature_head: learns classes from features of any scale, and recognis
     }
 }
 
-TEST_CASE("feature_head: a feature that is no number is told before the training begins") {
+TEST_CASE("feature_head: a feature that is no number is reported before the training begins") {
     clouds data;
     data.values[7 * numbers + 2] = std::numeric_limits<float>::quiet_NaN();
     thread_pool alone;

@@ -1,4 +1,4 @@
-#include <tactnet/svm/row_blocks.hpp>
+#include <tactnet/svm/feature_rows.hpp>
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 
 using namespace tactnet;
 
-TEST_CASE("row_blocks: every row once and in order, in blocks of no more bytes than there may be") {
+TEST_CASE("for_each_block: every row once and in order, in blocks of no more bytes than there may be") {
     for (const std::size_t rows : {0u, 1u, 2u, 63u, 1000u})
         for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, std::size_t{1} << 20U,
                                         (std::size_t{1} << 24U) - 1, std::size_t{1} << 40U}) {

@@ -1,4 +1,4 @@
-#include <tactnet/svm/folds.hpp>
+#include <tactnet/svm/multiclass.hpp>
 
 #include <doctest/doctest.h>
 

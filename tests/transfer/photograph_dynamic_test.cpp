@@ -1,4 +1,4 @@
-#include <tactnet/transfer/running_photograph.hpp>
+#include <tactnet/transfer/photograph.hpp>
 
 #include <doctest/doctest.h>
 
@@ -21,12 +21,12 @@ std::vector<std::uint8_t> touch() {
         image[e] = static_cast<std::uint8_t>(e % 5 == 0 ? 255 : e * 89 % 256);
     return image;
 }
-std::vector<float> running(const std::vector<std::uint8_t>& image, const photograph_form& form) {
+std::vector<float> running(const std::vector<std::uint8_t>& image, const photograph_preprocessing& form) {
     std::vector<float> to(large.size());
     to_photograph(image, {grey.rows, grey.columns}, form, {large.rows, large.columns}, to);
     return to;
 }
-std::vector<float> fixed(const std::vector<std::uint8_t>& image, const photograph_form& form) {
+std::vector<float> fixed(const std::vector<std::uint8_t>& image, const photograph_preprocessing& form) {
     std::vector<float> to(large.size());
     to_photograph(tensor_view<const std::uint8_t, grey>(image.data()), form,
                   tensor_view<float, large>(to.data()));
@@ -35,9 +35,9 @@ std::vector<float> fixed(const std::vector<std::uint8_t>& image, const photograp
 
 } // namespace
 
-TEST_CASE("running_photograph: as the photograph between sizes that are constants") {
+TEST_CASE("photograph: sizes known at run time, as the photograph between sizes that are constants") {
     const auto image = touch();
-    photograph_form form{{.mean = {1, 2, 3}, .scale = {1, 0.5F, 2}}, resized_pixel::number};
+    photograph_preprocessing form{{.mean = {1, 2, 3}, .scale = {1, 0.5F, 2}}, resized_pixel::number};
     auto found = running(image, form), expected = fixed(image, form);
     // A pixel is a sum of 16 products, whose weights add up to less than 2 in magnitude; then one difference
     // and one product.
@@ -56,7 +56,7 @@ TEST_CASE("running_photograph: as the photograph between sizes that are constant
     }
 }
 
-TEST_CASE("running_photograph: images and photographs that are not as long as they should be") {
+TEST_CASE("photograph: sizes known at run time, images and photographs that are not as long as they should be") {
     const auto image = touch();
     std::vector<float> to(large.size() + 1);
     CHECK_THROWS_AS(to_photograph(image, {9, 14}, torchvision_photograph, {31, 27}, to),
