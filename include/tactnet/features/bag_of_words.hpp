@@ -53,7 +53,8 @@ public:
 
     /// Words that there are.
     [[nodiscard]] std::size_t count() const noexcept { return words_.size() / Values; }
-    [[nodiscard]] std::span<const float> words() const noexcept { return words_; }
+    [[nodiscard]] std::span<const float> words() const& noexcept { return words_; }
+    void words() const&& = delete; // would dangle
     [[nodiscard]] histogram_form form() const noexcept { return form_; }
 
     /// The histogram of any number of descriptors, one after the other; of unit length, or all 0 for none.

@@ -81,12 +81,14 @@ public:
         return true;
     }
     /// Those of the last image: 64 values each, of unit length.
-    [[nodiscard]] std::span<const float> descriptors() const noexcept {
+    [[nodiscard]] std::span<const float> descriptors() const& noexcept {
         return {memory_->descriptors.data(), count_ * surf_values};
     }
-    [[nodiscard]] std::span<const surf_place> places() const noexcept {
+    [[nodiscard]] std::span<const surf_place> places() const& noexcept {
         return {memory_->places.data(), count_};
     }
+    void descriptors() const&& = delete; // would dangle
+    void places() const&& = delete;      // would dangle
 
 private:
     static constexpr std::size_t largest =

@@ -36,18 +36,19 @@ public:
     decoding_warnings warnings;
 
     [[nodiscard]] std::size_t size() const noexcept { return stamps_.size(); }
-    /// Frame `index`, from 0. Throws std::out_of_range.
-    [[nodiscard]] frame_view operator[](std::size_t index) const {
+    /// Frame `index`, counted from 0, as a view into the recording. Throws std::out_of_range.
+    [[nodiscard]] frame_view operator[](std::size_t index) const& {
         const auto& [number, seconds] = stamps_.at(index);
         const std::size_t cells = description.cells();
         return {number, seconds, description.rows, description.columns,
                 std::span(cells_).subspan(index * cells, cells)};
     }
+    frame_view operator[](std::size_t) const&& = delete; // the frame would dangle
 
-    /// Frame `index` in a size that is a compile-time constant. Throws std::invalid_argument if the frames
-    /// have another.
+    /// Frame `index` as a view of a shape known at compile time. Throws std::invalid_argument if the frames
+    /// have another size.
     template <shape Shape>
-    [[nodiscard]] tensor_view<const float, Shape> as(std::size_t index) const {
+    [[nodiscard]] tensor_view<const float, Shape> as(std::size_t index) const& {
         const auto view = (*this)[index].template as<Shape>();
         if (!view)
             throw std::invalid_argument("recording: expected frames of " + std::to_string(Shape.rows) +
@@ -56,6 +57,8 @@ public:
                                         std::to_string(description.columns));
         return *view;
     }
+    template <shape Shape>
+    void as(std::size_t) const&& = delete; // the frame would dangle
 
     void add(const frame_view& frame) {
         cells_.insert(cells_.end(), frame.cells.begin(), frame.cells.end());

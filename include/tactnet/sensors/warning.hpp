@@ -108,9 +108,10 @@ public:
     /// All that came, kept or not.
     [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
     /// The first ones.
-    [[nodiscard]] std::span<const decoding_warning> kept() const noexcept {
+    [[nodiscard]] std::span<const decoding_warning> kept() const& noexcept {
         return std::span(kept_).first(static_cast<std::size_t>(std::min<std::uint64_t>(count_, capacity)));
     }
+    void kept() const&& = delete; // would dangle
 
 private:
     std::array<decoding_warning, capacity> kept_{};

@@ -100,7 +100,7 @@ private:
 
     std::optional<text_problem> key_and_value(const tekscan_header_line& read, bool may_be_comment,
                                               recording_description& to) {
-        const auto [text, key, value, followed_by] = read;
+        const std::string_view key = read.key, value = read.value;
         if (value == end_mark || ((key == "COMMENTS:" || key == "COMMENTS") && value.empty())) {
             in_block_ = !value.empty();
             next_is_comment_ = value.empty();
@@ -119,13 +119,13 @@ private:
             comment_ && known && before < to.header.begin() + static_cast<std::ptrdiff_t>(*comment_);
         const auto how = repeats ? understanding::not_needed : understand(key, value, to);
         if (may_be_comment && how != understanding::done) {
-            to.header.back().second = text;
+            to.header.back().second = read.text;
             return std::nullopt;
         }
         if (how != understanding::done && how != understanding::not_needed) {
             if (!comment_ || value.find(' ') == std::string_view::npos)
                 return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
-            to.header[*comment_].second.append("\n").append(text);
+            to.header[*comment_].second.append("\n").append(read.text);
             return std::nullopt;
         }
         if (how == understanding::done && known && before->second != value)

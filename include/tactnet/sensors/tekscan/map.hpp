@@ -59,7 +59,8 @@ public:
     }
 
     /// The place of each cell's tactel, row by row; `no_place` where there is none.
-    [[nodiscard]] std::span<const std::uint16_t> places() const noexcept { return places_; }
+    [[nodiscard]] std::span<const std::uint16_t> places() const& noexcept { return places_; }
+    void places() const&& = delete; // would dangle
     static constexpr std::uint16_t no_place = 0xFFFF;
 
 private:

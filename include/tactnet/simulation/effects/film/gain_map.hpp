@@ -43,7 +43,8 @@ struct gain_map {
                 pressures.data()[i] *= gains_[i];
         }
         /// What each tactel multiplies its pressure by.
-        [[nodiscard]] tensor_view<const float, Shape> gains() const { return gains_; }
+        [[nodiscard]] tensor_view<const float, Shape> gains() const& { return gains_; }
+        void gains() const&& = delete; // would dangle
 
     private:
         static constexpr double most_variance = 1e6; // keeps every gain finite

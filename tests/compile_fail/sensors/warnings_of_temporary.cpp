@@ -1,0 +1,7 @@
+// expect: would dangle
+// at-most: 1
+#include <tactnet/sensors.hpp>
+
+void run() {
+    static_cast<void>(tactnet::decoding_warnings().kept());
+}
