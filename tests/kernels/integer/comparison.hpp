@@ -1,8 +1,8 @@
 #pragma once
 
-// The convolution in whole numbers against plain loops in 64 bits.
+// Methods of convolution in integers against plain loops in 64 bits.
 
-#include <tactnet/kernels/integer/convolution.hpp>
+#include <tactnet/kernels/integer/methods.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ struct given {
                                            : below(256));
         padding = static_cast<Input>(words           ? 0
                                      : extreme       ? 255
-                                     : below(2) == 0 ? kernels::integer_convolution<C, Input>::offset
+                                     : below(2) == 0 ? kernels::direct_integer_method<C, Input>::offset
                                                      : below(256));
         for (std::size_t i = 0; i < weights.size(); ++i)
             weights[i] = static_cast<std::int8_t>(!extreme                ? below(255) - 127
@@ -68,9 +68,7 @@ struct given {
     }
     [[nodiscard]] kernels::byte_range range() const { return {lowest, 255, zero}; }
     [[nodiscard]] std::int8_t weight(std::size_t f, std::size_t c, std::size_t r, std::size_t k) const {
-        return weights[((f * C.window.input.channels + c) * C.window.kernel.rows + r) *
-                           C.window.kernel.columns +
-                       k];
+        return weights[f * C.taps() + (c * C.window.kernel.rows + r) * C.window.kernel.columns + k];
     }
     /// A sum, or the largest under a pool.
     [[nodiscard]] std::int64_t sum(std::size_t y, std::size_t x, std::size_t f) const {
@@ -83,7 +81,9 @@ struct given {
                 if (C.adds)
                     s += std::int64_t{added[f]} *
                          other[(i * C.output_columns() + j) * C.output_stride() + C.map_offset + f];
-                for (std::size_t c = 0; c < w.input.channels; ++c)
+                const std::size_t channels = w.input.channels / C.groups,
+                                  first = f / (C.filters / C.groups) * channels;
+                for (std::size_t c = 0; c < channels; ++c)
                     for (std::size_t r = 0; r < w.kernel.rows; ++r)
                         for (std::size_t k = 0; k < w.kernel.columns; ++k) {
                             const std::size_t row = i * w.stride.rows + r, column = j * w.stride.columns + k;
@@ -92,7 +92,7 @@ struct given {
                             s += std::int64_t{weight(f, c, r, k)} *
                                  (inside ? input[((row - w.top) * w.input.columns + column - w.left) *
                                                      C.input_stride +
-                                                 c]
+                                                 first + c]
                                          : padding);
                         }
                 best = std::max(best, s);
@@ -101,16 +101,15 @@ struct given {
     }
 };
 
-/// Outputs that are not as plain loops say, where `run(to, padding_counts)` computes them; `saturated` counts
-/// those at an end of the range.
+/// Counts the outputs of `run(to)` that differ from plain loops; `saturated` counts those at an end of the
+/// range.
 template <frame_convolution C, class Input, class Output, class Run>
-std::size_t outputs_differing(const given<C, Input>& numbers, const Run& run, bool padding_counts,
-                              std::size_t* saturated = nullptr) {
+std::size_t outputs_differing(const given<C, Input>& numbers, const Run& run, std::size_t* saturated) {
     constexpr std::size_t pixels = C.output_rows() * C.output_columns(), stride = C.output_stride();
     std::vector<Output> map(pixels * stride + 64, Output{77});
     if (C.adds)
         std::copy(numbers.other.begin(), numbers.other.end(), map.begin());
-    run(map.data() + C.map_offset, padding_counts);
+    run(map.data() + C.map_offset);
 
     std::size_t wrong = 0;
     for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
@@ -148,40 +147,36 @@ std::size_t guard_touched(const Numbers& numbers, std::size_t used, typename Num
                                                   numbers.end(), [&](auto n) { return n != guard; }));
 }
 
-/// By taps.
-template <frame_convolution C, class Input, class Output = std::uint8_t>
+/// Counts the outputs of a method that differ, and the bytes that it writes outside its memory. The workspace
+/// holds garbage before, so that what is read before it is written shows.
+template <class Method, frame_convolution C, class Input, class Output = std::uint8_t>
 std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* saturated = nullptr) {
-    using plan = kernels::integer_convolution<C, Input>;
     constexpr std::size_t guard = 64;
     const given<C, Input> numbers(kind);
+    aligned_vector<std::int8_t> packed(Method::packed_elements + guard, std::int8_t{99});
+    Method::pack(packed.data(), [&](auto... place) { return numbers.weight(place...); });
+    std::size_t wrong = guard_touched(packed, Method::packed_elements, 99);
 
-    aligned_vector<std::int8_t> packed(plan::weight_bytes + guard, std::int8_t{99});
-    kernels::pack_integer_weights<plan, C>(packed.data(),
-                                           [&](auto... place) { return numbers.weight(place...); });
-    std::size_t wrong = guard_touched(packed, plan::weight_bytes, 99);
-
-    std::vector<std::int32_t> starts = numbers.starts;
-    for (std::size_t f = 0; f < C.filters; ++f)
+    std::vector<std::int32_t> starts(Method::filter_places), added(Method::filter_places);
+    std::vector<float> factors(Method::filter_places);
+    for (std::size_t f = 0; f < C.filters; ++f) {
+        const std::size_t place = Method::place(f);
+        starts[place] = numbers.starts[f], added[place] = numbers.added[f];
+        factors[place] = numbers.factors[f];
         for (std::size_t i = 0; i < C.taps(); ++i)
-            starts[f] += plan::offset * numbers.weights[f * C.taps() + i];
-    // What is read before it is written shows.
-    using staged = typename plan::staged;
-    aligned_vector<staged> memory(plan::staged_elements + guard, static_cast<staged>(0x5a));
-    kernels::stage<plan, C>(numbers.input.data(), memory.data(), numbers.padding);
-    wrong += guard_touched(memory, plan::staged_elements, static_cast<staged>(0x5a));
-
-    const auto run = [&](Output* to, bool padding_counts) {
-        kernels::convolve_integer<plan, C>(memory.data(),
-                                           reinterpret_cast<const typename plan::weight*>(packed.data()),
-                                           {as_bytes(starts), as_bytes(numbers.factors),
-                                            as_bytes(numbers.added), numbers.range(), padding_counts},
-                                           to);
-    };
-    wrong += outputs_differing<C, Input, Output>(numbers, run, true, saturated);
-    // Padding that is zero as it is staged may be left out.
-    if (numbers.padding == plan::offset)
-        wrong += outputs_differing<C, Input, Output>(numbers, run, false);
-    return wrong;
+            starts[place] += Method::offset * numbers.weights[f * C.taps() + i];
+    }
+    aligned_vector<std::uint8_t> workspace(Method::workspace_elements + guard, std::uint8_t{0x5a});
+    wrong += outputs_differing<C, Input, Output>(
+        numbers,
+        [&](Output* to) {
+            Method::run(packed.data(),
+                        {as_bytes(starts), as_bytes(factors), as_bytes(added), numbers.range(),
+                         static_cast<std::uint8_t>(numbers.padding)},
+                        numbers.input.data(), to, workspace.data());
+        },
+        saturated);
+    return wrong + guard_touched(workspace, Method::workspace_elements, 0x5a);
 }
 
 /// A convolution by its window; pixels lie side by side, or with lanes between them.
@@ -200,6 +195,14 @@ constexpr frame_convolution pooled(frame_convolution c, extent2d pool, std::size
 constexpr frame_convolution adding(frame_convolution c, bool rectified = false) {
     c.adds = true, c.rectified = rectified;
     return c;
+}
+constexpr frame_convolution grouped(frame_convolution c, std::size_t groups) {
+    c.groups = groups;
+    return c;
+}
+/// One filter per channel.
+constexpr frame_convolution depthwise(frame_convolution c) {
+    return grouped(c, c.filters);
 }
 constexpr frame_convolution among(frame_convolution c, std::size_t stride, std::size_t offset) {
     c.map_stride = stride, c.map_offset = offset;

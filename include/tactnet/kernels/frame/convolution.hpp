@@ -114,6 +114,19 @@ private:
     }
 };
 
+/// The weights of grouped filters as weights over all channels, zero for channels of other groups: a function
+/// of (filter, channel, row, column), from one whose channels are counted in the filter's group.
+template <frame_convolution C, class Weight>
+[[nodiscard]] constexpr auto ungrouped_weight(const Weight& weight) {
+    return [&weight](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
+        constexpr std::size_t channels = C.window.input.channels / C.groups;
+        const std::size_t first = filter / (C.filters / C.groups) * channels;
+        if (C.groups > 1 && (channel < first || channel >= first + channels))
+            return decltype(weight(filter, channel, row, column)){};
+        return weight(filter, channel - first, row, column);
+    };
+}
+
 /// Weights in the order of use: blocks of vectors of filters, then [channel][kernel row][kernel
 /// column][filter of the block]; zeros where there is no filter. `weight(filter, channel, row, column)`.
 template <frame_convolution C, class Weight>

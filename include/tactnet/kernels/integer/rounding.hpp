@@ -4,21 +4,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
-// From sums of 32 bits back to bytes: sum × factor, to the nearest whole number, ties to the even one, then
-// into a range. One product in single precision, rounded as IEEE 754 says, and whole numbers from there on:
-// the same bytes with every instruction set.
+// Requantisation: from sums of 32 bits to bytes. A sum is multiplied by a factor, clamped to a range, rounded
+// to the nearest integer (ties to even) and moved by the zero point. There is one product in single
+// precision, rounded as IEEE 754 requires, and the rest is exact: all instruction sets give the same bytes.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// The bytes that a map may hold, and the one that stands for zero.
+/// The bytes that a map may hold, and the byte that stands for zero.
 class byte_range {
 public:
     constexpr byte_range(std::int32_t lowest = 0, std::int32_t highest = 255, std::int32_t zero = 0)
         : least_(static_cast<float>(lowest - zero)), most_(static_cast<float>(highest - zero)), zero_(zero) {}
-    /// Limits of a number beside the zero, before it is rounded: that leaves whole numbers where they are.
+    /// The limits of a number relative to the zero, before rounding, which does not change integers.
     [[nodiscard]] constexpr float least() const { return least_; }
     [[nodiscard]] constexpr float most() const { return most_; }
     [[nodiscard]] constexpr std::int32_t zero() const { return zero_; }
@@ -30,9 +31,9 @@ private:
 
 namespace detail {
 
-/// The nearest whole number, ties to the even one, for magnitudes up to 2²²: adding 3 · 2²² leaves it in the
-/// last 23 bits. Above them, these.
+/// Bits of 3 · 2²², which leaves the nearest integer in the last bits of a sum with it.
 inline constexpr std::int32_t above_nearest = 0x4B400000;
+/// The nearest integer + `above_nearest`; ties to even, for magnitudes up to 2²².
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> with_nearest(const float_vec<Lanes>& values) {
     const float_vec<Lanes> shifted = values + 0x1.8p23f;
@@ -41,7 +42,7 @@ template <std::size_t Lanes>
 
 } // namespace detail
 
-/// The nearest whole number, ties to the even one, for magnitudes up to 2²².
+/// The nearest integer, ties to even, for magnitudes up to 2²².
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> nearest(const float_vec<Lanes>& values) {
     return detail::with_nearest<Lanes>(values) - detail::above_nearest;
@@ -49,12 +50,12 @@ template <std::size_t Lanes>
 
 namespace detail {
 
-/// The last 8 bits of each.
+/// The last 8 bits of each integer.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline uint8_vec<Lanes> last_bytes(const int32_vec<Lanes>& whole) {
     using bytes = uint8_vec<Lanes>;
 #if !defined(TACTNET_NO_SIMD) && ((defined(__SSSE3__) && !defined(__AVX512VL__)) || defined(__aarch64__))
-    // By a table: GCC 12 would convert them one by one.
+    // By a shuffle: GCC 12 would convert them one by one.
     const auto all = load_any<uint8_vec<4 * Lanes>>(&whole);
     if constexpr (Lanes == 4)
         return __builtin_shufflevector(all, all, 0, 4, 8, 12);
@@ -67,7 +68,7 @@ template <std::size_t Lanes>
 
 } // namespace detail
 
-/// One byte for each sum: sum × factor + zero, rounded, within the range.
+/// Stores a byte for each sum: sum × factor + zero, rounded and clamped to the range.
 template <std::size_t Lanes>
 [[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const int32_vec<Lanes>& sums,
                                                  const float_vec<Lanes>& factors, const byte_range& range) {
@@ -78,6 +79,45 @@ template <std::size_t Lanes>
     values = values < most ? values : most;
     store_any(to, detail::last_bytes<Lanes>(detail::with_nearest<Lanes>(values) + range.zero()));
 }
+
+/// How the sums of a convolution begin and what is applied to them, for vectors of `Lanes` filters.
+struct integer_epilogue {
+    const std::int8_t* starts;  ///< the first terms of the sums, integers of 32 bits
+    const std::int8_t* factors; ///< the factors before rounding, in single precision
+    const std::int8_t* added; ///< the weights of the other map's bytes, integers of 32 bits, if the step adds
+    byte_range range;
+    std::uint8_t padding = 0; ///< the byte that stands for zero in the input
+
+    /// The epilogue of the filters from `first` on.
+    [[nodiscard]] integer_epilogue from(std::size_t first) const {
+        const std::size_t bytes = first * sizeof(std::int32_t);
+        return {starts + bytes, factors + bytes, added + bytes, range, padding};
+    }
+    template <std::size_t Lanes>
+    [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> start(std::size_t vector) const {
+        return load_any<int32_vec<Lanes>>(starts + vector * Lanes * sizeof(std::int32_t));
+    }
+    /// The term of the other map, from its bytes.
+    template <std::size_t Lanes>
+    [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_term(const std::uint8_t* other,
+                                                                     std::size_t vector) const {
+        return __builtin_convertvector(load_any<uint8_vec<Lanes>>(other), int32_vec<Lanes>) *
+               load_any<int32_vec<Lanes>>(added + vector * Lanes * sizeof(std::int32_t));
+    }
+    /// Stores bytes, or, as floats, sum × factor without rounding, after ReLU if `Rectified`: among bytes the
+    /// range is the ReLU.
+    template <std::size_t Lanes, bool Rectified, class Output>
+    [[gnu::always_inline]] void store(Output* to, int32_vec<Lanes> sums, std::size_t vector) const {
+        const auto factor = load_any<float_vec<Lanes>>(factors + vector * Lanes * sizeof(float));
+        if constexpr (std::is_same_v<Output, std::uint8_t>) {
+            store_rounded<Lanes>(to, sums, factor, range);
+        } else {
+            if constexpr (Rectified)
+                sums = sums > 0 ? sums : int32_vec<Lanes>{};
+            store_any(to, __builtin_convertvector(sums, float_vec<Lanes>) * factor);
+        }
+    }
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

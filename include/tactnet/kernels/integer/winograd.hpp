@@ -1,16 +1,20 @@
 #pragma once
 
-#include <tactnet/kernels/integer/convolution.hpp>
+#include <tactnet/kernels/integer/byte_products.hpp>
+#include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/kernels/integer/vector.hpp>
 #include <tactnet/kernels/integer/winograd_tiles.hpp>
+#include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
-// One frame of bytes through a convolution by tiles. winograd_tiles.hpp says what is computed, how it is cut,
-// and packs the kernels.
+// Winograd convolution of one frame of bytes in integers. winograd_tiles.hpp has the tiles and packs the
+// kernels.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -18,88 +22,41 @@ namespace kernels {
 
 namespace detail {
 
-/// Bᵀ times a column of d, or a row of d times B.
-template <class Vector, std::size_t Side>
-[[gnu::always_inline]] inline void integer_input_line(Vector (&d)[Side]) {
-    if constexpr (Side == 3) {
-        d[0] = d[0] - d[1], d[2] = d[1] - d[2];
-    } else {
-        const Vector sum = d[1] + d[2], difference = d[2] - d[1];
-        d[0] = d[0] - d[2], d[3] = d[1] - d[3], d[1] = sum, d[2] = difference;
-    }
-}
-/// Aᵀ times a column of products, or a row of them times A.
-template <class Vector, std::size_t Side>
-[[gnu::always_inline]] inline void integer_output_line(const Vector (&m)[Side], Vector& first,
-                                                       Vector& second) {
-    if constexpr (Side == 3)
-        first = m[0] + m[1], second = m[1] - m[2];
-    else
-        first = m[0] + m[1] + m[2], second = m[1] - m[2] - m[3];
-}
-
-} // namespace detail
-
-namespace detail {
-
-/// Bᵀ d B of one tile; `pixel(row, column)` is where its channels lie, or nothing for what is outside.
-template <frame_convolution C, class Pixel>
-[[gnu::always_inline]] inline void transform_integer_tile(const Pixel& pixel, std::int16_t* to,
-                                                          std::uint8_t padding) {
-    using tiles = integer_tiles<C>;
-    using words = int16_vec<tiles::input_width>;
-    using bytes = uint8_vec<tiles::input_width>;
-    constexpr std::size_t side = tiles::side;
-    const words outside = words{} + static_cast<std::int16_t>(padding);
-    for (std::size_t channel = 0; channel < tiles::channels; channel += tiles::input_width) {
-        words d[side][side];
-#pragma GCC unroll 64
-        for (std::size_t x = 0; x < side; ++x) {
-            words column[side];
-#pragma GCC unroll 64
-            for (std::size_t y = 0; y < side; ++y) {
-                const std::uint8_t* const from = pixel(y, x);
-                column[y] = from ? __builtin_convertvector(load_any<bytes>(from + channel), words) : outside;
-            }
-            integer_input_line(column);
-#pragma GCC unroll 64
-            for (std::size_t y = 0; y < side; ++y)
-                d[y][x] = column[y];
-        }
-#pragma GCC unroll 64
-        for (std::size_t y = 0; y < side; ++y) {
-            integer_input_line(d[y]);
-#pragma GCC unroll 64
-            for (std::size_t x = 0; x < side; ++x)
-                store_any(to + (y * side + x) * tiles::band * tiles::channels + channel, d[y][x]);
-        }
-    }
-}
-
-} // namespace detail
-
-/// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); what lies outside the image
-/// is `padding`.
+/// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); pixels outside the image
+/// are `padding`.
 template <frame_convolution C>
 [[gnu::flatten, gnu::noinline]] void transform_integer_input(const std::uint8_t* input,
                                                              std::int16_t* transformed, std::size_t first,
                                                              std::size_t last, std::uint8_t padding) {
     using tiles = integer_tiles<C>;
+    using words = int16_vec<tiles::input_width>;
+    using bytes = uint8_vec<tiles::input_width>;
     constexpr std::size_t side = tiles::side;
     constexpr shape image = C.window.input;
+    const words outside = words{} + static_cast<std::int16_t>(padding);
     for (std::size_t tile = first; tile < last; ++tile) {
         // Counted with the padding.
         const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
         std::int16_t* const to = transformed + (tile - first) * tiles::channels;
+        const auto transform = [&](const auto& pixel) __attribute__((always_inline)) {
+            for (std::size_t channel = 0; channel < tiles::channels; channel += tiles::input_width)
+                transform_tile_input<words, side, side>(
+                    [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                        const std::uint8_t* const from = pixel(y, x);
+                        return from ? __builtin_convertvector(load_any<bytes>(from + channel), words)
+                                    : outside;
+                    },
+                    [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
+                        store_any(to + (y * side + x) * tiles::band * tiles::channels + channel, element);
+                    });
+        };
         if (top >= C.window.top && top + side <= C.window.top + image.rows && left >= C.window.left &&
             left + side <= C.window.left + image.columns) {
             const std::uint8_t* const corner =
                 input + ((top - C.window.top) * image.columns + left - C.window.left) * C.input_stride;
-            detail::transform_integer_tile<C>(
-                [corner](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                    return corner + (y * image.columns + x) * C.input_stride;
-                },
-                to, padding);
+            transform([corner](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                return corner + (y * image.columns + x) * C.input_stride;
+            });
             continue;
         }
         std::array<const std::uint8_t*, tiles::elements> pixels;
@@ -112,10 +69,8 @@ template <frame_convolution C>
                 inside ? input + ((y - C.window.top) * image.columns + x - C.window.left) * C.input_stride
                        : nullptr;
         }
-        detail::transform_integer_tile<C>(
-            [&pixels](std::size_t y, std::size_t x)
-                __attribute__((always_inline)) { return pixels[y * side + x]; },
-            to, padding);
+        transform([&pixels](std::size_t y, std::size_t x)
+                      __attribute__((always_inline)) { return pixels[y * side + x]; });
     }
 }
 
@@ -145,7 +100,7 @@ multiply_integer_tiles(const std::int16_t* input, const std::int16_t* weights, s
         store_any(products + i * tiles::width, sums[i / Vectors][i % Vectors]);
 }
 
-/// Outputs of the tiles [first, last): Aᵀ m A, its start, the other term of a sum, max pool, rounding.
+/// Writes the outputs of the tiles [first, last): Aᵀ m A and the epilogue.
 template <frame_convolution C, std::size_t Vectors, class Output>
 [[gnu::flatten, gnu::noinline]] void
 transform_integer_output(const std::int32_t* products, const integer_epilogue& epilogue, Output* output,
@@ -153,34 +108,26 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
     using tiles = integer_tiles<C>;
     constexpr std::size_t width = tiles::width, side = tiles::side;
     using sum = int32_vec<width>;
-    const auto finish = [&](Output * to, const sum& value, std::size_t v) __attribute__((always_inline)) {
-        const auto factors = load_any<float_vec<width>>(epilogue.factors + v * width * sizeof(float));
-        if constexpr (std::is_same_v<Output, float>)
-            store_any(to, __builtin_convertvector(C.rectified ? sum(value > 0 ? value : sum{}) : value,
-                                                  float_vec<width>) *
-                              factors);
-        else
-            store_rounded<width>(to, value, factors, epilogue.range);
-    };
     for (std::size_t tile = first; tile < last; ++tile) {
         const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
         const bool below = top + 1 < C.rows(), right = left + 1 < C.columns();
 #pragma GCC unroll 64
         for (std::size_t v = 0; v < Vectors; ++v) {
-            sum half[2][side];
+            std::array<sum, side> half[2];
 #pragma GCC unroll 64
             for (std::size_t x = 0; x < side; ++x) {
-                sum column[side];
+                std::array<sum, side> column;
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < side; ++y)
                     column[y] = load_any<sum>(
                         products + (((y * side + x) * tiles::band + tile - first) * Vectors + v) * width);
-                detail::integer_output_line(column, half[0][x], half[1][x]);
+                const std::array<sum, 2> line = tile_output_line<2>(column);
+                half[0][x] = line[0], half[1][x] = line[1];
             }
-            sum y[4];
-            detail::integer_output_line(half[0], y[0], y[1]);
-            detail::integer_output_line(half[1], y[2], y[3]);
-            const sum start = load_any<sum>(epilogue.starts + v * width * sizeof(std::int32_t));
+            const std::array<sum, 2> upper = tile_output_line<2>(half[0]),
+                                     lower = tile_output_line<2>(half[1]);
+            sum y[4]{upper[0], upper[1], lower[0], lower[1]};
+            const sum start = epilogue.start<width>(v);
 #pragma GCC unroll 64
             for (std::size_t i = 0; i < 4; ++i)
                 y[i] = (y[i] >> tiles::excess) + start;
@@ -193,7 +140,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                     largest = larger(y[2], largest);
                 if (right && below)
                     largest = larger(y[3], largest);
-                finish(output + tile * C.output_stride() + v * width, largest, v);
+                epilogue.store<width, C.rectified>(output + tile * C.output_stride() + v * width, largest, v);
             } else {
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < 4; ++i) {
@@ -202,46 +149,63 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                     Output* const to =
                         output + ((top + i / 2) * C.output_columns() + left + i % 2) * C.output_stride() +
                         v * width;
-                    if constexpr (C.adds) {
-                        const auto other = load_any<uint8_vec<width>>(to);
-                        y[i] += __builtin_convertvector(other, sum) *
-                                load_any<sum>(epilogue.added + v * width * sizeof(std::int32_t));
-                    }
-                    finish(to, y[i], v);
+                    if constexpr (C.adds)
+                        y[i] += epilogue.added_term<width>(to, v);
+                    epilogue.store<width, C.rectified>(to, y[i], v);
                 }
             }
         }
     }
 }
 
-/// output = the fused step, as convolve_integer, of an input as it lies; what is around it is `padding`.
-/// `scratch` holds integer_tiles<C>::scratch_bytes.
-template <frame_convolution C, class Output>
-void convolve_integer_tiles(const std::uint8_t* input, const std::int8_t* weights,
-                            const integer_epilogue& epilogue, Output* output, std::uint8_t* scratch,
-                            std::uint8_t padding) {
-    using tiles = integer_tiles<C>;
-    auto* const transformed = reinterpret_cast<std::int16_t*>(scratch);
-    auto* const products = reinterpret_cast<std::int32_t*>(scratch + tiles::transformed_bytes);
-    const auto* const words = reinterpret_cast<const std::int16_t*>(weights);
-    blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
-        transform_integer_input<C>(input, transformed, first_tile, first_tile + band, padding);
-        blocked<tiles::vectors, tiles::block_vectors>([&](auto vectors, std::size_t first_vector) {
-            const std::size_t first = first_vector * tiles::width;
-            const std::int16_t* const of_block =
-                words + first * tiles::elements * tiles::groups * tiles::group;
-            for (std::size_t e = 0; e < tiles::elements; ++e)
-                blocked<band, tiles::block>([&](auto count, std::size_t tile) {
-                    multiply_integer_tiles<C, vectors, count>(
-                        transformed + (e * tiles::band + tile) * tiles::channels,
-                        of_block + e * tiles::groups * tiles::group * vectors * tiles::width,
-                        products + (e * tiles::band + tile) * vectors * tiles::width);
-                });
-            transform_integer_output<C, vectors>(products, epilogue.from(first), output + first, first_tile,
-                                                 first_tile + band);
+} // namespace detail
+
+/// Winograd convolution of bytes by tiles of 2 × 2 outputs; groups are one convolution with zeros between
+/// them. Where one instruction multiplies four bytes, the direct method needs fewer.
+template <frame_convolution C, class Input>
+struct winograd_integer_method {
+    static constexpr frame_convolution convolution = C.ungrouped();
+    using tiles = integer_tiles<convolution>;
+    static constexpr const char* name = "Winograd";
+    static constexpr bool applicable = std::is_same_v<Input, std::uint8_t> && tiles::possible &&
+                                       byte_products<tiles::width>::group < 4 &&
+                                       tiles::block_of(tiles::count) * tiles::block_vectors >= 8;
+    static constexpr std::size_t cost = tiles::cost, packed_elements = tiles::weight_bytes,
+                                 workspace_elements = tiles::workspace_bytes;
+    static constexpr int offset = 0;
+    static constexpr std::size_t filter_places = C.padded_filters();
+    static constexpr std::size_t place(std::size_t filter) { return filter; }
+
+    template <class Weight>
+    static constexpr void pack(std::int8_t* packed, const Weight& weight) {
+        pack_integer_tiles<convolution>(packed, ungrouped_weight<C>(weight));
+    }
+    template <class Output>
+    static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const std::uint8_t* input,
+                    Output* output, std::uint8_t* workspace) {
+        auto* const transformed = reinterpret_cast<std::int16_t*>(workspace);
+        auto* const products = reinterpret_cast<std::int32_t*>(workspace + tiles::transformed_bytes);
+        const auto* const weights = reinterpret_cast<const std::int16_t*>(packed);
+        blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
+            detail::transform_integer_input<convolution>(input, transformed, first_tile, first_tile + band,
+                                                         epilogue.padding);
+            blocked<tiles::vectors, tiles::block_vectors>([&](auto vectors, std::size_t first_vector) {
+                const std::size_t first = first_vector * tiles::width;
+                const std::int16_t* const of_block =
+                    weights + first * tiles::elements * tiles::groups * tiles::group;
+                for (std::size_t e = 0; e < tiles::elements; ++e)
+                    blocked<band, tiles::block>([&](auto count, std::size_t tile) {
+                        detail::multiply_integer_tiles<convolution, vectors, count>(
+                            transformed + (e * tiles::band + tile) * tiles::channels,
+                            of_block + e * tiles::groups * tiles::group * vectors * tiles::width,
+                            products + (e * tiles::band + tile) * vectors * tiles::width);
+                    });
+                detail::transform_integer_output<convolution, vectors>(
+                    products, epilogue.from(first), output + first, first_tile, first_tile + band);
+            });
         });
-    });
-}
+    }
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

@@ -11,16 +11,16 @@
 #include <cstddef>
 #include <cstdint>
 
-// Winograd's convolutions by tiles of 2 × 2 outputs (kernels/simd/tile_lines.hpp, N = 3 and 4) in whole
-// numbers, for instruction sets that multiply words of 16 bits and not bytes. The transforms of an input have
-// sums of four bytes; those of a 3 × 3 kernel are taken twice in each direction, so that ½ becomes 1, and the
-// outputs, four times too large, are divided by 4 without a rest. The sums are the very ones of taps.
+// Winograd convolution by tiles of 2 × 2 outputs (kernels/simd/tile_lines.hpp, N = 3 and 4) in integers, for
+// instruction sets that multiply words of 16 bits and not bytes. Transformed inputs are sums of four bytes.
+// The transform of a 3 × 3 kernel is doubled in each direction, so that ½ becomes 1; the outputs are then
+// four times too large and divided by 4 without a remainder. The sums equal those of the direct method.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// How a convolution of bytes is cut into tiles.
+/// How a convolution of bytes without groups is cut into tiles.
 template <frame_convolution C>
 struct integer_tiles {
     static constexpr std::size_t width = std::min(C.width(), max_integer_lanes);
@@ -32,10 +32,10 @@ struct integer_tiles {
     static constexpr std::size_t side = C.window.kernel.rows + 1, elements = side * side;
     static constexpr std::size_t rows = (C.rows() + 1) / 2, columns = (C.columns() + 1) / 2;
     static constexpr std::size_t count = rows * columns;
-    /// By which the outputs are too large, as a power of two.
+    /// The binary logarithm of the factor by which the outputs are too large.
     static constexpr int excess = C.window.kernel.rows == 3 ? 2 : 0;
 
-    /// Channels of the transformed input, and how many of them a vector of words takes.
+    /// Channels per vector of words, and channels of the transformed input.
     static constexpr std::size_t input_width = [] {
         std::size_t w = std::max<std::size_t>(2 * max_integer_lanes, group);
         while (C.input_stride % w != 0)
@@ -47,8 +47,8 @@ struct integer_tiles {
     static constexpr std::size_t groups = (C.window.input.channels + group - 1) / group;
     static constexpr std::size_t block_stride = block_vectors * width;
 
-    /// Tiles from the first transform to the last: as many as the first level of cache holds, where the
-    /// kernels are small enough to be read for each of these bands; else all.
+    /// Tiles that are transformed, multiplied and transformed back together: as many as the first level of
+    /// cache holds, if the kernels are small enough to be read once per band; else all.
     static constexpr std::size_t band = [] {
         constexpr std::size_t of_a_tile =
             elements * (channels * sizeof(std::int16_t) + block_stride * sizeof(std::int32_t));
@@ -58,18 +58,17 @@ struct integer_tiles {
         const std::size_t bands = (count + most - 1) / most;
         return (count + bands - 1) / bands;
     }();
-    /// Tiles in a register block, of so many in all: as many as registers allow, evenly spread.
+    /// Tiles per register block, of `tiles` in all: as many as registers allow, evenly spread.
     static constexpr std::size_t block_of(std::size_t tiles) {
         constexpr std::size_t most = std::max<std::size_t>(max_block_sums / block_vectors, 1);
         return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
     }
-    /// The same in a band.
     static constexpr std::size_t block = block_of(band);
 
-    /// Bytes of scratch memory: transformed inputs, then products.
+    /// Bytes of the workspace: transformed inputs, then products.
     static constexpr std::size_t transformed_bytes =
         whole_lines<std::uint8_t>(elements * band * channels * sizeof(std::int16_t));
-    static constexpr std::size_t scratch_bytes =
+    static constexpr std::size_t workspace_bytes =
         transformed_bytes + whole_lines<std::uint8_t>(elements * band * block_stride * sizeof(std::int32_t));
     /// Bytes of the transformed, packed kernels.
     static constexpr std::size_t weight_bytes =
@@ -77,26 +76,21 @@ struct integer_tiles {
 
     /// Beyond a thousand channels sums might pass 31 bits.
     static constexpr bool possible = (C.window.kernel == extent2d(3) || C.window.kernel == extent2d(2)) &&
-                                     C.window.stride == extent2d(1) &&
+                                     C.window.stride == extent2d(1) && max_integer_lanes > 1 &&
                                      (C.pool == extent2d(1) || C.pool == extent2d(2)) && C.groups == 1 &&
                                      input_width % group == 0 && C.window.input.channels <= 1024;
-    /// Whether fewer operations are needed than with taps. A product counts twice, since its sum is another
-    /// operation; transforms count with their loads and stores.
-    static constexpr bool pays = [] {
-        if (!possible || max_integer_lanes == 1 || block_of(count) * block_vectors < 8)
-            return false;
-        const std::size_t direct = 2 * C.rows() * C.columns() * C.window.kernel.area() * groups * vectors;
-        const std::size_t tiled = 2 * elements * count * groups * vectors +
-                                  5 * elements * count * (channels / input_width) +
-                                  3 * elements * count * vectors;
-        return tiled < direct;
-    }();
+    /// Operations: a product counts twice, since its sum is another operation; transforms count with their
+    /// loads and stores.
+    static constexpr std::size_t cost = 2 * elements * count * groups * vectors +
+                                        5 * elements * count * (channels / input_width) +
+                                        3 * elements * count * vectors;
 };
 
-/// Kernels in the order of use: blocks of vectors of filters, then [element][group of channels][filter of the
-/// block][channel of the group], words of 16 bits. `weight(filter, channel, row, column)`.
+/// Packs transformed kernels in the order of use: blocks of vectors of filters, then [element][group of
+/// channels][filter of the block][channel of the group], words of 16 bits. `weight(filter, channel, row,
+/// column)`.
 template <frame_convolution C, class Weight>
-constexpr void pack_integer_tiles(std::int8_t* packed, Weight&& weight) {
+constexpr void pack_integer_tiles(std::int8_t* packed, const Weight& weight) {
     using tiles = integer_tiles<C>;
     constexpr std::size_t kernel = tiles::side - 1;
     // A line of G, twice for kernels of three, times three or two numbers.

@@ -4,8 +4,7 @@
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/steps/convolution.hpp>
 #include <tactnet/deployment/steps/dense.hpp>
-#include <tactnet/kernels/integer/convolution.hpp>
-#include <tactnet/kernels/integer/winograd.hpp>
+#include <tactnet/kernels/integer/methods.hpp>
 
 #include <array>
 #include <cstddef>
@@ -15,7 +14,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Convolution in 8 bits with what follows it. Groups are one convolution with zeros between them.
+/// Convolution in 8 bits with what follows it, by the method of least cost.
 template <class Input, class Output, kernels::frame_convolution Kernel>
 struct convolution_step<eight_bit_between<Input, Output>, Kernel> {
     using format = eight_bit;
@@ -44,32 +43,25 @@ private:
     static constexpr std::size_t biases = weights, weight_scales = biases + Kernel.filters,
                                  of_maps = weight_scales + Kernel.filters;
     static_assert(folded == of_maps + ranges * map_range::numbers);
-    static constexpr kernels::frame_convolution all = Kernel.ungrouped();
-    static_assert(all.fits_map(), "convolution_step: the output does not fit its place in the wider map: "
-                                  "fits_map() says what it takes");
-    using plan = kernels::integer_convolution<all, Input>;
-    using tiles = kernels::integer_tiles<all>;
-    static constexpr std::size_t padded = all.padded_filters();
-    static constexpr std::size_t of_filters = whole_lines<std::int8_t>(padded * sizeof(std::int32_t));
+    static_assert(Kernel.ungrouped().fits_map(),
+                  "convolution_step: the output does not fit its place in the wider map: "
+                  "fits_map() says what it takes");
 
 public:
-    /// Whether it is computed by tiles: where there are no products of bytes, and tiles take fewer of words.
-    static constexpr bool tiled = std::is_same_v<Input, std::uint8_t> &&
-                                  std::is_same_v<typename plan::staged, std::int16_t> && tiles::pays;
+    using method = kernels::integer_method<Kernel, Input>;
 
 private:
-    static constexpr std::size_t packed_weights =
-        whole_lines<std::int8_t>(tiled ? tiles::weight_bytes : plan::weight_bytes);
-    // Behind the weights: starts, factors, how often the other map counts, then three bytes.
-    static constexpr std::size_t starts = packed_weights, factors = starts + of_filters,
-                                 added = factors + of_filters, bytes = added + (Kernel.adds ? of_filters : 0);
+    // After the weights: starts, factors, weights of the other map, then three bytes.
+    static constexpr std::size_t of_filters =
+        whole_lines<std::int8_t>(method::filter_places * sizeof(std::int32_t));
+    static constexpr std::size_t starts = whole_lines<std::int8_t>(method::packed_elements),
+                                 factors = starts + of_filters, added = factors + of_filters,
+                                 bytes = added + (Kernel.adds ? of_filters : 0);
     static constexpr std::size_t lowest = 0, zero = 1, padding = 2;
 
 public:
     static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(3);
-    static constexpr std::size_t workspace_elements =
-        tiled ? tiles::scratch_bytes
-              : whole_lines<std::uint8_t>(plan::staged_elements * sizeof(typename plan::staged));
+    static constexpr std::size_t workspace_elements = whole_lines<std::uint8_t>(method::workspace_elements);
 
     static constexpr step_ranges ranges_of(const float* from) {
         const float* at = from + of_maps;
@@ -100,24 +92,22 @@ public:
         const step_ranges maps = ranges_of(from);
         std::array<detail::filter_scale, Kernel.filters> scales{};
         for (std::size_t f = 0; f < Kernel.filters; ++f) {
-            scales[f] = detail::filter_of(from + f * of_one, of_one, static_cast<double>(from[biases + f]),
-                                          from[weight_scales + f], maps, Kernel.adds, largest_input,
-                                          tiled ? 0 : plan::offset);
+            scales[f] =
+                detail::filter_of(from + f * of_one, of_one, static_cast<double>(from[biases + f]),
+                                  from[weight_scales + f], maps, Kernel.adds, largest_input, method::offset);
             const double factor =
                 writes_bytes ? scales[f].unit / static_cast<double>(maps.output.scale) : scales[f].unit;
-            detail::store_number(to + starts + f * 4, static_cast<std::int32_t>(scales[f].start));
-            detail::store_number(to + factors + f * 4, static_cast<float>(factor));
+            std::int8_t* const place = to + method::place(f) * sizeof(std::int32_t);
+            detail::store_number(place + starts, static_cast<std::int32_t>(scales[f].start));
+            detail::store_number(place + factors, static_cast<float>(factor));
             if constexpr (Kernel.adds)
-                detail::store_number(to + added + f * 4, static_cast<std::int32_t>(scales[f].added));
+                detail::store_number(place + added, static_cast<std::int32_t>(scales[f].added));
         }
-        const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
-                                std::size_t column) {
-            return detail::quantised(weight_of(from, filter, channel, row, column), scales[filter]);
-        };
-        if constexpr (tiled)
-            kernels::pack_integer_tiles<all>(to, weight);
-        else
-            kernels::pack_integer_weights<plan, all>(to, weight);
+        method::pack(to, [&](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
+            constexpr extent2d k = Kernel.window.kernel;
+            return detail::quantised(from[filter * of_one + (channel * k.rows + row) * k.columns + column],
+                                     scales[filter]);
+        });
         const auto as_byte = [](float value) {
             return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
         };
@@ -137,32 +127,9 @@ public:
                                                  packed_values + factors,
                                                  packed_values + added,
                                                  {byte(lowest), 255, byte(zero)},
-                                                 plan::offset != 0 || byte(padding) != 0};
-        auto* const to = reinterpret_cast<Output*>(out) + Kernel.map_offset;
-        if constexpr (tiled) {
-            kernels::convolve_integer_tiles<all>(in, packed_values, epilogue, to, memory, byte(padding));
-        } else {
-            auto* const staged = reinterpret_cast<typename plan::staged*>(memory);
-            kernels::stage<plan, all>(reinterpret_cast<const Input*>(in), staged,
-                                      static_cast<Input>(byte(padding)));
-            kernels::convolve_integer<plan, all>(
-                staged, reinterpret_cast<const typename plan::weight*>(packed_values), epilogue, to);
-        }
-    }
-
-private:
-    /// Counted over all groups; zero for a channel of another group than the filter's.
-    static constexpr float weight_of(const float* from, std::size_t filter, std::size_t channel,
-                                     std::size_t row, std::size_t column) {
-        constexpr extent2d k = Kernel.window.kernel;
-        constexpr std::size_t channels = Kernel.window.input.channels / Kernel.groups;
-        if constexpr (Kernel.groups > 1) {
-            const std::size_t first = filter / (Kernel.filters / Kernel.groups) * channels;
-            if (channel < first || channel >= first + channels)
-                return 0.0f;
-            channel -= first;
-        }
-        return from[((filter * channels + channel) * k.rows + row) * k.columns + column];
+                                                 byte(padding)};
+        method::run(packed_values, epilogue, reinterpret_cast<const Input*>(in),
+                    reinterpret_cast<Output*>(out) + Kernel.map_offset, memory);
     }
 };
 

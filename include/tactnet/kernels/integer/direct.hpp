@@ -1,0 +1,168 @@
+#pragma once
+
+#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/integer/direct_layout.hpp>
+#include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+// The direct convolution of one frame in integers: the products of all taps, from an input that was staged
+// (direct_layout.hpp). A block of pixels × vectors of filters stays in registers while all groups are added;
+// then max pool, rounding and ReLU are applied to it.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+namespace detail {
+
+/// The input rows under a register block that are multiplied.
+struct row_range {
+    std::size_t first, last;
+};
+
+/// Computes one register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of
+/// filters. `Output` is a byte, or a float for sum × factor without rounding.
+template <class Layout, std::size_t Vectors, std::size_t Rows, std::size_t Columns, class Output>
+[[gnu::flatten, gnu::noinline]] void
+convolve_integer_block(const typename Layout::staged* input, const typename Layout::weight* weights,
+                       const integer_epilogue& epilogue, Output* output, row_range multiplied) {
+    constexpr frame_convolution C = Layout::convolution;
+    constexpr std::size_t width = Layout::width;
+    using sum = int32_vec<width>;
+    register_block<sum, Rows * Columns, Vectors> sums;
+#pragma GCC unroll 64
+    for (std::size_t v = 0; v < Vectors; ++v) {
+        const sum start = epilogue.start<width>(v);
+#pragma GCC unroll 64
+        for (std::size_t p = 0; p < Rows * Columns; ++p) {
+            sums[p][v] = start;
+            if constexpr (C.adds)
+                sums[p][v] += epilogue.added_term<width>(
+                    output + (p / Columns * C.output_columns() + p % Columns) * C.output_stride() + v * width,
+                    v);
+        }
+    }
+
+    constexpr std::size_t step = C.window.stride.columns;
+    constexpr std::size_t under_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
+    constexpr std::size_t under_columns =
+        (Columns - 1) * step + (Layout::groups_of_row - 1) * Layout::columns_of_group + 1;
+    for (std::size_t in_pixel = 0; in_pixel < Layout::groups_of_pixel; ++in_pixel) {
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < under_rows; ++r) {
+            if constexpr (!Layout::few_registers) // there a branch takes as long as a product
+                if (r < multiplied.first || r >= multiplied.last)
+                    continue;
+            typename Layout::products::inputs x[under_columns];
+#pragma GCC unroll 64
+            for (std::size_t c = 0; c < under_columns; ++c)
+                x[c] = Layout::products::broadcast(input + r * Layout::pitch + c * Layout::stride);
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < Rows; ++y) {
+                const std::size_t above = y * C.window.stride.rows;
+                if (r < above || r - above >= C.window.kernel.rows)
+                    continue;
+#pragma GCC unroll 64
+                for (std::size_t tap = 0; tap < Layout::groups_of_row * Vectors; ++tap) {
+                    const std::size_t in_row = tap / Vectors, v = tap % Vectors;
+                    const auto weight = Layout::products::load(
+                        weights +
+                        ((r - above) * Layout::groups_of_row * Vectors + tap) * Layout::weights_of_group);
+#pragma GCC unroll 64
+                    for (std::size_t p = 0; p < Columns; ++p)
+                        sums[y * Columns + p][v] =
+                            Layout::products::add(sums[y * Columns + p][v], weight,
+                                                  x[p * step + in_row * Layout::columns_of_group]);
+                }
+            }
+        }
+        input += Layout::group;
+        weights += C.window.kernel.rows * Layout::groups_of_row * Vectors * Layout::weights_of_group;
+    }
+
+    constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
+#pragma GCC unroll 64
+    for (std::size_t v = 0; v < Vectors; ++v) {
+#pragma GCC unroll 64
+        for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
+            const std::size_t top = o / pooled_columns * C.pool.rows,
+                              left = o % pooled_columns * C.pool.columns;
+            const std::size_t high = std::min(C.pool.rows, Rows - top),
+                              across = std::min(C.pool.columns, Columns - left);
+            sum largest = sums[top * Columns + left][v];
+#pragma GCC unroll 64
+            for (std::size_t i = 1; i < high * across; ++i) {
+                const sum& other = sums[(top + i / across) * Columns + left + i % across][v];
+                largest = other > largest ? other : largest;
+            }
+            epilogue.store<width, C.rectified>(
+                output + (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
+                    v * width,
+                largest, v);
+        }
+    }
+}
+
+} // namespace detail
+
+/// The direct method, for any convolution; groups are one convolution with zeros between them.
+template <frame_convolution C, class Input>
+struct direct_integer_method {
+    using layout = direct_integer_layout<C.ungrouped(), Input>;
+    static constexpr const char* name = "direct";
+    static constexpr bool applicable = true;
+    /// Instructions for products. Those of four bytes add to the sums themselves.
+    static constexpr std::size_t cost =
+        (layout::group == 4 ? 1 : 2) * C.rows() * C.columns() * C.window.kernel.area() *
+        ((C.window.input.channels + layout::group - 1) / layout::group) * layout::vectors;
+    static constexpr std::size_t packed_elements = layout::weights * sizeof(typename layout::weight),
+                                 workspace_elements =
+                                     layout::staged_elements * sizeof(typename layout::staged);
+    static constexpr int offset = layout::offset; ///< is subtracted from inputs before they are multiplied
+    static constexpr std::size_t filter_places = C.padded_filters();
+    static constexpr std::size_t place(std::size_t filter) { return filter; }
+
+    template <class Weight>
+    static constexpr void pack(std::int8_t* packed, const Weight& weight) {
+        layout::pack(packed, ungrouped_weight<C>(weight));
+    }
+    template <class Output>
+    static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const Input* input,
+                    Output* output, std::uint8_t* workspace) {
+        auto* const staged = reinterpret_cast<typename layout::staged*>(workspace);
+        const auto* const weights = reinterpret_cast<const typename layout::weight*>(packed);
+        layout::stage(input, staged, static_cast<Input>(epilogue.padding));
+        const bool padding_counts = offset != 0 || epilogue.padding != 0; // else its taps can be left out
+        blocked<layout::vectors, layout::block_vectors>([&](auto vectors, std::size_t first_vector) {
+            const std::size_t first = first_vector * layout::width;
+            const auto* const of_block = weights + first_vector * (layout::weights / layout::vectors);
+            const integer_epilogue here = epilogue.from(first);
+            blocked<C.rows(), layout::block_rows>([&](auto rows, std::size_t y) {
+                const std::size_t above = y * C.window.stride.rows; // the first row, counted with the padding
+                detail::row_range multiplied{0, (rows - 1) * C.window.stride.rows + C.window.kernel.rows};
+                if (!padding_counts)
+                    multiplied = {C.window.top - std::min(C.window.top, above),
+                                  std::min(multiplied.last,
+                                           std::max(C.window.top + C.window.input.rows, above) - above)};
+                blocked<C.columns(), layout::block_columns>([&](auto columns, std::size_t x) {
+                    detail::convolve_integer_block<layout, vectors, rows, columns>(
+                        staged + above * layout::pitch + x * C.window.stride.columns * layout::stride,
+                        of_block, here,
+                        output +
+                            (y / C.pool.rows * C.output_columns() + x / C.pool.columns) * C.output_stride() +
+                            first,
+                        multiplied);
+                });
+            });
+        });
+    }
+};
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <tactnet/detail/bits_as.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/integer/byte_products.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+// How the direct method lays out inputs and weights. The input is staged: copied with its padding around it,
+// in the type that the instruction set multiplies, so that a group of inputs that one instruction multiplies
+// is contiguous: channels of one pixel or, if a pixel has fewer, channels of neighbours in a row.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// The layout for a fused convolution without groups, from inputs of type `Input`: bytes or words of 16 bits.
+template <frame_convolution C, class Input>
+struct direct_integer_layout {
+    static_assert(C.groups == 1);
+    static constexpr frame_convolution convolution = C;
+    static constexpr std::size_t width = std::min(C.width(), max_integer_lanes);
+    using products =
+        std::conditional_t<std::is_same_v<Input, std::uint8_t>, byte_products<width>, word_products<width>>;
+    using staged = typename products::staged;
+    static constexpr std::size_t group = products::group;
+    /// Subtracted from inputs as they are staged.
+    static constexpr int offset = std::is_same_v<Input, std::uint8_t> ? products::offset : 0;
+
+    /// The register block: the one of floats, or a smaller one where integer sums have fewer registers.
+    static constexpr std::size_t vectors = C.padded_filters() / width;
+    static constexpr bool few_registers = requires { products::most_sums; };
+    static constexpr std::size_t block_vectors = [] {
+        if constexpr (few_registers)
+            return C.pool.area() > 1 ? 1 : std::min<std::size_t>(vectors, 2);
+        else
+            return C.block_vectors();
+    }();
+    static constexpr std::size_t block_rows = [] {
+        if constexpr (few_registers)
+            return C.pool.rows;
+        else
+            return C.block_rows();
+    }();
+    static constexpr std::size_t block_columns = [] {
+        if constexpr (few_registers)
+            return C.pool.area() > 1
+                       ? C.pool.columns
+                       : std::min<std::size_t>(products::most_sums / block_vectors, C.columns());
+        else
+            return C.block_columns();
+    }();
+
+    /// The staged input: elements from one pixel to the next, a multiple or a fraction of the group; elements
+    /// from one row to the next; rows; all elements, with those that the last group may read after its taps.
+    static constexpr std::size_t stride =
+        C.input_stride < group ? std::bit_ceil(C.input_stride) : (C.input_stride + group - 1) / group * group;
+    static constexpr std::size_t pitch = (C.window.input.columns + C.window.left + C.window.right) * stride;
+    static constexpr std::size_t rows = C.window.input.rows + C.window.top + C.window.bottom;
+    static constexpr std::size_t staged_elements = rows * pitch + group;
+
+    /// Groups per pixel, columns per group, groups that cover the columns of the kernel.
+    static constexpr std::size_t groups_of_pixel = std::max<std::size_t>(stride / group, 1),
+                                 columns_of_group = std::max<std::size_t>(group / stride, 1),
+                                 groups_of_row =
+                                     (C.window.kernel.columns + columns_of_group - 1) / columns_of_group;
+    static constexpr std::size_t weights_of_group = width * group;
+    using weight = typename products::weight;
+    static constexpr std::size_t weights =
+        vectors * groups_of_pixel * C.window.kernel.rows * groups_of_row * weights_of_group;
+
+    /// Packs weights in the order of use: blocks of vectors of filters, then [group of the pixel][kernel
+    /// row][group of the row][vector][filter][input of the group], with zeros where there is no filter or no
+    /// tap. `weight(filter, channel, row, column)`.
+    template <class Weight>
+    static constexpr void pack(std::int8_t* packed, const Weight& weight_at) {
+        const auto of_tap = [&](std::size_t filter, std::size_t in_pixel, std::size_t row, std::size_t in_row,
+                                std::size_t element) {
+            if constexpr (requires { products::order; })
+                element = products::order[element];
+            const std::size_t column = in_row * columns_of_group + element / stride;
+            const std::size_t channel = in_pixel * group + element % stride;
+            return filter < C.filters && column < C.window.kernel.columns && channel < C.window.input.channels
+                       ? weight_at(filter, channel, row, column)
+                       : std::int8_t{0};
+        };
+        for (std::size_t first = 0; first < vectors; first += block_vectors) {
+            const std::size_t last = std::min(first + block_vectors, vectors);
+            for (std::size_t in_pixel = 0; in_pixel < groups_of_pixel; ++in_pixel)
+                for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
+                    for (std::size_t in_row = 0; in_row < groups_of_row; ++in_row)
+                        for (std::size_t filter = first * width; filter < last * width; ++filter)
+                            for (std::size_t element = 0; element < group; ++element) {
+                                const auto bytes =
+                                    tactnet::detail::bits_as<std::array<std::int8_t, sizeof(weight)>>(
+                                        weight{of_tap(filter, in_pixel, row, in_row, element)});
+                                packed = std::copy(bytes.begin(), bytes.end(), packed);
+                            }
+        }
+    }
+
+    /// Copies the input with its padding around it. `padding` stands for zero.
+    static void stage(const Input* from, staged* to, Input padding) {
+        constexpr std::size_t columns = C.window.input.columns;
+        const auto convert = [](Input x) { return static_cast<staged>(x - offset); };
+        const auto fill = [&](std::size_t pixels) {
+            std::fill_n(to, pixels * stride, convert(padding));
+            to += pixels * stride;
+        };
+        const auto copy = [&](std::size_t pixels) {
+            if constexpr (std::is_same_v<Input, staged>)
+                std::memcpy(to, from, pixels * C.input_stride * sizeof(staged));
+            else
+                for (std::size_t e = 0; e < pixels * C.input_stride; ++e)
+                    to[e] = convert(from[e]);
+            from += pixels * C.input_stride, to += pixels * stride;
+        };
+        fill(C.window.top * (pitch / stride) + C.window.left);
+        for (std::size_t row = 0; row < C.window.input.rows; ++row) {
+            if (row > 0)
+                fill(C.window.left + C.window.right);
+            if constexpr (stride == C.input_stride) {
+                copy(columns);
+            } else {
+                for (std::size_t x = 0; x < columns; ++x) {
+                    std::fill_n(to + C.input_stride, stride - C.input_stride, staged{});
+                    copy(1);
+                }
+            }
+        }
+        fill(C.window.right + C.window.bottom * (pitch / stride));
+        std::fill_n(to, group, staged{});
+    }
+};
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <tactnet/kernels/integer/direct.hpp>
+#include <tactnet/kernels/integer/winograd.hpp>
+#include <tactnet/kernels/method_list.hpp>
+
+// The methods for a convolution of one frame in integers (method_list.hpp). All give the same exact sums. The
+// unit of their costs is an instruction on a vector, and an element is a byte. Beside the members of every
+// method they have
+//   offset               what is subtracted from an input of 8 bits before it is multiplied
+//   filter_places        elements of the arrays of the epilogue
+//   place(filter)        where the elements of a filter lie in them
+//   pack(packed, weight) with weight(filter, channel of its group, row, column), a signed byte
+//   run(packed, epilogue, input, output, workspace)
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// The method that computes a convolution of inputs of type `Input`: bytes, or words of 16 bits.
+template <frame_convolution C, class Input>
+using integer_method =
+    typename method_list<direct_integer_method<C, Input>, winograd_integer_method<C, Input>>::cheapest;
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
