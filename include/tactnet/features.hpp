@@ -1,11 +1,7 @@
 #pragma once
 
 #include <tactnet/features/bag_of_words.hpp>
-#include <tactnet/features/check_points.hpp>
 #include <tactnet/features/dense_surf.hpp>
-#include <tactnet/features/far_origin.hpp>
-#include <tactnet/features/haar_response.hpp>
 #include <tactnet/features/integral_image.hpp>
 #include <tactnet/features/k_means.hpp>
-#include <tactnet/features/surf_scale.hpp>
 #include <tactnet/features/surf_words.hpp>

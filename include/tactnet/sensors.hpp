@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/sensors/any_recording.hpp>
-#include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/calibration.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/frame.hpp>
@@ -9,17 +8,9 @@
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
-#include <tactnet/sensors/tekscan/binary_checks.hpp>
-#include <tactnet/sensors/tekscan/binary_header.hpp>
-#include <tactnet/sensors/tekscan/binary_records.hpp>
-#include <tactnet/sensors/tekscan/header.hpp>
-#include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
-#include <tactnet/sensors/tekscan/row.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/warning.hpp>
-#include <tactnet/sensors/weiss/dsacon32m.hpp>
-#include <tactnet/sensors/weiss/packet.hpp>
-#include <tactnet/sensors/weiss/wts.hpp>
+#include <tactnet/sensors/weiss.hpp>

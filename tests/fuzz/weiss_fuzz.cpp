@@ -3,8 +3,7 @@
 #include "decoder_fuzz.hpp"
 #include "fuzz_target.hpp"
 
-#include <tactnet/sensors/weiss/dsacon32m.hpp>
-#include <tactnet/sensors/weiss/wts.hpp>
+#include <tactnet/sensors/weiss.hpp>
 
 namespace {
 

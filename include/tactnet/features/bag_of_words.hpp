@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tactnet/features/check_points.hpp>
-#include <tactnet/features/far_origin.hpp>
+#include <tactnet/features/points.hpp>
 #include <tactnet/kernels/rows/nearest.hpp>
 
 #include <algorithm>
@@ -45,7 +44,7 @@ public:
           origin_(detail::far_origin<Values>(words)),
           search_(moved(words)),
           form_(form) {
-        check_points("bag_of_words", words, Values);
+        detail::check_points("bag_of_words", words, Values);
         if (count() > Words)
             throw std::invalid_argument("bag_of_words: expected at most " + std::to_string(Words) +
                                         " words, found " + std::to_string(count()));

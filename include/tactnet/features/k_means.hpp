@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tactnet/features/check_points.hpp>
-#include <tactnet/features/far_origin.hpp>
+#include <tactnet/features/points.hpp>
 #include <tactnet/kernels/rows/nearest.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/random.hpp>
@@ -221,7 +220,7 @@ private:
 template <std::size_t Values>
 [[nodiscard]] aligned_vector<float> k_means_seeds(std::span<const float> points,
                                                   const k_means_settings& settings, thread_pool& threads) {
-    check_points("k_means", points, Values);
+    detail::check_points("k_means", points, Values);
     if (settings.centres == 0)
         throw std::invalid_argument("k_means: expected at least one centre, found 0");
     constexpr std::size_t whole = kernels::padded_size<float>(Values);
@@ -234,8 +233,8 @@ template <std::size_t Values>
 template <std::size_t Values>
 [[nodiscard]] clusters k_means_from(std::span<const float> points, std::span<const float> centres,
                                     const k_means_settings& settings, thread_pool& threads) {
-    check_points("k_means", points, Values);
-    check_points("k_means: centres", centres, Values);
+    detail::check_points("k_means", points, Values);
+    detail::check_points("k_means: centres", centres, Values);
     constexpr std::size_t whole = kernels::padded_size<float>(Values);
     const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
     clusters result = detail::k_means_run<whole>(padded, settings, threads)

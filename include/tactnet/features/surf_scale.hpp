@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/features/haar_response.hpp>
+#include <tactnet/features/integral_image.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/tensor/alignment.hpp>
 

@@ -4,8 +4,8 @@
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
-#include <tactnet/sensors/tekscan/map.hpp>
 #include <tactnet/sensors/tekscan/line.hpp>
+#include <tactnet/sensors/tekscan/map.hpp>
 
 #include <algorithm>
 #include <cstddef>

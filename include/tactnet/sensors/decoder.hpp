@@ -138,5 +138,23 @@ private:
     decode_status status_ = decode_status::reading;
 };
 
+/// Reads the unsigned number at the start of `bytes`, lowest byte first, on any machine.
+template <std::unsigned_integral T>
+[[nodiscard]] constexpr T little_endian(std::span<const std::byte> bytes) noexcept {
+    T value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+        value = static_cast<T>(value | static_cast<T>(static_cast<T>(bytes[i]) << (8 * i)));
+    return value;
+}
+
+/// Reads the unsigned number at the start of `bytes`, highest byte first, on any machine.
+template <std::unsigned_integral T>
+[[nodiscard]] constexpr T big_endian(std::span<const std::byte> bytes) noexcept {
+    T value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+        value = static_cast<T>(value | static_cast<T>(static_cast<T>(bytes[sizeof(T) - 1 - i]) << (8 * i)));
+    return value;
+}
+
 } // namespace TACTNET_ARCH
 } // namespace tactnet

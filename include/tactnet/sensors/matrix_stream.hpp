@@ -2,7 +2,6 @@
 
 #include <tactnet/detail/bits_as.hpp>
 #include <tactnet/detail/config.hpp>
-#include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
 
 #include <algorithm>

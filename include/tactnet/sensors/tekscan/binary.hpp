@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>

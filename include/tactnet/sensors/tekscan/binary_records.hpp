@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/sensors/byte_order.hpp>
+#include <tactnet/sensors/decoder.hpp>
 
 #include <algorithm>
 #include <array>

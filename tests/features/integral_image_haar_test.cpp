@@ -1,6 +1,6 @@
 #include "images.hpp"
 
-#include <tactnet/features/haar_response.hpp>
+#include <tactnet/features/integral_image.hpp>
 
 #include <doctest/doctest.h>
 

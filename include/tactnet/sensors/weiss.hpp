@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/sensors/byte_order.hpp>
 #include <tactnet/sensors/decoder.hpp>
 
 #include <algorithm>
@@ -15,17 +14,17 @@
 #include <utility>
 #include <vector>
 
-// The packets of Weiss Robotics' tactile controllers: AA AA AA, an identifier, u16 size, as many bytes of
-// payload, and a CRC-16, all numbers with their lowest byte first. A frame has the identifier 0 and a payload
-// of u32 time stamp, u8 flags and cells: u16 each, or, with the lowest flag set, in runs of a u16 each, whose
-// low 12 bits are the value and whose high 4 bits are how many cells have it. The controllers differ in which
-// bytes the checksum covers.
+// Decoders of Weiss Robotics' tactile controllers. A packet is AA AA AA, an identifier, u16 size, a payload
+// of that size and a CRC-16; the lowest byte of a number comes first. A frame has the identifier 0 and a
+// payload of u32 time stamp, u8 flags and cells: u16 each, or, if the lowest flag is set, in runs of a u16
+// each, whose low 12 bits are the value and whose high 4 bits are the number of cells. The controllers differ
+// in which bytes the checksum covers.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// CRC-16 with polynomial 1021 in a table of its plain, not reflected, form, but shifted to the right, as
-/// these controllers do; starts at FFFF.
+/// CRC-16 with the polynomial 1021 and the start value FFFF. As in these controllers, the table is that of
+/// the form that is not reflected, but values are shifted to the right.
 class weiss_checksum {
 public:
     constexpr void add(std::span<const std::byte> bytes) noexcept {
@@ -50,23 +49,23 @@ private:
     std::uint16_t value_ = 0xFFFF;
 };
 
-/// What a live stream needs to know beforehand: it does not tell.
+/// The array behind a live stream, which does not describe itself.
 struct weiss_array {
     std::size_t rows = 0, columns = 0;
     std::optional<double> row_spacing{}, column_spacing{}; ///< metres
-    double seconds_per_tick = 1e-3;                        ///< of the time stamp
+    double seconds_per_tick = 1e-3;                        ///< unit of time stamps
 };
 
 /// Which bytes the checksum covers.
 enum class weiss_coverage : std::uint8_t { whole_packet, without_preamble };
 
-/// Decodes a live stream of packets. One may join it at any byte: what is no packet is passed over and
-/// counted. A packet with a wrong checksum or a frame of another size is reported as damaged, and decoding
-/// goes on behind it. Packets with other identifiers, answers to commands, are passed over. A push that
-/// reports damage has taken all its bytes; `error` is the last one's, `damaged_packets` counts them.
+/// Decodes a live stream of packets, which may be joined at any byte. Bytes outside of packets are counted
+/// and skipped, and so are packets with other identifiers, which answer commands. A packet with a wrong
+/// checksum or a frame of another size is reported as damaged, and decoding continues behind it. A push that
+/// reports damage has taken all its bytes: `error` describes the last damage, `damaged_packets` counts all.
 ///
-/// Memory: one frame of four bytes a cell and one packet, of two bytes a cell and 13 more, but at least 263
-/// and at most 65 543.
+/// Memory: one frame of four bytes per cell and one packet of two bytes per cell and 13 more, but at least
+/// 263 and at most 65 543.
 class weiss_decoder : public decoder_base {
 public:
     weiss_decoder(std::string format, const weiss_array& array, weiss_coverage coverage)
@@ -88,7 +87,7 @@ public:
         return status();
     }
 
-    /// A live stream may end anywhere; a packet that is not whole is reported.
+    /// Ends the stream. A packet that is not complete is reported.
     template <class Sink>
     decode_status finish(Sink&&) {
         set_status(decode_status::finished);
@@ -99,7 +98,7 @@ public:
     }
 
     [[nodiscard]] std::uint64_t damaged_packets() const noexcept { return damaged_; }
-    /// Bytes that belong to no packet.
+    /// Number of bytes outside of packets.
     [[nodiscard]] std::uint64_t skipped_bytes() const noexcept { return skipped_; }
 
 private:
@@ -121,12 +120,13 @@ private:
         return description;
     }
 
-    /// No more than a frame needs, or an answer to a command: a damaged size cannot keep the stream waiting.
+    /// The largest payload of a frame or an answer, so that the stream does not wait for a damaged size.
     [[nodiscard]] std::size_t largest_payload() const {
         return std::clamp<std::size_t>(stamp_and_flags + 2 * description().cells(), 255, 0xFFFF);
     }
 
-    /// Looks at what has arrived of a packet. True if it has changed the buffer, and must look again.
+    /// Examines the bytes in the buffer. Returns true if it has removed some, so that the rest must be
+    /// examined.
     template <class Sink>
     bool complete(Sink& sink) {
         const std::span<const std::byte> packet(buffer_);
@@ -199,6 +199,24 @@ private:
     std::vector<std::byte> buffer_;
     std::size_t byte_ = 0;
     std::uint64_t damaged_ = 0, skipped_ = 0;
+};
+
+/// Decodes frames of a WTS sensor, whose checksum covers the whole packet. See weiss_decoder.
+class weiss_wts : public weiss_decoder {
+public:
+    /// Throws std::invalid_argument if rows × columns is not 1 to largest_frame_cells.
+    explicit weiss_wts(const weiss_array& array)
+        : weiss_decoder("Weiss WTS", array, weiss_coverage::whole_packet) {}
+};
+
+/// Decodes frames of a DSACON32m controller, as in the Schunk SDH hand: the checksum does not cover the
+/// preamble, and cells usually come in runs. A frame holds the cells of all matrices, one after the other.
+/// See weiss_decoder.
+class dsacon32m : public weiss_decoder {
+public:
+    /// Throws std::invalid_argument if rows × columns is not 1 to largest_frame_cells.
+    explicit dsacon32m(const weiss_array& array)
+        : weiss_decoder("DSACON32m", array, weiss_coverage::without_preamble) {}
 };
 
 } // namespace TACTNET_ARCH

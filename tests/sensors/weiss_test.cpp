@@ -1,7 +1,6 @@
 #include "decoded.hpp"
 
-#include <tactnet/sensors/weiss/dsacon32m.hpp>
-#include <tactnet/sensors/weiss/wts.hpp>
+#include <tactnet/sensors/weiss.hpp>
 
 #include <doctest/doctest.h>
 
@@ -64,14 +63,14 @@ const std::vector<float> runs_cells{4095, 4095, 5, 5, 5, 5};
 
 static_assert(tactnet::frame_decoder<weiss_wts> && tactnet::frame_decoder<dsacon32m>);
 
-TEST_CASE("weiss_packet: the table begins as the protocol's does") {
+TEST_CASE("weiss_decoder: the table begins as the protocol's does") {
     // One byte 0 after FFFF: table[FF] ^ 00FF = 1EF0 ^ 00FF.
     tactnet::weiss_checksum sum;
     sum.add(span_of({0x00}));
     CHECK(sum.value() == 0x1E0F);
 }
 
-TEST_CASE("weiss_packet: frames of a WTS: plain cells, whole packet under the checksum") {
+TEST_CASE("weiss_decoder: frames of a WTS: plain cells, whole packet under the checksum") {
     const auto found =
         sensors_test::decode(weiss_wts(array), span_of(packet(0, plain, 0) + packet(0, runs, 0)));
     CHECK_MESSAGE(found.status == decode_status::finished, found.error);
@@ -83,7 +82,7 @@ TEST_CASE("weiss_packet: frames of a WTS: plain cells, whole packet under the ch
     CHECK(found.description.format == "Weiss WTS");
 }
 
-TEST_CASE("weiss_packet: the largest") {
+TEST_CASE("weiss_decoder: the largest") {
     constexpr std::size_t cells = (0xFFFF - 5) / 2;
     bytes payload(5 + 2 * cells, 0);
     payload.back() = 1;
@@ -94,7 +93,7 @@ TEST_CASE("weiss_packet: the largest") {
     CHECK(found.frames[0].cells.back() == 256);
 }
 
-TEST_CASE("weiss_packet: frames of a DSACON32m: runs, preamble not under the checksum") {
+TEST_CASE("weiss_decoder: frames of a DSACON32m: runs, preamble not under the checksum") {
     const auto found = sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 3)));
     CHECK_MESSAGE(found.status == decode_status::finished, found.error);
     REQUIRE(found.frames.size() == 1);
@@ -104,7 +103,7 @@ TEST_CASE("weiss_packet: frames of a DSACON32m: runs, preamble not under the che
     CHECK(sensors_test::decode(dsacon32m(array), span_of(packet(0, runs, 0))).frames.empty());
 }
 
-TEST_CASE("weiss_packet: a stream may be joined anywhere; answers to commands are passed over") {
+TEST_CASE("weiss_decoder: a stream may be joined anywhere; answers to commands are passed over") {
     const bytes stream = bytes{1, 0xAA, 0xAA, 7} + packet(0x20, {0, 0, 1}, 0) + bytes{0xAA} +
                          packet(0, plain, 0) + bytes{0xAA, 0xAA, 0xAA, 0, 0xFF, 0xFF} + packet(0, runs, 0);
     weiss_wts decoder(array);
@@ -123,7 +122,7 @@ TEST_CASE("weiss_packet: a stream may be joined anywhere; answers to commands ar
     }
 }
 
-TEST_CASE("weiss_packet: a damaged one is told, and costs no other frame") {
+TEST_CASE("weiss_decoder: a damaged one is told, and costs no other frame") {
     const bytes good = packet(0, plain, 0);
     for (std::size_t at = 6; at < good.size(); ++at) {
         bytes bad = good;
@@ -168,7 +167,7 @@ TEST_CASE("weiss_packet: a damaged one is told, and costs no other frame") {
     CHECK(cut.error == "byte 24, frame 1: expected a whole packet, found 24 bytes of one");
 }
 
-TEST_CASE("weiss_packet: memory does not grow with the stream; sizes are checked") {
+TEST_CASE("weiss_decoder: memory does not grow with the stream; sizes are checked") {
     weiss_wts decoder(array);
     const bytes stream = bytes(300, 0xA0) + packet(0, plain, 0);
     const std::size_t before = support::bytes_allocated();

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace detail {
+
+/// Checks that `points` holds one or more points of `values` numbers whose squared distances stay finite in
+/// single precision. If not, throws std::invalid_argument, which begins with the name of the caller and names
+/// the first number that is NaN, infinite or larger than 10¹⁷.
+inline void check_points(const char* caller, std::span<const float> points, std::size_t values) {
+    const auto refuse = [&](const std::string& problem) {
+        throw std::invalid_argument(std::string(caller) + ": expected " + problem);
+    };
+    if (points.empty() || points.size() % values != 0)
+        refuse("points of " + std::to_string(values) + " numbers each, found " +
+               std::to_string(points.size()) + " numbers");
+    const auto broken =
+        std::find_if_not(points.begin(), points.end(), [](float v) { return std::abs(v) <= 1e17f; });
+    if (broken == points.end())
+        return;
+    const auto place = static_cast<std::size_t>(broken - points.begin());
+    refuse("finite numbers of at most 1e17, found " + std::to_string(*broken) + " as number " +
+           std::to_string(place % values) + " of point " + std::to_string(place / values) +
+           " (counted from 0)");
+}
+
+/// Returns the mean of points of `Values` numbers if it is far from zero compared with their extent, and
+/// nothing if it is near. A search by ‖c‖² − 2 c·x loses the distances of far points to rounding unless their
+/// mean is subtracted first.
+template <std::size_t Values>
+[[nodiscard]] std::vector<double> far_origin(std::span<const float> points) {
+    constexpr double far = 32; // deviations; nearer, 1/1000 of the squares remains
+    const double count = static_cast<double>(points.size() / Values);
+    std::array<double, Values> middle{};
+    double extent = 0, offset = 0;
+    for (std::size_t e = 0; e < points.size(); ++e)
+        middle[e % Values] += static_cast<double>(points[e]) / count;
+    for (std::size_t e = 0; e < points.size(); ++e) {
+        const double d = static_cast<double>(points[e]) - middle[e % Values];
+        extent += d * d / count;
+    }
+    for (const double m : middle)
+        offset += m * m;
+    if (offset > far * far * extent)
+        return {middle.begin(), middle.end()};
+    return {};
+}
+
+} // namespace detail
+} // namespace TACTNET_ARCH
+} // namespace tactnet
