@@ -1,15 +1,30 @@
 find_package(doctest REQUIRED)
 
-# tactnet_test(room SOURCES file... [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED])
+# The tests of the library: what `scripts/test` builds and runs (`ctest -L library`), in about ten minutes on two cores.
+# Everything else belongs to `scripts/test full`.
+add_custom_target(library_tests)
+
+# tactnet_library_tests(TESTS name... [TARGETS target...]): adds tests of CTest, and the targets that they need.
+function(tactnet_library_tests)
+    cmake_parse_arguments(PARSE_ARGV 0 library "" "" "TESTS;TARGETS")
+    set_property(TEST ${library_TESTS} APPEND PROPERTY LABELS library)
+    if(library_TARGETS)
+        add_dependencies(library_tests ${library_TARGETS})
+    endif()
+endfunction()
+
+# tactnet_test(room SOURCES file... [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED]
+#              [FULL])
 #
 # One program test_<room> and one entry in CTest, or, for one that takes minutes, an entry <room>.<word> for the cases
-# in files with each of these words in their names, and <room> for all others, so that they run side by side. A program in which no test case is left fails, rather than passing
-# because nothing was wrong.
+# in files with each of these words in their names, and <room> for all others, so that they run side by side. A program
+# in which no test case is left fails, rather than passing because nothing was wrong.
 #
 # FULLY_OPTIMISED is for rooms whose subject is the optimised code itself: the kernels, and what is built of them as
-# users build it. COST is about what the test takes, so that CTest starts the longest first.
+# users build it. FULL leaves the room to the full suite. COST is about what the test takes, so that CTest starts the
+# longest first.
 function(tactnet_test room)
-    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED" "TIMEOUT;COST" "SOURCES;LIBRARIES;PARTS")
+    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED;FULL" "TIMEOUT;COST" "SOURCES;LIBRARIES;PARTS")
     if(test_UNPARSED_ARGUMENTS OR NOT test_SOURCES)
         message(FATAL_ERROR "tactnet_test(${room}): expected SOURCES file..., found '${ARGN}'.")
     endif()
@@ -50,4 +65,7 @@ function(tactnet_test room)
     set_tests_properties(
         ${entries} PROPERTIES TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
     )
+    if(NOT test_FULL)
+        tactnet_library_tests(TESTS ${entries} TARGETS test_${room})
+    endif()
 endfunction()

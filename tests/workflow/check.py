@@ -38,7 +38,7 @@ for name, job in workflow["jobs"].items():
         words = command.split()
         if words[0] != ".ci/run":
             continue
-        asked = command.removeprefix(".ci/run").strip()
+        asked = command.removeprefix(".ci/run").strip() or "default"
         named |= set(matrix) if asked == "${{ matrix.preset }}" else {asked}
     if not any(
         command.startswith((".ci/run", "scripts/matrix")) or command.endswith("--target reference") for command in runs
