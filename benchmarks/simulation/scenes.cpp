@@ -3,8 +3,8 @@
 // core.
 
 #include <tactnet/simulation/effects/circuit/noise.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -7,9 +7,9 @@
 //     gnuplot -c compliance.gnuplot compliance.csv compliance.png
 
 #include <tactnet/sensors/tekscan_6077.hpp>
-#include <tactnet/simulation/contact/sensor_compliance.hpp>
+#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <algorithm>
 #include <cstddef>

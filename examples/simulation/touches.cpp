@@ -5,8 +5,8 @@
 #include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -15,7 +15,6 @@
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/scene.hpp>
-#include <tactnet/simulation/simulate.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 #include "commands/scenes.hpp"
 
-#include <tactnet/simulation/contact/sensor_compliance.hpp>
+#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <algorithm>
 #include <array>

@@ -4,9 +4,11 @@
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 // What an effect of a scene is. An effect is described without sizes, as a plain struct of parameters in SI
 // units; bound to the shape of what reaches it, it may carry a state: what the sensor was made with, what it
@@ -109,6 +111,16 @@ template <class Effect, shape Shape>
         return Effect::template output<Shape>;
     else
         return Shape;
+}
+
+/// Multiplies all values by one factor, for effects that change the whole film alike. A factor below zero or
+/// NaN counts as zero, and a factor beyond the largest float as that, so that zeros stay zero.
+template <shape Shape>
+void scale(signal<Shape> values, double factor) noexcept {
+    constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+    const auto kept = static_cast<float>(factor > 0 ? std::min(factor, most) : 0.0);
+    for (std::size_t i = 0; i < Shape.size(); ++i)
+        values.data()[i] *= kept;
 }
 
 } // namespace simulation

@@ -1,6 +1,6 @@
 #include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <doctest/doctest.h>
 

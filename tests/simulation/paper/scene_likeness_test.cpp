@@ -2,8 +2,8 @@
 // Needs the paper's images.
 
 #include <tactnet/io/images/folder.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
-#include <tactnet/simulation/paper/simulate.hpp>
 
 #include <doctest/doctest.h>
 

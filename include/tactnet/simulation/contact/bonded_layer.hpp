@@ -76,6 +76,24 @@ struct bonded_layer {
     };
 };
 
+// How soft a sensor is depends more on what is behind the film than on the film. On a metal plate it is
+// rigid, on foam semi-rigid, and on a soft body without a frame it is flexible and bends round the object.
+// The softer it is, the more tactels share a force and the less each of them bears: the contact grows, and
+// the range from faint to strong shrinks.
+//
+// All three are bonded layers; the bending stiffness of the film is neglected. Thicknesses are usual ones,
+// and moduli lie in the range of silicone of Shore 20 A (about 0.7 MPa), foam rubber and upholstery foam.
+// They are chosen, not measured; the tests check the order of the three. That order does not hold for an
+// object that is flat to hundredths of a millimetre and pressed lightly: its rim cuts deeper into the softer
+// sensor.
+
+/// A film under a thin rubber skin on a metal plate.
+inline constexpr bonded_layer rigid_sensor{.young = 7e5, .poisson = 0.48, .thickness = 1e-3};
+/// A film on a mat of foam rubber.
+inline constexpr bonded_layer semi_rigid_sensor{.young = 1e5, .poisson = 0.3, .thickness = 3e-3};
+/// A film on a thick soft body.
+inline constexpr bonded_layer flexible_sensor{.young = 3e4, .poisson = 0.1, .thickness = 12e-3};
+
 } // namespace simulation
 } // namespace TACTNET_ARCH
 } // namespace tactnet

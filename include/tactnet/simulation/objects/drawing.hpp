@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 #include <span>
+#include <string_view>
 #include <vector>
 
 // What the families of objects are drawn with. In them all lengths are written in millimetres and all angles
@@ -87,6 +88,12 @@ inline void add_bar(std::vector<part>& parts, std::span<const bend> bends) {
 
 /// Longer than any array: what ends outside of the picture.
 inline constexpr double beyond = 150 * mm;
+
+/// A kind of object. Each draw is another object of the kind, in another pose, pressed with another force.
+struct object_family {
+    std::string_view name;
+    touch (*draw)(drawing&); ///< draws one at random
+};
 
 } // namespace simulation
 } // namespace TACTNET_ARCH

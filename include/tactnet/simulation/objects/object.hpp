@@ -3,6 +3,7 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/objects/part.hpp>
+#include <tactnet/tensor/tensor.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
@@ -89,6 +90,14 @@ void lay(const object& body, const pose& at, double cell, signal<Shape> heights)
             heights(row, column) =
                 static_cast<float>(body.height(from_object.turned(-at.angle)) + at.slope.dot(from_object));
         }
+}
+
+/// Simulates one frame of a touch. Effects of the scene that have a memory continue from its last frame.
+template <class Scene>
+void simulate(Scene& scene, const touch& some, const moment& now, typename Scene::frames& result) {
+    tensor<float, Scene::surface> heights;
+    lay<Scene::surface>(some.shape, some.at, scene.cell(), heights.view());
+    scene.touch(heights.view(), some.press, now, result);
 }
 
 } // namespace simulation

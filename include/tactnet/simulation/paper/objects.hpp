@@ -1,6 +1,7 @@
 #pragma once
 
-#include <tactnet/simulation/objects/family.hpp>
+#include <tactnet/runtime/random.hpp>
+#include <tactnet/simulation/objects/drawing.hpp>
 #include <tactnet/simulation/paper/bars.hpp>
 #include <tactnet/simulation/paper/bodies.hpp>
 #include <tactnet/simulation/paper/solids.hpp>
@@ -49,6 +50,19 @@ inline constexpr std::array<object_family, 22> paper_objects{{
     };
     drawing draw(stream(shape), stream(pose), stream(force));
     return paper_objects.at(label).draw(draw);
+}
+
+/// Simulates touch `number` of a class, each on a sensor of its own, so that a network does not learn the
+/// flaws of one sensor. Bit-identical wherever it runs.
+template <class Scene>
+void simulate_paper_touch(Scene& scene, std::size_t label, std::uint64_t seed, std::uint32_t number,
+                          typename Scene::frames& result) {
+    const auto mixed =
+        philox({number, static_cast<std::uint32_t>(label), 0, random_purposes::sensor.number()},
+               {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+    const std::uint64_t own = std::uint64_t{mixed[0]} << 32 | mixed[1];
+    scene.use(sensor_unit{own});
+    simulate(scene, draw_touch(label, seed, number), {.seed = own, .frame = number}, result);
 }
 
 } // namespace simulation

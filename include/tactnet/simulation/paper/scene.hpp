@@ -29,7 +29,7 @@ using layered_scene = scene<paper_array, contact<bonded_layer>, elastic_pad, fil
                             quantisation<8>, jpeg_storage>;
 
 /// On a sensor whose give is known: the layer is all that is soft, from the skin to what is behind the film.
-/// rigid_sensor, semi_rigid_sensor and flexible_sensor (simulation/contact/sensor_compliance.hpp) are such
+/// rigid_sensor, semi_rigid_sensor and flexible_sensor (simulation/contact/bonded_layer.hpp) are such
 /// layers: compliant_scene({}, {}, contact<bonded_layer>{flexible_sensor}).
 using compliant_scene =
     scene<paper_array, contact<bonded_layer>, film_texture, saturation, quantisation<8>, jpeg_storage>;

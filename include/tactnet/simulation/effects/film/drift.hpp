@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/simd/normal_numbers.hpp>
-#include <tactnet/simulation/effects/scale.hpp>
+#include <tactnet/simulation/effect.hpp>
 
 #include <array>
 

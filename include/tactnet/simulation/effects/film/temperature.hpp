@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/simulation/effects/scale.hpp>
+#include <tactnet/simulation/effect.hpp>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

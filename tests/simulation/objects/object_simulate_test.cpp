@@ -1,6 +1,6 @@
 #include "witness.hpp"
 
-#include <tactnet/simulation/simulate.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 
 #include <doctest/doctest.h>
 

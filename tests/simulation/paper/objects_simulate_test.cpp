@@ -1,6 +1,6 @@
 #include "../witness.hpp"
 
-#include <tactnet/simulation/paper/simulate.hpp>
+#include <tactnet/simulation/paper/objects.hpp>
 
 #include <doctest/doctest.h>
 

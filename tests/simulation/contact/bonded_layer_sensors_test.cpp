@@ -1,6 +1,6 @@
 #include "pressed.hpp"
 
-#include <tactnet/simulation/contact/sensor_compliance.hpp>
+#include <tactnet/simulation/contact/bonded_layer.hpp>
 
 #include <doctest/doctest.h>
 
@@ -35,7 +35,7 @@ void check_order(const tensor<float, size>& heights, double force) {
     }
 }
 
-TEST_CASE("sensor_compliance: rigid, semi-rigid, flexible: contact grows and the dynamic range falls") {
+TEST_CASE("bonded_layer: rigid, semi-rigid, flexible: contact grows and the dynamic range falls") {
     for (const double force : {5.0, 10.0, 30.0}) {
         check_order(heights_of<size>(cell, support::sphere(0.03)), force);
         // A bar across the array, round to 10 mm and rounded off at its ends.
