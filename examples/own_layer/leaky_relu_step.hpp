@@ -2,9 +2,11 @@
 
 // What the layer does in a deployed network. A target that runs an exported network needs this file alone.
 
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 
 #include <cstddef>
+#include <type_traits>
 
 namespace own {
 
@@ -23,3 +25,12 @@ struct leaky_relu_step<tactnet::single_precision, Percent, Map, Stride>
 };
 
 } // namespace own
+
+template <class Format, unsigned Percent, tactnet::shape Map, std::size_t Stride>
+struct tactnet::step_description<own::leaky_relu_step<Format, Percent, Map, Stride>> {
+    static constexpr const char* header = "leaky_relu_step.hpp";
+    static constexpr void visit(auto&& to) {
+        to("own::leaky_relu_step", "Leaky ReLU", std::type_identity<Format>{}, Percent, Map,
+           tactnet::input_stride{});
+    }
+};

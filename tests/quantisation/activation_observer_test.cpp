@@ -29,7 +29,7 @@ detail::calibration_graph description() {
     second.output = rectified, second.from = second.to = {1, 1, 2};
     detail::graph_node third{.window = {{1, 1, 2}, extent2d(1, 1), 1}, .filters = 2, .input = rectified};
     third.output = outputs, third.from = third.to = {1, 1, 2}, third.folded = 12;
-    net.steps = {first, second, third};
+    net.nodes = {first, second, third};
     return net;
 }
 /// The mean frame, what words hold, then weights [filter][tap], biases, scales of each convolution.

@@ -91,9 +91,9 @@ TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and 
         {"step8", 8, 9, 0, 3, 48, false, false, 1, nullptr}};
     const calibration_graph& net = described();
     const folded_layout layout = folded_layout_of<view>();
-    REQUIRE(net.steps.size() == expected.size());
+    REQUIRE(net.nodes.size() == expected.size());
     for (std::size_t s = 0; s < expected.size(); ++s) {
-        const graph_node& step = net.steps[s];
+        const graph_node& step = net.nodes[s];
         const expected_step& as = expected[s];
         CAPTURE(s);
         CHECK(step.input == as.input);
@@ -120,8 +120,8 @@ TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and 
             }
         CHECK(found);
     }
-    CHECK(net.steps[3].added == 4);
-    CHECK(net.steps[0].offset == view::steps::at<0>::offset);
+    CHECK(net.nodes[3].added == 4);
+    CHECK(net.nodes[0].offset == view::steps::at<0>::offset);
 }
 
 TEST_CASE("calibration_graph_of: ranges are written where files have those of each map") {

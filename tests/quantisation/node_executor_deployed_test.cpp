@@ -33,7 +33,7 @@ std::vector<float> plain_outputs(const detail::calibration_graph& steps, std::sp
     std::vector<float> maps(steps.numbers);
     for (std::size_t e = 0; e < input.size(); ++e)
         maps[e % input.area() * input.channels + e / input.area()] = counts[e] * scale;
-    for (const detail::graph_node& step : steps.steps) {
+    for (const detail::graph_node& step : steps.nodes) {
         const detail::feature_map& to = steps.maps[step.output];
         detail::node_executor(steps, step, folded, rounded)(
             maps.data(), to.range == detail::calibration_graph::none ? map_range{} : ranges[to.range]);
@@ -47,7 +47,7 @@ std::vector<float> plain_outputs(const detail::calibration_graph& steps, std::sp
 std::vector<map_range> ranges_of(const detail::calibration_graph& steps, const folded_layout& layout,
                                  std::span<const float> folded) {
     std::vector<map_range> ranges(steps.ranges);
-    for (const detail::graph_node& step : steps.steps)
+    for (const detail::graph_node& step : steps.nodes)
         for (const folded_step& of : layout.steps)
             if (of.arrays[0].offset == step.folded)
                 for (const auto& [map, name] :

@@ -37,7 +37,7 @@ struct drawn_step {
         step.added = net.add_map(sums, 1);
         step.output = net.add_map(to, 2);
         step.from = window.input, step.to = to, step.folded = 3;
-        net.steps.push_back(step);
+        net.nodes.push_back(step);
         std::mt19937 draw(seed);
         const auto next = [&](int most) {
             return static_cast<float>(static_cast<int>(draw() % static_cast<unsigned>(2 * most + 1)) - most);
@@ -55,7 +55,7 @@ struct drawn_step {
     /// number of them.
     [[nodiscard]] std::optional<double> sum_at(std::size_t filter, std::size_t y, std::size_t x,
                                                bool rounded) const {
-        const graph_node& step = net.steps[0];
+        const graph_node& step = net.nodes[0];
         const sliding_window& w = step.window;
         if (y >= w.output_rows() || x >= w.output_columns())
             return {};
@@ -86,7 +86,7 @@ struct drawn_step {
     }
     /// How many numbers of all maps are others than they should be, once the step has run.
     [[nodiscard]] std::size_t wrong(bool rounded, const map_range& range) const {
-        const graph_node& step = net.steps[0];
+        const graph_node& step = net.nodes[0];
         std::vector<float> expected = maps, found = maps;
         for (std::size_t y = 0; y < step.to.rows; ++y)
             for (std::size_t x = 0; x < step.to.columns; ++x)
@@ -144,8 +144,8 @@ TEST_CASE("node_executor: outputs are not rounded, their weights are") {
     drawn_step drawn({{5, 4, 3}, extent2d(2, 2), 1}, 1, 4, 1, false, false, 0, 50);
     drawn.net.maps[2].range = calibration_graph::none;
     std::vector<float> found = drawn.maps;
-    node_executor(drawn.net, drawn.net.steps[0], drawn.folded, true)(found.data(), {1000, 0});
-    const shape to = drawn.net.steps[0].to;
+    node_executor(drawn.net, drawn.net.nodes[0], drawn.folded, true)(found.data(), {1000, 0});
+    const shape to = drawn.net.nodes[0].to;
     for (std::size_t pixel = 0; pixel < to.area(); ++pixel)
         for (std::size_t f = 0; f < 4; ++f)
             CHECK(static_cast<double>(found[drawn.net.maps[2].begin + pixel * 4 + f]) ==
@@ -154,7 +154,7 @@ TEST_CASE("node_executor: outputs are not rounded, their weights are") {
 
 TEST_CASE("node_executor: the sums of a pixel lie where place_of says, each tap is told once") {
     const drawn_step drawn({{6, 7, 4}, extent2d(3, 3), 1, 1, 1, 1, 1}, 2, 6, 1, true, true, 0, 60);
-    const graph_node& step = drawn.net.steps[0];
+    const graph_node& step = drawn.net.nodes[0];
     const node_executor run(drawn.net, step, drawn.folded, false);
     node_executor::sums sums = run.make_sums();
     for (std::size_t y = 0; y < 6; ++y)
@@ -192,13 +192,13 @@ TEST_CASE("node_executor: another step does what its function says, and is round
     net.ranges = 2;
     graph_node step{.reference = at_least_step::reference, .input = net.add_map({1, 5}, 0)};
     step.output = net.add_map({1, 5}, 1), step.from = step.to = {1, 5}, step.folded = 1;
-    net.steps.push_back(step);
+    net.nodes.push_back(step);
     const std::vector<float> folded{9, -3};
     std::vector<float> exact{-4, -2.5f, 0.25f, 0.75f, 200, 0, 0, 0, 0, 0}, rounded = exact;
-    node_executor(net, net.steps[0], folded, false)(exact.data(), {0.5f, 4});
+    node_executor(net, net.nodes[0], folded, false)(exact.data(), {0.5f, 4});
     CHECK(std::vector<float>(exact.begin() + 5, exact.end()) ==
           std::vector<float>{-3, -2.5f, 0.25f, 0.75f, 200});
     // Bytes are −2 (so 0), −1 (so 0), 4, 6 and 404 (so 255), of a zero of 4.
-    node_executor(net, net.steps[0], folded, true)(rounded.data(), {0.5f, 4});
+    node_executor(net, net.nodes[0], folded, true)(rounded.data(), {0.5f, 4});
     CHECK(std::vector<float>(rounded.begin() + 5, rounded.end()) == std::vector<float>{-2, -2, 0, 1, 125.5f});
 }

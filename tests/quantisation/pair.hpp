@@ -25,7 +25,7 @@ inline tactnet::detail::calibration_graph pair_description(std::size_t range_of_
     step.output = output;
     step.from = {1, 2}, step.to = {1, 1};
     step.folded = 4; // behind the mean and what words hold
-    net.steps.push_back(step);
+    net.nodes.push_back(step);
     return net;
 }
 /// The second input is seven times the first.

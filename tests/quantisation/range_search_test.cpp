@@ -31,7 +31,7 @@ detail::calibration_graph description() {
             step.set_ranges = [](float* to, const step_ranges& of) { of.output.write(to); };
             folded += 2;
         }
-        net.steps.push_back(step);
+        net.nodes.push_back(step);
     }
     return net;
 }

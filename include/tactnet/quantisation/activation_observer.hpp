@@ -94,7 +94,7 @@ private:
     [[gnu::cold]] void observe(const calibration_graph& net, std::span<const float> folded, float scale) {
         lowest_ = std::vector<float>(net.ranges), highest_ = std::vector<float>(net.ranges);
         const shape input = net.maps[0].size;
-        const feature_map& last = net.maps[net.steps.back().output];
+        const feature_map& last = net.maps[net.nodes.back().output];
         const std::size_t images = images_.size() / input.size();
         outputs_ = std::vector<float>(images * last.size.size());
         // A step's weights are brought into order once for some images, whose maps are kept. Chosen: of
@@ -106,7 +106,7 @@ private:
             for (std::size_t i = 0; i < some; ++i)
                 write_reference_input(input, folded, scale, images_.data() + (first + i) * input.size(),
                                       false, maps.data() + i * net.numbers);
-            for (const graph_node& step : net.steps) {
+            for (const graph_node& step : net.nodes) {
                 const node_executor run(net, step, folded, false);
                 for (std::size_t i = 0; i < some; ++i)
                     run(maps.data() + i * net.numbers, {});

@@ -53,7 +53,7 @@ struct graph_node {
 struct calibration_graph {
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
     std::vector<feature_map> maps;
-    std::vector<graph_node> steps;
+    std::vector<graph_node> nodes;
     std::size_t ranges = 1;  ///< how many there are
     std::size_t numbers = 0; ///< of all maps
     /// What makes probabilities of the numbers of a pixel at the end, where a softmax does: none of the
@@ -78,7 +78,7 @@ struct calibration_graph {
         const auto range = [&](std::size_t map) {
             return maps[map].range == none ? map_range{} : of_maps[maps[map].range];
         };
-        for (const graph_node& step : steps)
+        for (const graph_node& step : nodes)
             if (step.set_ranges != nullptr)
                 step.set_ranges(
                     folded + step.folded,

@@ -71,7 +71,7 @@ public:
             write_reference_input(input, exact, scale, image, false, exact_maps_.data() + i * net.numbers);
             write_reference_input(input, exact, scale, image, true, rounded_maps_.data() + i * net.numbers);
         }
-        for (const graph_node& step : net.steps) {
+        for (const graph_node& step : net.nodes) {
             const node_executor exactly(net, step, exact_, false);
             if (step.is_convolution() && step.taps() <= most_taps)
                 fit(step, exactly);

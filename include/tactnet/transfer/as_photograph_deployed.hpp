@@ -1,15 +1,13 @@
 #pragma once
 
-#include <tactnet/deployment/export/step_text.hpp>
 #include <tactnet/deployment/lowering/lowering.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 #include <tactnet/transfer/as_photograph_step.hpp>
 
 #include <cmath>
 #include <cstddef>
-#include <string>
 
-// Lowers as_photograph to its deployed step, and spells that step in an exported header.
+// Lowers as_photograph to its deployed step.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -30,15 +28,6 @@ struct lowering<as_photograph<Size>> {
             }
         }
     };
-};
-
-template <extent2d From, std::size_t InputStride, extent2d To>
-struct step_spelling<as_photograph_step<single_precision, From, InputStride, To>> {
-    static spelled_step of(step_text& text, const shape&, const std::string& stride) {
-        text.include("tactnet/transfer/as_photograph_step.hpp");
-        return {"Photograph", "tactnet::as_photograph_step<tactnet::single_precision, tactnet::extent2d" +
-                                  text_of(From) + ", " + stride + ", tactnet::extent2d" + text_of(To) + ">"};
-    }
 };
 
 } // namespace TACTNET_ARCH

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/three_channels.hpp>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 // The deployed step of as_photograph. An exported network needs this file alone.
 
@@ -17,6 +19,14 @@ inline namespace TACTNET_ARCH {
 /// Folded and packed: the mean of red, green and blue, then the factor of each after subtracting it.
 template <class Format, extent2d From, std::size_t InputStride, extent2d To>
 struct as_photograph_step;
+template <class Format, extent2d From, std::size_t InputStride, extent2d To>
+struct step_description<as_photograph_step<Format, From, InputStride, To>> {
+    static constexpr const char* header = "tactnet/transfer/as_photograph_step.hpp";
+    static constexpr void visit(auto&& to) {
+        to("tactnet::as_photograph_step", "Photograph", std::type_identity<Format>{}, From, input_stride{},
+           To);
+    }
+};
 
 template <extent2d From, std::size_t InputStride, extent2d To>
 struct as_photograph_step<single_precision, From, InputStride, To> {

@@ -69,7 +69,7 @@ namespace detail {
 /// Of a part of a step.
 [[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string
 part_name(const std::string& name, const char* part, std::size_t place = 0) {
-    return name + (name.empty() ? "" : ".") + part + (place > 0 ? std::to_string(place) : "");
+    return name + (name.empty() || *part == 0 ? "" : ".") + part + (place > 0 ? std::to_string(place) : "");
 }
 
 } // namespace detail

@@ -10,47 +10,39 @@
 #include <stdexcept>
 #include <string>
 
-// The layout of the folded numbers of a network, from the types of its steps: each says its own arrays, and
-// here stands where steps are inside others.
+// The layout of the folded numbers of a network, from the descriptions of its steps.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// Appends the steps inside a step, or what it says of itself.
+/// Appends the arrays of a step, or of the steps inside it.
 template <class Step>
-struct layout_of_step {
-    static void append(folded_layout& to, const std::string& name) {
-        if constexpr (requires { Step::largest_input; })
+struct layout_visitor {
+    folded_layout& to;
+    std::string name;
+    std::size_t place = 0;
+
+    template <class... Arguments>
+    void operator()(const char*, const char*, const Arguments&... arguments) {
+        if constexpr ((is_inner_step<Arguments> || ...))
+            (append_inner(arguments), ...);
+        else if constexpr (requires { Step::largest_input; })
             append_step(to, name, Step::arrays, Step::largest_input);
         else if constexpr (requires { Step::arrays; })
             append_step(to, name, Step::arrays, 0);
         else
-            static_assert(Step::folded == 0, "a step in 8 bits with folded numbers says its arrays");
+            static_assert(Step::folded == 0, "a step in 8 bits with folded numbers must list its arrays");
     }
-};
-template <class Step>
-struct layout_of_step<step_with_softmax<Step>> : layout_of_step<Step> {};
-template <class... Steps>
-struct layout_of_step<step_chain<Steps...>> {
-    static void append(folded_layout& to, const std::string& name) {
-        std::size_t place = 0;
-        (layout_of_step<Steps>::append(to, part_name(name, "step", ++place)), ...);
-    }
-};
-template <class Main, class Skip, std::size_t InputStride>
-struct layout_of_step<residual_step<Main, Skip, InputStride>> {
-    static void append(folded_layout& to, const std::string& name) {
-        layout_of_step<Main>::append(to, part_name(name, "main"));
-        layout_of_step<Skip>::append(to, part_name(name, "skip"));
-    }
-};
-template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
-struct layout_of_step<concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
-    static void append(folded_layout& to, const std::string& name) {
-        std::size_t place = 0;
-        (layout_of_step<typename Branches::step>::append(to, part_name(name, "branch", ++place)), ...);
+
+private:
+    template <class Argument>
+    void append_inner(const Argument&) {}
+    template <class Inner, composition How>
+    void append_inner(const inner_step<Inner, How>& inner) {
+        step_description<Inner>::visit(
+            layout_visitor<Inner>{to, part_name(name, inner.name, inner.numbered ? ++place : 0)});
     }
 };
 
@@ -61,7 +53,7 @@ template <class View>
 [[nodiscard]] [[gnu::cold, gnu::noinline]] folded_layout folded_layout_of() {
     using last = typename View::steps::template at<View::steps::size - 1>;
     folded_layout layout{View::input_shape, View::outputs, View::steps_folded, View::steps_folded, false, {}};
-    detail::layout_of_step<typename View::steps>::append(layout, "");
+    step_description<typename View::steps>::visit(detail::layout_visitor<typename View::steps>{layout, {}});
     layout.ends_in_weights = requires {
         last::weights;
     }

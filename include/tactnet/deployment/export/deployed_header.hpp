@@ -4,7 +4,7 @@
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/deployment/export/header_form.hpp>
 #include <tactnet/deployment/export/literals.hpp>
-#include <tactnet/deployment/export/step_spellings.hpp>
+#include <tactnet/deployment/export/step_text.hpp>
 
 #include <array>
 #include <cstddef>
@@ -54,8 +54,8 @@ template <class Network, class Format>
     const std::string chain =
         steps.template define<typename view::steps>(input, std::to_string(input.channels));
     std::string includes, classes;
-    if constexpr (requires { detail::format_header<Format>::name; })
-        steps.include(detail::format_header<Format>::name);
+    if constexpr (requires { Format::steps_header; })
+        steps.include(Format::steps_header);
     for (const std::string& header : steps.includes())
         includes += "#include <" + header + ">\n";
     for (const std::string& name : says.classes)
@@ -66,7 +66,7 @@ template <class Network, class Format>
     return detail::filled(
         detail::header_form,
         {{"network", detail::one_line(says.network)},
-         {"size", step_text::size(input)},
+         {"size", detail::size_of(input)},
          {"outputs", std::to_string(deployed_type::outputs)},
          {"parameters", std::to_string(Network::parameters)},
          {"folded", std::to_string(view::folded_elements - view::steps_folded)},

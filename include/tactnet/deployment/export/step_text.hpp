@@ -1,71 +1,211 @@
 #pragma once
 
+#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/deployment/steps.hpp>
+#include <tactnet/kernels/frame/dense.hpp>
+#include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <cstddef>
+#include <cstdint>
+#include <ratio>
 #include <set>
 #include <string>
 #include <type_traits>
 
-// Steps spelled out as C++, for headers that hold a deployed network. One definition a step; later ones speak
-// of earlier ones, since how far pixels lie apart depends on the instruction set that a header is compiled
-// for.
+// Steps as C++ text, for headers that hold a deployed network. Each step gets one definition; later ones
+// refer to earlier ones, since the distance between pixels depends on the instruction set that a header is
+// compiled for.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+namespace detail {
 
-/// How a step is spelled, said in a file of its own, as its form is: `of(text, input, stride)` gives a
-/// spelled_step. `input` is the shape of the step's input, `stride` the text of the elements from one pixel
-/// of it to the next; `text` spells steps inside and takes the header that declares the step, unless it is
-/// among the library's:
-///
-///     template <shape Map, std::size_t Stride>
-///     struct tactnet::step_spelling<my_step<Map, Stride>> {
-///         static spelled_step of(step_text& text, const shape&, const std::string& stride) {
-///             text.include("my/step.hpp");
-///             return {"My layer", "my_step<" + text_of(Map) + ", " + stride + ">"};
-///         }
-///     };
-template <class Step>
-struct step_spelling;
+// Values as C++. They are not templates, so that each is compiled once for all steps of a network.
+[[nodiscard]] inline std::string text_of(bool value) {
+    return value ? "true" : "false";
+}
+[[nodiscard]] inline std::string text_of(std::size_t value) {
+    return std::to_string(value);
+}
+[[nodiscard]] inline std::string text_of(unsigned value) {
+    return std::to_string(value);
+}
+[[nodiscard]] inline std::string text_of(const shape& s) {
+    return "tactnet::shape{.rows = " + std::to_string(s.rows) + ", .columns = " + std::to_string(s.columns) +
+           ", .channels = " + std::to_string(s.channels) + "}";
+}
+/// Numbers in braces.
+[[nodiscard]] inline std::string list_of(std::initializer_list<std::size_t> numbers) {
+    std::string text = "{"; // appended: GCC 12 warns of a sum that begins with so short a literal
+    for (const std::size_t number : numbers)
+        text += (text.size() > 1 ? ", " : "") + std::to_string(number);
+    return text + "}";
+}
+[[nodiscard]] inline std::string list_of(const extent2d& e) {
+    return list_of({e.rows, e.columns});
+}
+[[nodiscard]] inline std::string text_of(const extent2d& e) {
+    return "tactnet::extent2d" + list_of(e);
+}
+[[nodiscard]] inline std::string text_of(const sliding_window& w) {
+    return "tactnet::sliding_window{.input = " + text_of(w.input) + ", .kernel = " + list_of(w.kernel) +
+           ", .stride = " + list_of(w.stride) + ", .top = " + std::to_string(w.top) +
+           ", .bottom = " + std::to_string(w.bottom) + ", .left = " + std::to_string(w.left) +
+           ", .right = " + std::to_string(w.right) + "}";
+}
+[[nodiscard]] inline std::string text_of(const average_windows& w) {
+    const auto axis = [](const average_axis& a) {
+        return list_of({a.size, a.outputs, a.kernel, a.stride, a.before, a.after});
+    };
+    return "tactnet::average_windows{.rows = " + axis(w.rows) + ", .columns = " + axis(w.columns) +
+           ", .counts_padding = " + text_of(w.counts_padding) + "}";
+}
+[[nodiscard]] inline std::string text_of(const kernels::frame_convolution& c, const std::string& stride) {
+    std::string text = "tactnet::kernels::frame_convolution{\n    .window = " + text_of(c.window) +
+                       ",\n    .filters = " + std::to_string(c.filters) + ", .input_stride = " + stride +
+                       ", .pool = " + list_of(c.pool) + ", .pooled_rows = " + std::to_string(c.pooled_rows) +
+                       ", .pooled_columns = " + std::to_string(c.pooled_columns) +
+                       ", .rectified = " + text_of(c.rectified);
+    if (c.adds)
+        text += ", .adds = true";
+    if (c.groups > 1)
+        text += ", .groups = " + std::to_string(c.groups);
+    if (c.map_stride > 0)
+        text += ", .map_stride = " + std::to_string(c.map_stride) +
+                ", .map_offset = " + std::to_string(c.map_offset);
+    return text + "}";
+}
+[[nodiscard]] inline std::string text_of(const kernels::frame_dense& d, const std::string& stride) {
+    return "tactnet::kernels::frame_dense{.input = " + text_of(d.input) + ", .input_stride = " + stride +
+           ", .outputs = " + std::to_string(d.outputs) + "}";
+}
 
-struct spelled_step {
-    std::string what; ///< for the comment above the definition
-    std::string type; ///< with all its arguments
-};
+/// Types as C++.
+[[nodiscard]] inline std::string text_of(std::type_identity<float>) {
+    return "float";
+}
+[[nodiscard]] inline std::string text_of(std::type_identity<std::uint8_t>) {
+    return "std::uint8_t";
+}
+[[nodiscard]] inline std::string text_of(std::type_identity<std::int16_t>) {
+    return "std::int16_t";
+}
+[[nodiscard]] inline std::string text_of(std::type_identity<single_precision>) {
+    return "tactnet::single_precision";
+}
+template <class Input, class Output>
+[[nodiscard]] std::string text_of(std::type_identity<eight_bit_between<Input, Output>>) {
+    return "tactnet::eight_bit_between<" + text_of(std::type_identity<Input>{}) + ", " +
+           text_of(std::type_identity<Output>{}) + ">";
+}
+template <std::intmax_t Numerator, std::intmax_t Denominator>
+[[nodiscard]] std::string text_of(std::type_identity<std::ratio<Numerator, Denominator>>) {
+    return "std::ratio<" + std::to_string(Numerator) + ", " + std::to_string(Denominator) + ">";
+}
+template <std::size_t Size, class Alpha, class Beta, class K>
+[[nodiscard]] std::string text_of(std::type_identity<kernels::response_rule<Size, Alpha, Beta, K>>) {
+    return "tactnet::kernels::response_rule<" + std::to_string(Size) + ", " +
+           text_of(std::type_identity<Alpha>{}) + ", " + text_of(std::type_identity<Beta>{}) + ", " +
+           text_of(std::type_identity<K>{}) + ">";
+}
+
+/// What an argument adds to the title of its step, for people.
+template <class Argument>
+[[nodiscard]] std::string details_of(const Argument&) {
+    return {};
+}
+[[nodiscard]] inline std::string size_of(const extent2d& e) {
+    return std::to_string(e.rows) + " × " + std::to_string(e.columns);
+}
+[[nodiscard]] inline std::string size_of(const shape& s) {
+    return std::to_string(s.rows) + " × " + std::to_string(s.columns) + " × " + std::to_string(s.channels);
+}
+[[nodiscard]] inline std::string details_of(const sliding_window& w) {
+    return " " + size_of(w.kernel) + " by steps of " + size_of(w.stride);
+}
+[[nodiscard]] inline std::string details_of(const kernels::frame_convolution& c) {
+    std::string what = " " + size_of(c.window.kernel);
+    if (c.window.stride != extent2d(1))
+        what += " by steps of " + size_of(c.window.stride);
+    if (c.adds)
+        what += ", sum with the other branch";
+    if (c.groups > 1)
+        what += " in " + std::to_string(c.groups) + " groups";
+    if (c.pool != extent2d(1))
+        what += ", max pool " + size_of(c.pool);
+    if (c.rectified)
+        what += ", ReLU";
+    return what;
+}
+
+} // namespace detail
 
 /// Collects definitions `using step_1 = …;` and the headers that they need.
 class step_text {
 public:
-    /// All definitions so far, and the headers in angle brackets that declare what is not the library's.
+    /// All definitions so far.
     [[nodiscard]] const std::string& definitions() const { return definitions_; }
+    /// The headers, in angle brackets, that declare what deployed_view.hpp does not.
     [[nodiscard]] const std::set<std::string>& includes() const { return includes_; }
+    /// Adds such a header.
     void include(const std::string& header) { includes_.insert(header); }
 
-    /// Spells a step out, with all that is inside, and returns its name.
+    /// Defines a step and all steps inside by their descriptions, and returns its name. `stride` is the text
+    /// of the elements from one pixel of the input to the next.
     template <class Step>
     std::string define(const shape& input, const std::string& stride) {
+        using description = step_description<Step>;
         static_assert(
-            requires { sizeof(step_spelling<Step>); },
-            "deployed_header: this step cannot be spelled; specialise step_spelling for it");
-        const spelled_step spelled = step_spelling<Step>::of(*this, input, stride);
+            requires { sizeof(description); },
+            "deployed_header: this step cannot be spelled; specialise step_description for it");
+        if constexpr (requires { description::header; })
+            include(description::header);
+        spelling spelled{*this, input, stride, {}, {}};
+        description::visit(spelled);
         if constexpr (requires { Step::output; })
             return defined(spelled, input, Step::output);
         else
             return spelled.type; // what makes no map needs no name
     }
 
-    /// rows × columns × channels, for people.
-    [[nodiscard]] static std::string size(const shape& s) {
-        return std::to_string(s.rows) + " × " + std::to_string(s.columns) + " × " +
-               std::to_string(s.channels);
-    }
-
 private:
-    std::string defined(const spelled_step& spelled, const shape& input, const shape& output) {
+    /// Visits the description of a step.
+    struct spelling {
+        step_text& all;
+        shape input;
+        std::string stride, title, type;
+
+        template <class... Arguments>
+        void operator()(const char* name, const char* what, const Arguments&... arguments) {
+            title = what, type = name;
+            std::string list;
+            ((title += detail::details_of(arguments), list += (list.empty() ? "" : ", ") + text(arguments)),
+             ...);
+            if (!list.empty())
+                type += "<" + list + ">";
+        }
+        template <class Value>
+        std::string text(const Value& value) {
+            return detail::text_of(value);
+        }
+        std::string text(input_stride) { return stride; }
+        std::string text(const kernels::frame_convolution& c) { return detail::text_of(c, stride); }
+        std::string text(const kernels::frame_dense& d) { return detail::text_of(d, stride); }
+        template <class Step, composition How>
+        std::string text(const inner_step<Step, How>& inner) {
+            std::string name = all.define<Step>(input, stride);
+            if constexpr (How == composition::chain)
+                input = Step::output, stride = name + "::output_stride";
+            if constexpr (How == composition::concatenation)
+                name = "tactnet::branch_step<" + name + ", " + std::to_string(inner.offset) + ">";
+            return name;
+        }
+    };
+    std::string defined(const spelling& spelled, const shape& input, const shape& output) {
         std::string name = "step_" + std::to_string(++count_);
-        definitions_ += "// " + spelled.what + ": " + size(input) + " → " + size(output) + "\n";
-        definitions_ += "using " + name + " = " + spelled.type + ";\n";
+        definitions_ += "// " + spelled.title + ": " + detail::size_of(input) + " → " +
+                        detail::size_of(output) + "\nusing " + name + " = " + spelled.type + ";\n";
         return name;
     }
 
@@ -73,26 +213,6 @@ private:
     std::set<std::string> includes_;
     std::size_t count_ = 0;
 };
-
-/// Values as C++.
-[[nodiscard]] inline std::string text_of(const shape& s) {
-    return "tactnet::shape{.rows = " + std::to_string(s.rows) + ", .columns = " + std::to_string(s.columns) +
-           ", .channels = " + std::to_string(s.channels) + "}";
-}
-[[nodiscard]] inline std::string text_of(const extent2d& e) {
-    std::string text = "{"; // appended: GCC 12 warns of a sum that begins with so short a literal
-    text += std::to_string(e.rows) + ", " + std::to_string(e.columns) + "}";
-    return text;
-}
-[[nodiscard]] inline std::string text_of(bool value) {
-    return value ? "true" : "false";
-}
-[[nodiscard]] inline std::string text_of(const sliding_window& w) {
-    return "tactnet::sliding_window{.input = " + text_of(w.input) + ", .kernel = " + text_of(w.kernel) +
-           ", .stride = " + text_of(w.stride) + ", .top = " + std::to_string(w.top) +
-           ", .bottom = " + std::to_string(w.bottom) + ", .left = " + std::to_string(w.left) +
-           ", .right = " + std::to_string(w.right) + "}";
-}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/batch_executor.hpp>
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 
 #include <algorithm>
@@ -15,6 +16,10 @@ struct no_step {
     static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
     static constexpr void pack(const float*, auto*) {}
     static double output_bound(const float*, double input) { return input; }
+};
+template <>
+struct step_description<no_step> {
+    static constexpr void visit(auto&& to) { to("tactnet::no_step", "Nothing"); }
 };
 
 /// main(x) + skip(x), with the ReLU behind it. The skip is left in the output, and the main branch's last
@@ -91,6 +96,15 @@ private:
                 std::fill(end, to + (pixel + 1) * output_stride, activation{});
             }
         }
+    }
+};
+
+template <class Main, class Skip, std::size_t InputStride>
+struct step_description<residual_step<Main, Skip, InputStride>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::residual_step", "Both branches of a residual block",
+           inner_step<Main, composition::sum>{"main"}, inner_step<Skip, composition::sum>{"skip"},
+           input_stride{});
     }
 };
 
@@ -196,6 +210,14 @@ private:
     static void copy(const activation* from, activation* to) {
         for (std::size_t pixel = 0; pixel < output.area(); ++pixel)
             std::copy_n(from + pixel * From, map<Branch>.channels, to + pixel * Stride + Branch::offset);
+    }
+};
+template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+struct step_description<concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::concatenation_step", "Branches side by side", std::type_identity<Format>{}, Input,
+           input_stride{}, Stride,
+           inner_step<typename Branches::step, composition::concatenation>{"branch", Branches::offset}...);
     }
 };
 

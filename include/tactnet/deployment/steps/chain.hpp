@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/batch_executor.hpp>
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/detail/indexed_leaves.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
@@ -86,6 +87,12 @@ struct step_chain {
             packed_values += at<i>::packed;
             in = to, in_distance = detail::map_distance<at<i>>;
         });
+    }
+};
+template <class... Steps>
+struct step_description<step_chain<Steps...>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::step_chain", "One after the other", inner_step<Steps, composition::chain>{"step"}...);
     }
 };
 

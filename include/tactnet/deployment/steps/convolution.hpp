@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/batch_executor.hpp>
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/direct.hpp>
 #include <tactnet/kernels/frame/packed_pixels.hpp>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -17,6 +19,12 @@ inline namespace TACTNET_ARCH {
 /// wider map, beginning at Kernel.map_offset.
 template <class Format, kernels::frame_convolution Kernel>
 struct convolution_step;
+template <class Format, kernels::frame_convolution Kernel>
+struct step_description<convolution_step<Format, Kernel>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::convolution_step", "Convolution", std::type_identity<Format>{}, Kernel);
+    }
+};
 
 template <kernels::frame_convolution Kernel>
 struct convolution_step<single_precision, Kernel> {

@@ -1,18 +1,26 @@
 #pragma once
 
 #include <tactnet/deployment/steps/batch_executor.hpp>
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 template <class Format, kernels::frame_dense Kernel>
 struct dense_step;
+template <class Format, kernels::frame_dense Kernel>
+struct step_description<dense_step<Format, Kernel>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::dense_step", "Dense", std::type_identity<Format>{}, Kernel);
+    }
+};
 
 template <kernels::frame_dense Kernel>
 struct dense_step<single_precision, Kernel> {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/kernels/frame/local_response.hpp>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -17,6 +19,13 @@ inline namespace TACTNET_ARCH {
 /// A batch norm that follows no convolution, with or without ReLU: a factor and an offset for each channel.
 template <class Format, shape Map, std::size_t Stride, bool Rectified>
 struct norm_step;
+template <class Format, shape Map, std::size_t Stride, bool Rectified>
+struct step_description<norm_step<Format, Map, Stride, Rectified>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::norm_step", Rectified ? "Batch norm, ReLU" : "Batch norm", std::type_identity<Format>{},
+           Map, input_stride{}, Rectified);
+    }
+};
 
 template <shape Map, std::size_t Stride, bool Rectified>
 struct norm_step<single_precision, Map, Stride, Rectified> {
@@ -46,6 +55,12 @@ struct norm_step<single_precision, Map, Stride, Rectified> {
 /// A ReLU that follows neither a convolution nor a batch norm.
 template <class Format, shape Map, std::size_t Stride>
 struct relu_step;
+template <class Format, shape Map, std::size_t Stride>
+struct step_description<relu_step<Format, Map, Stride>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::relu_step", "ReLU", std::type_identity<Format>{}, Map, input_stride{});
+    }
+};
 
 template <shape Map, std::size_t Stride>
 struct relu_step<single_precision, Map, Stride> : step_without_parameters<single_precision, Map, Stride> {
@@ -58,6 +73,13 @@ struct relu_step<single_precision, Map, Stride> : step_without_parameters<single
 /// √(x + offset) − √offset, and 0 for x below 0. `Offset` is a std::ratio.
 template <class Format, shape Map, std::size_t Stride, class Offset>
 struct square_root_step;
+template <class Format, shape Map, std::size_t Stride, class Offset>
+struct step_description<square_root_step<Format, Map, Stride, Offset>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::square_root_step", "Square root", std::type_identity<Format>{}, Map, input_stride{},
+           std::type_identity<Offset>{});
+    }
+};
 
 template <shape Map, std::size_t Stride, class Offset>
 struct square_root_step<single_precision, Map, Stride, Offset>
@@ -74,6 +96,13 @@ struct square_root_step<single_precision, Map, Stride, Offset>
 /// Local response normalisation. `Rule` is a kernels::response_rule.
 template <class Format, shape Map, std::size_t Stride, class Rule>
 struct local_response_norm_step;
+template <class Format, shape Map, std::size_t Stride, class Rule>
+struct step_description<local_response_norm_step<Format, Map, Stride, Rule>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::local_response_norm_step", "Local response normalisation", std::type_identity<Format>{},
+           Map, input_stride{}, std::type_identity<Rule>{});
+    }
+};
 
 template <shape Map, std::size_t Stride, class Rule>
 struct local_response_norm_step<single_precision, Map, Stride, Rule>
@@ -91,6 +120,12 @@ struct local_response_norm_step<single_precision, Map, Stride, Rule>
 /// Softmax over the channels of each pixel.
 template <class Format, shape Map, std::size_t Stride>
 struct softmax_step;
+template <class Format, shape Map, std::size_t Stride>
+struct step_description<softmax_step<Format, Map, Stride>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::softmax_step", "Softmax", std::type_identity<Format>{}, Map, input_stride{});
+    }
+};
 
 template <shape Map, std::size_t Stride>
 struct softmax_step<single_precision, Map, Stride> : step_without_parameters<single_precision, Map, Stride> {
@@ -117,6 +152,13 @@ struct step_with_softmax : Step {
              pixel += Step::output_stride)
             kernels::softmax_of<float>(std::span<const float>(outputs + pixel, Step::output.channels),
                                        std::span(outputs + pixel, Step::output.channels));
+    }
+};
+template <class Step>
+struct step_description<step_with_softmax<Step>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::step_with_softmax", "Softmax of what that leaves",
+           inner_step<Step, composition::wrapper>{""});
     }
 };
 /// The same step where others follow.

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/pooling.hpp>
 
 #include <cstddef>
+#include <type_traits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -11,6 +13,12 @@ inline namespace TACTNET_ARCH {
 /// A max pool that no convolution takes along.
 template <class Format, sliding_window Window, std::size_t Stride>
 struct pool_step;
+template <class Format, sliding_window Window, std::size_t Stride>
+struct step_description<pool_step<Format, Window, Stride>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::pool_step", "Max pool", std::type_identity<Format>{}, Window, input_stride{});
+    }
+};
 
 template <sliding_window Window, std::size_t Stride>
 struct pool_step<single_precision, Window, Stride>
@@ -25,6 +33,13 @@ struct pool_step<single_precision, Window, Stride>
 /// An average pool.
 template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step;
+template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
+struct step_description<average_pool_step<Format, Windows, Channels, Stride>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::average_pool_step", "Average pool", std::type_identity<Format>{}, Windows, Channels,
+           input_stride{});
+    }
+};
 
 template <average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<single_precision, Windows, Channels, Stride>
