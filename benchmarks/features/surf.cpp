@@ -83,7 +83,7 @@ int main() {
         const surf::image_view view(pixels.data() + image * size.size());
         bool finite = true;
         const double describe = time([&] { finite = memory.describe(view) && finite; });
-        const double search = time([&] { bag(memory.descriptors(), histogram); });
+        const double search = time([&] { bag.encode(memory.descriptors(), histogram); });
         same = same && std::equal(histogram.begin(), histogram.end(),
                                   expected.begin() + static_cast<std::ptrdiff_t>(image * words));
         const double both = time(

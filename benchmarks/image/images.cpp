@@ -124,10 +124,10 @@ task affine_task() {
 int main() {
     std::vector<task> tasks{
         resize_task<shape{227, 227}, tactnet::opencv_cubic>("28x50 to 227x227, a = -3/4", 50, 4),
-        resize_task<shape{227, 227}, tactnet::lagrange>("28x50 to 227x227, Lagrange", 50, 4),
-        resize_task<shape{14, 25}, tactnet::keys<>>("28x50 to 14x25, antialiased", 2000, 4),
+        resize_task<shape{227, 227}, tactnet::lagrange_cubic>("28x50 to 227x227, Lagrange", 50, 4),
+        resize_task<shape{14, 25}, tactnet::keys_cubic<>>("28x50 to 14x25, antialiased", 2000, 4),
         resize_task<shape{14, 25}, tactnet::opencv_cubic>("28x50 to 14x25, a = -3/4", 2000, 4),
-        resize_task<shape{20, 35}, tactnet::keys<>>("28x50 to 20x35, antialiased", 2000, 0),
+        resize_task<shape{20, 35}, tactnet::keys_cubic<>>("28x50 to 20x35, antialiased", 2000, 0),
         affine_task(),
     };
 #ifdef TACTNET_BENCHMARK_OPENCV

@@ -54,7 +54,7 @@ private:
             return false;
         if (++row_ == description().rows) {
             row_ = 0;
-            give(sink, frames() + 1, {});
+            emit(sink, frames() + 1, {});
         }
         return true;
     }
@@ -66,9 +66,9 @@ private:
             // Announced sizes are bounded before memory is asked for: a damaged byte must not take all of it.
             if (rows && columns && word(rest).empty() && *rows > 0 && *columns > 0 &&
                 *rows <= tactnet::largest_frame_cells / *columns) {
-                described().rows = *rows;
-                described().columns = *columns;
-                make_room();
+                mutable_description().rows = *rows;
+                mutable_description().columns = *columns;
+                resize_cells();
                 return true;
             }
         }

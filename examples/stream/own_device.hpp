@@ -68,7 +68,7 @@ private:
         }
         for (std::size_t i = 0; i < cells().size(); ++i)
             cells()[i] = static_cast<float>(packet_[start.size() + 1 + i]);
-        give(sink, frames() + 1, {});
+        emit(sink, frames() + 1, {});
     }
 
     std::array<std::byte, start.size() + 1 + rows * columns + 1> packet_{};

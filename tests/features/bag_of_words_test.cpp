@@ -49,7 +49,7 @@ void compare(std::size_t word_count, std::size_t descriptor_count) {
         const bag_of_words<Values, Words> bag(words, form);
         std::array<float, Words> histogram;
         histogram.fill(99);
-        bag(descriptors, histogram);
+        bag.encode(descriptors, histogram);
         double squares = 0;
         const auto term = [&](double n) { return form == histogram_form::counts ? n : std::sqrt(n); };
         for (const double n : counts)
@@ -81,7 +81,7 @@ TEST_CASE("bag_of_words: words far from zero, against the nearest by force") {
         squares += n * n;
     const bag_of_words<5, 40> bag(words);
     std::array<float, 40> histogram;
-    bag(descriptors, histogram);
+    bag.encode(descriptors, histogram);
     for (std::size_t w = 0; w < 40; ++w)
         CHECK(std::abs(static_cast<double>(histogram[w]) - counts[w] / std::sqrt(squares)) <=
               support::accumulated(support::unit_roundoff<float>, 4) * counts[w]);
@@ -108,7 +108,7 @@ TEST_CASE("bag_of_words: words that are the same count for the first") {
     const std::vector<float> words{2, 2, 1, 1, 1, 1}, descriptors{1, 1, 1, 1};
     std::array<float, 3> histogram;
     bag_of_words<2, 3> bag(words);
-    bag(descriptors, histogram);
+    bag.encode(descriptors, histogram);
     CHECK(histogram == std::array<float, 3>{0, 1, 0});
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("bag_of_words: no heap in a call") {
     const bag_of_words<64, 500> bag(words, histogram_form::square_roots);
     std::array<float, 500> histogram;
     const std::size_t before = support::allocations();
-    bag(descriptors, histogram);
+    bag.encode(descriptors, histogram);
     CHECK(support::allocations() == before);
 }
 

@@ -63,12 +63,12 @@ void check_constant(const std::string& name, std::size_t rows, std::size_t colum
 } // namespace
 
 TEST_CASE("resize_bicubic: images of one line or one pixel, and ratios of a thousand") {
-    check_constant<keys<>>("1 × 1000 to 7 × 13, constant", 1, 1000, 7, 13);
-    check_constant<keys<>>("1000 × 1 to 7 × 13, constant", 1000, 1, 7, 13);
-    check_constant<keys<>>("1 × 1 to 28 × 50, constant", 1, 1, 28, 50);
-    check_constant<keys<>>("1 × 1000 to 1000 × 1, constant", 1, 1000, 1000, 1);
-    check_constant<lagrange>("1 × 1 to 28 × 50, constant, the paper's", 1, 1, 28, 50);
-    check_constant<lagrange>("3 × 2 to 28 × 50, constant, the paper's", 3, 2, 28, 50);
+    check_constant<keys_cubic<>>("1 × 1000 to 7 × 13, constant", 1, 1000, 7, 13);
+    check_constant<keys_cubic<>>("1000 × 1 to 7 × 13, constant", 1000, 1, 7, 13);
+    check_constant<keys_cubic<>>("1 × 1 to 28 × 50, constant", 1, 1, 28, 50);
+    check_constant<keys_cubic<>>("1 × 1000 to 1000 × 1, constant", 1, 1000, 1000, 1);
+    check_constant<lagrange_cubic>("1 × 1 to 28 × 50, constant, the paper's", 1, 1, 28, 50);
+    check_constant<lagrange_cubic>("3 × 2 to 28 × 50, constant, the paper's", 3, 2, 28, 50);
 }
 
 // Lagrange's cubic through four pixels is exact on cubics, border included: rounded once, of weights that add
@@ -79,7 +79,7 @@ TEST_CASE("resize_bicubic: a cubic through the paper's interpolation") {
     const auto cubic = [&](double x) { return ((x - 3) * x - 4) * x * 2 + 11; };
     for (std::size_t i = 0; i < from; ++i)
         image[i] = static_cast<float>(cubic(static_cast<double>(i)));
-    const auto resized = resize_bicubic<lagrange>(std::span<const float>(image), 1, from, 1, to);
+    const auto resized = resize_bicubic<lagrange_cubic>(std::span<const float>(image), 1, from, 1, to);
     std::vector<outcome> all;
     double largest = 0;
     for (const float v : image)
@@ -106,10 +106,10 @@ TEST_CASE("resize_bicubic: the gain at the border") {
         }
         return *std::ranges::max_element(sums);
     };
-    limit("images", "gain of the paper's interpolation along an axis, 4 to 400", gain(keys<>{}, 4, 400),
-          gain(lagrange{}, 4, 400), "its cubic goes on beyond the last pixel; beside it Keys'");
-    limit("images", "gain of the paper's interpolation along an axis, 28 to 14", gain(keys<>{}, 28, 14),
-          gain(lagrange{}, 28, 14), "the published resolutions are made so");
+    limit("images", "gain of the paper's interpolation along an axis, 4 to 400", gain(keys_cubic<>{}, 4, 400),
+          gain(lagrange_cubic{}, 4, 400), "its cubic goes on beyond the last pixel; beside it Keys'");
+    limit("images", "gain of the paper's interpolation along an axis, 28 to 14", gain(keys_cubic<>{}, 28, 14),
+          gain(lagrange_cubic{}, 28, 14), "the published resolutions are made so");
 }
 
 namespace {

@@ -13,14 +13,15 @@ using namespace tactnet;
 using pixels = std::vector<std::uint8_t>;
 
 TEST_CASE("keys: one at zero, zero at whole numbers, smooth in between") {
-    CHECK(keys<>::weight(0) == 1);
+    CHECK(keys_cubic<>::weight(0) == 1);
     for (const double x : {1.0, 2.0, 2.5, -1.0, -3.0})
-        CHECK(keys<>::weight(x) == doctest::Approx(0));
-    CHECK(keys<>::weight(0.5) == doctest::Approx(0.5625));
-    CHECK(keys<>::weight(1.5) == doctest::Approx(-0.0625));
-    CHECK(keys<>::weight(-1.5) == keys<>::weight(1.5));
+        CHECK(keys_cubic<>::weight(x) == doctest::Approx(0));
+    CHECK(keys_cubic<>::weight(0.5) == doctest::Approx(0.5625));
+    CHECK(keys_cubic<>::weight(1.5) == doctest::Approx(-0.0625));
+    CHECK(keys_cubic<>::weight(-1.5) == keys_cubic<>::weight(1.5));
     for (double x = 0; x < 1; x += 0.1) // a partition of one
-        CHECK(keys<>::weight(x) + keys<>::weight(x - 1) + keys<>::weight(x + 1) + keys<>::weight(x - 2) ==
+        CHECK(keys_cubic<>::weight(x) + keys_cubic<>::weight(x - 1) + keys_cubic<>::weight(x + 1) +
+                  keys_cubic<>::weight(x - 2) ==
               doctest::Approx(1));
 }
 

@@ -50,7 +50,7 @@ double coordinate(std::size_t output, std::size_t from, std::size_t to) {
 struct keys_reference {
     double a = -0.5;
     bool antialiased = true;
-    edge border = edge::symmetric;
+    resize_border border = resize_border::symmetric;
 
     std::vector<double> operator()(std::size_t output, std::size_t from, std::size_t to) const {
         const double narrow =
@@ -59,9 +59,9 @@ struct keys_reference {
         std::vector<double> weights(from);
         for (int p = -200; p < 200 + size; ++p) {
             int inside = p;
-            while (border == edge::symmetric && (inside < 0 || inside >= size))
+            while (border == resize_border::symmetric && (inside < 0 || inside >= size))
                 inside = inside < 0 ? -1 - inside : 2 * size - 1 - inside;
-            if (border == edge::replicate)
+            if (border == resize_border::replicate)
                 inside = std::clamp(p, 0, size - 1);
             if (inside >= 0 && inside < size)
                 weights[static_cast<std::size_t>(inside)] +=
@@ -85,19 +85,19 @@ struct lagrange_reference {
         return weights;
     }
 };
-keys_reference reference_of(keys<>) {
+keys_reference reference_of(keys_cubic<>) {
     return {};
 }
 keys_reference reference_of(opencv_cubic) {
-    return {-0.75, false, edge::replicate};
+    return {-0.75, false, resize_border::replicate};
 }
 keys_reference reference_of(pillow_bicubic) {
-    return {-0.5, true, edge::left_out};
+    return {-0.5, true, resize_border::left_out};
 }
-keys_reference reference_of(keys<std::ratio<-1>, false>) {
-    return {-1, false, edge::symmetric};
+keys_reference reference_of(keys_cubic<std::ratio<-1>, false>) {
+    return {-1, false, resize_border::symmetric};
 }
-lagrange_reference reference_of(lagrange) {
+lagrange_reference reference_of(lagrange_cubic) {
     return {};
 }
 
@@ -171,8 +171,8 @@ constexpr double magnitude(std::size_t from, std::size_t to) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("resize: every kernel against double precision, sizes of all kinds", Kernel, keys<>,
-                   opencv_cubic, pillow_bicubic, keys<std::ratio<-1>, false>, lagrange) {
+TEST_CASE_TEMPLATE("resize: every kernel against double precision, sizes of all kinds", Kernel, keys_cubic<>,
+                   opencv_cubic, pillow_bicubic, keys_cubic<std::ratio<-1>, false>, lagrange_cubic) {
     check_against_reference<Kernel, shape{28, 50}, shape{14, 25}>();
     check_against_reference<Kernel, shape{28, 50, 2}, shape{20, 35, 2}>();
     check_against_reference<Kernel, shape{28, 50}, shape{7, 13}>();
@@ -193,10 +193,11 @@ TEST_CASE_TEMPLATE("resize: every kernel against double precision, sizes of all 
 }
 TEST_CASE("resize: one as large as networks trained on photographs take") {
     check_against_reference<opencv_cubic, shape{28, 50}, shape{227, 227}>();
-    check_against_reference<lagrange, shape{28, 50}, shape{227, 227}>();
+    check_against_reference<lagrange_cubic, shape{28, 50}, shape{227, 227}>();
 }
 
-TEST_CASE_TEMPLATE("resize: weights sum to one", Kernel, keys<>, opencv_cubic, pillow_bicubic, lagrange) {
+TEST_CASE_TEMPLATE("resize: weights sum to one", Kernel, keys_cubic<>, opencv_cubic, pillow_bicubic,
+                   lagrange_cubic) {
     const auto check = []<std::size_t From, std::size_t To>(resize_axis<Kernel, From, To>) {
         for (const auto& output : resize_axis<Kernel, From, To>::table) {
             double sum = 0, size = 0;
@@ -216,14 +217,14 @@ TEST_CASE_TEMPLATE("resize: weights sum to one", Kernel, keys<>, opencv_cubic, p
 TEST_CASE("resize: at the border Lagrange's weights stay below 6 in magnitude, Keys' at 1.25") {
     // Of four equidistant pixels, half a pixel in front of the first: 35/16 + 35/16 + 21/16 + 5/16. Outputs
     // come close to it, and do not reach it.
-    static_assert(magnitude<lagrange>(28, 227) > 5.18 && magnitude<lagrange>(28, 227) < 5.19);
-    static_assert(magnitude<lagrange>(50, 227) > 4.59 && magnitude<lagrange>(50, 227) < 4.60);
+    static_assert(magnitude<lagrange_cubic>(28, 227) > 5.18 && magnitude<lagrange_cubic>(28, 227) < 5.19);
+    static_assert(magnitude<lagrange_cubic>(50, 227) > 4.59 && magnitude<lagrange_cubic>(50, 227) < 4.60);
     for (std::size_t from = 1; from <= 50; ++from)
         for (const std::size_t to : {1, 7, 28, 50, 224, 227, 5000})
-            CHECK(magnitude<lagrange>(from, to) < 6);
-    CHECK(magnitude<lagrange>(4, 5000) > 5.99);
-    CHECK(magnitude<keys<>>(28, 227) <= 1.25 + 1e-12);
-    CHECK(magnitude<keys<>>(50, 227) <= 1.25 + 1e-12);
+            CHECK(magnitude<lagrange_cubic>(from, to) < 6);
+    CHECK(magnitude<lagrange_cubic>(4, 5000) > 5.99);
+    CHECK(magnitude<keys_cubic<>>(28, 227) <= 1.25 + 1e-12);
+    CHECK(magnitude<keys_cubic<>>(50, 227) <= 1.25 + 1e-12);
 }
 
 TEST_CASE("resize: Lagrange's is exact on polynomials up to the third degree, border included") {
@@ -240,9 +241,10 @@ TEST_CASE("resize: Lagrange's is exact on polynomials up to the third degree, bo
             largest = std::max(largest, std::abs(static_cast<double>(image(y, x))));
         }
     tensor<float, to> result;
-    resize<from, to, lagrange>(image.view(), result.view());
+    resize<from, to, lagrange_cubic>(image.view(), result.view());
     // Magnitudes of the weights sum to less than 4.2 for 9 → 31 and 2.2 for 12 → 17, most at the border.
-    static_assert(magnitude<lagrange>(from.rows, to.rows) * magnitude<lagrange>(from.columns, to.columns) <
+    static_assert(magnitude<lagrange_cubic>(from.rows, to.rows) *
+                      magnitude<lagrange_cubic>(from.columns, to.columns) <
                   9);
     const double bound = support::accumulated(support::unit_roundoff<float>, 12) * largest * 9;
     for (std::size_t y = 0; y < to.rows; ++y)
@@ -258,12 +260,12 @@ TEST_CASE("resize: the same size is the same image, but for antialiasing nothing
     tensor<float, shape{7, 13, 2}> result;
     resize<shape{7, 13, 2}, shape{7, 13, 2}>(image.view(), result.view());
     CHECK(std::equal(image.begin(), image.end(), result.begin()));
-    resize<shape{7, 13, 2}, shape{7, 13, 2}, lagrange>(image.view(), result.view());
+    resize<shape{7, 13, 2}, shape{7, 13, 2}, lagrange_cubic>(image.view(), result.view());
     CHECK(std::equal(image.begin(), image.end(), result.begin()));
 }
 
 TEST_CASE_TEMPLATE("resize: NaN and infinity reach the outputs that weigh them, and change no other", Kernel,
-                   keys<>, keys<std::ratio<-1, 2>, false>, lagrange) {
+                   keys_cubic<>, keys_cubic<std::ratio<-1, 2>, false>, lagrange_cubic) {
     const auto run = [](auto plan, std::size_t row, std::size_t column, float value) {
         constexpr shape from = decltype(plan)::from, to = decltype(plan)::to;
         tensor<float, from> image = draw_image<from>();

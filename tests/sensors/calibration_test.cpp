@@ -10,21 +10,21 @@
 using tactnet::calibration;
 
 TEST_CASE("calibration: counts in proportion to the saturation pressure") {
-    const calibration to_pascal({.saturation_pressure = 1000, .noise_threshold = 3});
+    const calibration scaled({.saturation_pressure = 1000, .noise_threshold = 3});
     const std::array<float, 5> counts{0, 3, 4, 51, 255};
     std::array<float, 5> pascal{};
-    CHECK(to_pascal(counts, pascal));
+    CHECK(scaled.to_pascal(counts, pascal));
     CHECK(pascal == std::array<float, 5>{0, 0, static_cast<float>(4 * 1000. / 255), 200, 1000});
     std::array<float, 4> small{};
-    CHECK(!to_pascal(counts, small));
+    CHECK(!scaled.to_pascal(counts, small));
 }
 
 TEST_CASE("calibration: the 6077, and the published reader's scale") {
     const std::array<float, 1> full{255};
     std::array<float, 1> pascal{};
-    CHECK(calibration::of_6077()(full, pascal));
+    CHECK(calibration::for_6077().to_pascal(full, pascal));
     CHECK(pascal[0] == 34e3F);
-    CHECK(calibration::of_6077(256)(full, pascal));
+    CHECK(calibration::for_6077(256).to_pascal(full, pascal));
     CHECK(pascal[0] == static_cast<float>(34e3 * 255 / 256));
 }
 
@@ -38,7 +38,7 @@ TEST_CASE("calibration: gains of an equilibration make its frame even") {
     CHECK(gains == std::vector<float>{2, 1, 1, static_cast<float>(100. / 150)});
     const calibration even({.saturation_pressure = 255, .gains = gains});
     std::vector<float> pascal(4);
-    CHECK(even(mean, pascal));
+    CHECK(even.to_pascal(mean, pascal));
     CHECK(pascal[0] == doctest::Approx(100));
     CHECK(pascal[1] == doctest::Approx(100));
     CHECK(pascal[2] == 0);
@@ -49,29 +49,29 @@ TEST_CASE("calibration: gains of an equilibration make its frame even") {
                     std::invalid_argument);
     // Gains of another size change nothing.
     std::vector<float> three(3), to(3, -1.0F);
-    CHECK(!even(three, to));
+    CHECK(!even.to_pascal(three, to));
     CHECK(to[0] == -1);
 }
 
 TEST_CASE("calibration: of a recording that tells its saturation pressure") {
     tactnet::recording_description description;
-    CHECK(!calibration::of(description));
+    CHECK(!calibration::from(description));
     description.saturation_pressure = 0.5;
-    CHECK(calibration::of(description));
+    CHECK(calibration::from(description));
     description.saturation_pressure = 0;
-    CHECK(!calibration::of(description));
+    CHECK(!calibration::from(description));
     description.saturation_pressure.reset();
     description.unit = tactnet::pressure_unit::raw;
-    CHECK(!calibration::of(description));
+    CHECK(!calibration::from(description));
     description.saturation_pressure = 510;
-    const auto found = calibration::of(description);
+    const auto found = calibration::from(description);
     REQUIRE(found);
     const std::array<float, 1> counts{100};
     std::array<float, 1> pascal{};
     CHECK((*found)(counts, pascal));
     CHECK(pascal[0] == 200);
     description.unit = tactnet::pressure_unit::pascal;
-    CHECK(!calibration::of(description));
+    CHECK(!calibration::from(description));
 }
 
 TEST_CASE("calibration: values that make no sense") {

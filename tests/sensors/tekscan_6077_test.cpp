@@ -18,5 +18,5 @@ TEST_CASE("tekscan_6077: the pitch is that of the published density, in whole mi
 }
 
 TEST_CASE("tekscan_6077: the last count is its saturation pressure") {
-    CHECK(tactnet::calibration::of_6077().values().saturation_pressure == tekscan_6077::saturation_pressure);
+    CHECK(tactnet::calibration::for_6077().values().saturation_pressure == tekscan_6077::saturation_pressure);
 }

@@ -14,22 +14,22 @@
 #include <vector>
 
 // Bags of visual words (Csurka, Dance, Fan, Willamowski and Bray, "Visual categorization with bags of
-// keypoints", 2004): every descriptor counts for the word that it is nearest to, and an image is the
-// histogram of its words.
+// keypoints", 2004): each descriptor is assigned to the nearest word, and an image is the histogram of its
+// words.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// How counts of words become features of unit length.
+/// How counts of words are scaled to features of unit length.
 enum class histogram_form {
     counts,      ///< divided by their Euclidean length
-    square_roots ///< their square roots first: products of such histograms are the Hellinger kernel
+    square_roots ///< square roots, divided by their Euclidean length: products are the Hellinger kernel
                  ///< (Arandjelović and Zisserman, "Three things everyone should know to improve object
                  ///< retrieval", 2012)
 };
 
-/// A vocabulary of up to `Words` words of `Values` numbers. Bins of words that it does not have stay 0. Const
-/// and without heap use: any number of threads may share one.
+/// A vocabulary of up to `Words` words of `Values` numbers. Bins of missing words stay 0. Safe to share
+/// between threads.
 template <std::size_t Values, std::size_t Words>
 class bag_of_words {
     static_assert(Values > 0 && Words > 0, "bag_of_words: expected at least one value a word, and one word");
@@ -37,8 +37,8 @@ class bag_of_words {
 public:
     using histogram = std::span<float, Words>;
 
-    /// `words`: one after the other, as k_means finds them. Throws std::invalid_argument for none, more than
-    /// `Words`, or numbers that are not finite.
+    /// Takes contiguous words, as k_means returns them. Throws std::invalid_argument if there are none or
+    /// more than `Words`, or if a number is not finite.
     explicit bag_of_words(std::span<const float> words, histogram_form form = histogram_form::counts)
         : words_(words.begin(), words.end()),
           origin_(detail::far_origin<Values>(words)),
@@ -50,14 +50,15 @@ public:
                                         " words, found " + std::to_string(count()));
     }
 
-    /// Words that there are.
+    /// Number of words.
     [[nodiscard]] std::size_t count() const noexcept { return words_.size() / Values; }
     [[nodiscard]] std::span<const float> words() const& noexcept { return words_; }
     void words() const&& = delete; // would dangle
     [[nodiscard]] histogram_form form() const noexcept { return form_; }
 
-    /// The histogram of any number of descriptors, one after the other; of unit length, or all 0 for none.
-    void operator()(std::span<const float> descriptors, histogram out) const noexcept {
+    /// Computes the histogram of contiguous descriptors without heap use. It has unit length, or is 0 if
+    /// there are no descriptors.
+    void encode(std::span<const float> descriptors, histogram out) const noexcept {
         std::fill(out.begin(), out.end(), 0.0f);
         std::array<std::uint32_t, at_once> nearest;
         const std::size_t descriptor_count = descriptors.size() / Values;
@@ -77,7 +78,7 @@ public:
 private:
     static constexpr std::size_t at_once = 4 * kernels::nearest_row<Values>::group;
 
-    /// Of a word or a descriptor: the number without the words' middle, where that is far from zero.
+    /// Subtracts the mean of the words from element `place` of words or descriptors.
     [[nodiscard]] float moved(float number, std::size_t place) const noexcept {
         return static_cast<float>(static_cast<double>(number) - origin_[place % Values]);
     }
@@ -111,7 +112,7 @@ private:
     }
 
     std::vector<float> words_;
-    std::vector<double> origin_; ///< what is taken from words and descriptors for the search; mostly none
+    std::vector<double> origin_; ///< the mean that the search subtracts; usually empty
     kernels::nearest_row<Values> search_;
     histogram_form form_;
 };

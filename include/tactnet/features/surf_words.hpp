@@ -119,7 +119,7 @@ template <class Surf, std::size_t Words>
                                   typename Surf::image_view image,
                                   std::span<float, Words> histogram) noexcept {
     const bool finite = surf.describe(image);
-    words(surf.descriptors(), histogram);
+    words.encode(surf.descriptors(), histogram);
     return finite;
 }
 
@@ -131,7 +131,7 @@ surf_histograms(std::span<const typename Surf::pixel_type> images, std::span<con
                 const bag_of_words<surf_values, Words>& words, thread_pool& threads) {
     aligned_vector<float> histograms(chosen.size() * Words);
     detail::describe_images<Surf>(images, chosen, threads, [&](const Surf& surf, std::size_t i) {
-        words(surf.descriptors(), std::span<float, Words>(histograms.data() + i * Words, Words));
+        words.encode(surf.descriptors(), std::span<float, Words>(histograms.data() + i * Words, Words));
     });
     return histograms;
 }

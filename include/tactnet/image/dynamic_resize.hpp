@@ -43,7 +43,7 @@ template <class Kernel, class Count>
 
 /// Resizes a row-major 8-bit image; the result is rounded and kept within 0 … 255. `Kernel` as in resize.
 /// Throws std::invalid_argument for an empty image or a size that does not match the pixels.
-template <class Kernel = keys<>>
+template <class Kernel = keys_cubic<>>
 [[nodiscard]] std::vector<std::uint8_t> resize_bicubic(std::span<const std::uint8_t> image, std::size_t rows,
                                                        std::size_t columns, std::size_t new_rows,
                                                        std::size_t new_columns) {
@@ -55,7 +55,7 @@ template <class Kernel = keys<>>
     return result;
 }
 /// The same for numbers, as they come out.
-template <class Kernel = keys<>>
+template <class Kernel = keys_cubic<>>
 [[nodiscard]] std::vector<float> resize_bicubic(std::span<const float> image, std::size_t rows,
                                                 std::size_t columns, std::size_t new_rows,
                                                 std::size_t new_columns) {

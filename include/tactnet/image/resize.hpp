@@ -93,14 +93,15 @@ struct resize_plan {
 
 } // namespace detail
 
-/// Resizes an image of counts or of numbers, channel by channel. `Kernel` is `keys<…>` or lagrange. The
-/// result may leave the range of the input where it overshoots; NaN and infinity reach the outputs whose taps
-/// of weight other than zero hold them, and no others. On the stack: `From` and one pass of the result.
-template <shape From, shape To, class Kernel = keys<>>
+/// Resizes an image of counts or of numbers, channel by channel. `Kernel` is `keys_cubic<…>` or
+/// lagrange_cubic. The result may leave the range of the input where it overshoots; NaN and infinity reach
+/// the outputs whose taps of weight other than zero hold them, and no others. On the stack: `From` and one
+/// pass of the result.
+template <shape From, shape To, class Kernel = keys_cubic<>>
 void resize(tensor_view<const float, From> from, tensor_view<float, To> to) {
     detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());
 }
-template <shape From, shape To, class Kernel = keys<>>
+template <shape From, shape To, class Kernel = keys_cubic<>>
 void resize(tensor_view<const std::uint8_t, From> from, tensor_view<float, To> to) {
     detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());
 }
@@ -112,7 +113,7 @@ void resize(tensor_view<const std::uint8_t, From> from, tensor_view<float, To> t
 }
 
 /// The result as counts.
-template <shape From, shape To, class Kernel = keys<>, class Count>
+template <shape From, shape To, class Kernel = keys_cubic<>, class Count>
     requires std::is_convertible_v<Count, tensor_view<const std::uint8_t, From>> ||
         std::is_convertible_v<Count, tensor_view<const float, From>>
 void resize(const Count& from, tensor_view<std::uint8_t, To> to) {

@@ -14,7 +14,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// What stands beyond the border of an image.
-enum class edge {
+enum class resize_border {
     symmetric, ///< the image reflected: … 1 0 | 0 1 …
     replicate, ///< its last pixel
     left_out   ///< nothing: the taps that remain share the weight
@@ -29,8 +29,9 @@ namespace detail {
 }
 
 /// The pixel that stands at a position within or beyond `size` pixels, by an edge other than left_out.
-[[nodiscard]] constexpr std::size_t pixel_at(std::ptrdiff_t position, std::ptrdiff_t size, edge rule) {
-    if (rule == edge::replicate)
+[[nodiscard]] constexpr std::size_t pixel_at(std::ptrdiff_t position, std::ptrdiff_t size,
+                                             resize_border rule) {
+    if (rule == resize_border::replicate)
         return static_cast<std::size_t>(std::clamp(position, std::ptrdiff_t{0}, size - 1));
     const std::ptrdiff_t m = ((position % (2 * size)) + 2 * size) % (2 * size);
     return static_cast<std::size_t>(m < size ? m : 2 * size - 1 - m);
@@ -41,8 +42,9 @@ namespace detail {
 /// Keys' cubic convolution ("Cubic convolution interpolation for digital image processing", 1981, equation
 /// 15), third order for A = −½. Antialiased: support widened by the scale when shrinking. As it is, the one
 /// behind the published small images.
-template <class A = std::ratio<-1, 2>, bool Antialiased = true, edge Edge = edge::symmetric>
-struct keys {
+template <class A = std::ratio<-1, 2>, bool Antialiased = true,
+          resize_border Border = resize_border::symmetric>
+struct keys_cubic {
     static constexpr double a = static_cast<double>(A::num) / static_cast<double>(A::den);
 
     /// At a distance in pixels.
@@ -64,16 +66,16 @@ struct keys {
              static_cast<double>(p) < centre + 2 / narrow; ++p) {
             const double w = weight(narrow * (centre - static_cast<double>(p)));
             const bool inside = p >= 0 && p < size;
-            if (w != 0 && (inside || Edge != edge::left_out))
-                add(inside ? static_cast<std::size_t>(p) : detail::pixel_at(p, size, Edge), w);
+            if (w != 0 && (inside || Border != resize_border::left_out))
+                add(inside ? static_cast<std::size_t>(p) : detail::pixel_at(p, size, Border), w);
         }
     }
 };
 
 /// What OpenCV's INTER_CUBIC computes.
-using opencv_cubic = keys<std::ratio<-3, 4>, false, edge::replicate>;
+using opencv_cubic = keys_cubic<std::ratio<-3, 4>, false, resize_border::replicate>;
 /// What Pillow's BICUBIC and PyTorch's antialiased bicubic compute.
-using pillow_bicubic = keys<std::ratio<-1, 2>, true, edge::left_out>;
+using pillow_bicubic = keys_cubic<std::ratio<-1, 2>, true, resize_border::left_out>;
 
 /// The paper's equations (1) to (3), repaired: as printed, x = r′ / S always falls on the first of its four
 /// neighbours (weights 1, 0, 0, 0), and S is the inverse of the scale. Read as Lagrange's interpolation of
@@ -85,7 +87,7 @@ using pillow_bicubic = keys<std::ratio<-1, 2>, true, edge::left_out>;
 /// come out exactly everywhere, and no rule for the border is needed. There an error of the pixels grows by
 /// up to Σ |weights|, which is below 6 in each direction (5.2 for 28 → 227); Keys' stays at 1.25. No
 /// antialiasing. In a direction of less than four pixels all of them are taken, which lowers the degree.
-struct lagrange {
+struct lagrange_cubic {
     template <class Add>
     static constexpr void taps(double centre, double, std::size_t inputs, Add&& add) {
         const std::size_t nodes = std::min<std::size_t>(inputs, 4);

@@ -13,27 +13,27 @@
 #include <utility>
 #include <vector>
 
-// From counts to pressure. A tactel's count is proportional to the pressure on it, up to the pressure at
-// which the converter saturates; equilibration, a recording under even pressure, tells by how much each
-// tactel differs from the mean; and what is no more than the noise counts as no contact.
+// From counts to pressure. The count of a tactel is proportional to the pressure on it, up to the pressure at
+// which the converter saturates. Equilibration, a recording under even pressure, measures by how much each
+// tactel differs from the mean. Counts within the noise are no contact.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What counts mean. All that is not given changes nothing.
+/// Parameters of a calibration. Their defaults change nothing.
 struct calibration_values {
-    double saturation_pressure = 0; ///< pascal; what full_scale stands for
-    /// The largest count. The published reader of the 6077 divides 8-bit counts by 256 instead.
+    double saturation_pressure = 0; ///< pascal at full_scale
+    /// The largest count. The published reader of the 6077 divides 8-bit counts by 256.
     double full_scale = 255;
     double noise_threshold = 0; ///< counts up to this one become zero
-    std::vector<float> gains{}; ///< one a cell, row by row; empty: all 1
+    std::vector<float> gains{}; ///< one per cell, row by row; empty: all 1
 };
 
-/// Turns raw frames into pascal. Const, without heap use, and safe to share between threads.
+/// Converts raw frames to pascal without heap use. Safe to share between threads.
 class calibration {
 public:
-    /// Throws std::invalid_argument unless pressure, full scale and gains are above zero and finite, and the
-    /// threshold not below zero.
+    /// Throws std::invalid_argument unless pressure, full scale and gains are positive and finite, and the
+    /// threshold is not negative.
     explicit calibration(calibration_values values) : values_(std::move(values)) {
         require("a saturation pressure", values_.saturation_pressure);
         require("a full scale", values_.full_scale);
@@ -44,23 +44,23 @@ public:
                                         std::to_string(values_.noise_threshold));
     }
 
-    /// Of what a recording says about itself; nothing if it does not tell its saturation pressure or is in
-    /// pascal already. Its noise threshold was applied when it was made.
-    [[nodiscard]] static std::optional<calibration> of(const recording_description& description) {
+    /// Creates the calibration that a recording describes. Returns nothing if it is in pascal or has no
+    /// saturation pressure. The noise threshold of a recording has already been applied.
+    [[nodiscard]] static std::optional<calibration> from(const recording_description& description) {
         if (description.unit != pressure_unit::raw || !(description.saturation_pressure.value_or(0) > 0))
             return std::nullopt;
         return calibration({.saturation_pressure = *description.saturation_pressure});
     }
 
-    /// Of a 6077; `full_scale` 256 is the published reader's.
-    [[nodiscard]] static calibration of_6077(double full_scale = 255) {
+    /// Creates the calibration of a 6077. The published reader has a `full_scale` of 256.
+    [[nodiscard]] static calibration for_6077(double full_scale = 255) {
         return calibration(
             {.saturation_pressure = tekscan_6077::saturation_pressure, .full_scale = full_scale});
     }
 
-    /// The pressure on each cell. False, and nothing written, if the frame, `to` and the gains differ in
-    /// size.
-    [[nodiscard]] bool operator()(std::span<const float> counts, std::span<float> to) const noexcept {
+    /// Writes the pressure on each cell to `to`. If the sizes of `counts`, `to` and the gains differ, returns
+    /// false and writes nothing.
+    [[nodiscard]] bool to_pascal(std::span<const float> counts, std::span<float> to) const noexcept {
         if (counts.size() != to.size() || (!values_.gains.empty() && values_.gains.size() != to.size()))
             return false;
         const double scale = values_.saturation_pressure / values_.full_scale;
@@ -84,8 +84,9 @@ private:
     calibration_values values_;
 };
 
-/// The gains that make the mean frame of a recording under even pressure even: mean over all tactels ÷
-/// tactel. Cells without a tactel get 1. Throws std::invalid_argument if a tactel is zero: it has no gain.
+/// Computes the gains that equalise the mean frame of a recording under even pressure: the mean over all
+/// tactels divided by each tactel. Cells without a tactel get 1. Throws std::invalid_argument if a tactel is
+/// zero.
 [[nodiscard]] inline std::vector<float> equilibration_gains(std::span<const float> mean_frame,
                                                             const recording_description& description) {
     if (mean_frame.size() != description.cells())

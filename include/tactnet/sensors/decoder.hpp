@@ -93,25 +93,25 @@ public:
 protected:
     decoder_base() = default;
     explicit decoder_base(recording_description description) : description_(std::move(description)) {
-        make_room();
+        resize_cells();
     }
 
-    [[nodiscard]] recording_description& described() noexcept { return description_; }
+    [[nodiscard]] recording_description& mutable_description() noexcept { return description_; }
     [[nodiscard]] std::span<float> cells() noexcept { return cells_; }
     [[nodiscard]] decode_status status() const noexcept { return status_; }
     void set_status(decode_status status) noexcept { status_ = status; }
-    [[nodiscard]] decoding_warnings& noticed() noexcept { return warnings_; }
+    [[nodiscard]] decoding_warnings& mutable_warnings() noexcept { return warnings_; }
     /// For formats where a frame needs those behind it to be certain.
     void set_certain_frames(std::uint64_t frames) noexcept { certain_ = frames; }
 
     /// Once rows and columns are known.
-    void make_room() { make_room(description_.cells()); }
+    void resize_cells() { resize_cells(description_.cells()); }
     /// The same for the first cells only: memory then follows what has come, not what was announced.
-    void make_room(std::size_t cells) { cells_.resize(cells); }
+    void resize_cells(std::size_t cells) { cells_.resize(cells); }
 
     /// Hands the cells to the sink.
     template <class Sink>
-    void give(Sink&& sink, std::uint64_t number, std::optional<double> seconds) {
+    void emit(Sink&& sink, std::uint64_t number, std::optional<double> seconds) {
         ++frames_;
         sink(frame_view{number, seconds, description_.rows, description_.columns, cells_});
     }

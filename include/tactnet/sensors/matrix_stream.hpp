@@ -145,7 +145,7 @@ private:
         std::optional<double> seconds;
         if (format_.seconds_per_frame)
             seconds = static_cast<double>(frames()) * *format_.seconds_per_frame;
-        give(sink, frames() + 1, seconds);
+        emit(sink, frames() + 1, seconds);
         in_step_ = true;
         packet_.clear();
     }

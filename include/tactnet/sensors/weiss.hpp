@@ -186,7 +186,7 @@ private:
         if (cell != size || !payload.empty())
             return report(start, std::to_string(size) + " cells",
                           std::to_string(cell) + (payload.empty() ? "" : " and half of one"));
-        give(sink, frames() + 1, static_cast<double>(stamp) * seconds_per_tick_);
+        emit(sink, frames() + 1, static_cast<double>(stamp) * seconds_per_tick_);
     }
 
     void report(std::size_t byte, std::string expected, std::string found) {

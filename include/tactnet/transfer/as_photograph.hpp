@@ -44,8 +44,8 @@ struct as_photograph {
     struct layer : layer_base<T, Input, as_photograph> {
         static constexpr shape output = detail::photograph_output<Input.channels, Size.rows, Size.columns>();
         static constexpr bool by_parts = true;
-        using down = resize_axis<keys<>, Input.rows, Size.rows>;
-        using along = resize_axis<keys<>, Input.columns, Size.columns>;
+        using down = resize_axis<keys_cubic<>, Input.rows, Size.rows>;
+        using along = resize_axis<keys_cubic<>, Input.columns, Size.columns>;
 
         struct memory {
             std::array<T, 3> mean{}, scale{};

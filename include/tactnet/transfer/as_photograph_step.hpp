@@ -42,8 +42,8 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
     static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded, to); }
     /// More than the input: a bicubic kernel overshoots.
     static double output_bound(const float* numbers, double input) {
-        const double most = input * gain<resize_axis<keys<>, From.rows, To.rows>>() *
-                            gain<resize_axis<keys<>, From.columns, To.columns>>();
+        const double most = input * gain<resize_axis<keys_cubic<>, From.rows, To.rows>>() *
+                            gain<resize_axis<keys_cubic<>, From.columns, To.columns>>();
         double largest = most;
         for (std::size_t channel = 0; channel < 3; ++channel)
             largest = std::max(largest, (most + std::abs(static_cast<double>(numbers[channel]))) *

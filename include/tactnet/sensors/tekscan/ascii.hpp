@@ -35,7 +35,7 @@ inline namespace TACTNET_ARCH {
 /// most largest_header_bytes and largest_header_lines, the header cut into keys and values.
 class tekscan_ascii : public decoder_base {
 public:
-    tekscan_ascii() { described().format = "Tekscan ASCII"; }
+    tekscan_ascii() { mutable_description().format = "Tekscan ASCII"; }
 
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
@@ -87,7 +87,7 @@ private:
     }
 
     bool take_header(const text_line& line) {
-        if (auto problem = header_.take(line.text, described()))
+        if (auto problem = header_.take(line.text, mutable_description()))
             return fail_at(line, 0, std::move(problem->expected), std::move(problem->found));
         if (header_.next() == tekscan_part::map)
             return fail_at(line, 0, "a line 'ASCII_DATA @@'", "a map of a sensor");
@@ -119,7 +119,7 @@ private:
             return fail_at(line, 0, std::to_string(rows) + " rows in a frame", "one more");
         open_ = true;
         if (exists_.size() < (row_ + 1) * columns) {
-            make_room((row_ + 1) * columns);
+            resize_cells((row_ + 1) * columns);
             exists_.resize((row_ + 1) * columns);
         }
         const row_outcome outcome =
@@ -162,7 +162,7 @@ private:
                            "cells with a sum of " + shortest_text(*frame_.raw_sum) + " as the frame says",
                            shortest_text(sum_));
         if (frames() == 0)
-            described().mask = exists_;
+            mutable_description().mask = exists_;
         const auto [now, first] = std::mismatch(exists_.begin(), exists_.end(), description().mask.begin());
         if (now != exists_.end()) {
             const auto cell = static_cast<std::size_t>(now - exists_.begin());
@@ -172,7 +172,7 @@ private:
                                std::to_string(cell % description().columns + 1));
         }
         matching_sums_ += checks_sum() ? 1 : 0;
-        give(sink, announced_ ? frame_.number : 1,
+        emit(sink, announced_ ? frame_.number : 1,
              times_.seconds(frame_, frames(), description().seconds_per_frame));
         row_ = 0;
         sum_ = 0;
@@ -189,7 +189,7 @@ private:
             return false;
         // A single frame without a frame line may be an extract of the recording that the header describes.
         if (!announced_ && frames() == 1)
-            described().frames.reset();
+            mutable_description().frames.reset();
         const std::uint64_t expected = description().frames.value_or(std::max<std::uint64_t>(frames(), 1));
         if (frames() != expected)
             return fail_at(line.source, 0, std::to_string(expected) + " frames",

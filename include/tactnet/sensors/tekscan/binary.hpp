@@ -46,8 +46,8 @@ public:
     /// Where the mask of the sensor's map is given, a run on a cell without a tactel is an error, and so is a
     /// mask of another size.
     explicit tekscan_binary(std::vector<std::uint8_t> mask = {}) {
-        described().format = "Tekscan binary";
-        described().mask = std::move(mask);
+        mutable_description().format = "Tekscan binary";
+        mutable_description().mask = std::move(mask);
         set_certain_frames(0);
     }
 
@@ -85,12 +85,12 @@ private:
     static_assert(tekscan_binary_header::largest_cells <= end_of_recording);
 
     std::size_t take_header(std::span<const std::byte> bytes) {
-        const std::size_t taken = header_.take(bytes, described(), noticed());
+        const std::size_t taken = header_.take(bytes, mutable_description(), mutable_warnings());
         if (header_.problem()) {
             fail(*header_.problem());
         } else if (header_.complete()) {
-            make_room();
-            checks_.begin(description(), noticed());
+            resize_cells();
+            checks_.begin(description(), mutable_warnings());
             header_warnings_ = warnings().count();
             part_ = part::run_cell;
         }
@@ -147,7 +147,7 @@ private:
                         std::to_string(description().cells()) + " on, FFFF or, behind a frame, FF FE",
                     "cell " + std::to_string(value));
         } else {
-            tekscan_binary_checks::run(value, cell_, number_byte_, frames() + 1, noticed());
+            tekscan_binary_checks::run(value, cell_, number_byte_, frames() + 1, mutable_warnings());
             cell_ = value;
             part_ = part::run_count;
             in_frame_ = true;
@@ -162,7 +162,7 @@ private:
             to[i] = static_cast<float>(from[i]);
         // As if each byte came by itself: what is unlike a real writer is told before what is wrong.
         const std::size_t right = on_tactels(taken);
-        checks_.counts({from, right}, cell_, byte_, frames() + 1, noticed());
+        checks_.counts({from, right}, cell_, byte_, frames() + 1, mutable_warnings());
         if (right < taken) {
             fail_at(byte_ + right, "counts on tactels of the map only",
                     "one in cell " + std::to_string(cell_ + right));
@@ -222,7 +222,7 @@ private:
         if (frames() == 0)
             first_number_ = number;
         last_number_ = number;
-        checks_.frame(records_, number, number_byte_, frames() + 1, noticed());
+        checks_.frame(records_, number, number_byte_, frames() + 1, mutable_warnings());
         std::optional<double> seconds;
         if (records_.time)
             seconds = static_cast<double>(*records_.time) / 1e6;
@@ -230,7 +230,7 @@ private:
             seconds = static_cast<double>(number - first_number_) * *description().seconds_per_frame;
         if (!doubted())
             set_certain_frames(frames());
-        give(sink, number, seconds);
+        emit(sink, number, seconds);
         std::fill(cells().begin(), cells().end(), 0.0f);
         cell_ = 0;
         records_ = {};

@@ -30,7 +30,7 @@ inline namespace TACTNET_ARCH {
 /// Memory: three bytes a cell, of at most largest_frame_cells, one line and one header as for tekscan_ascii.
 class tekscan_map : public decoder_base {
 public:
-    tekscan_map() { described().format = "Tekscan map"; }
+    tekscan_map() { mutable_description().format = "Tekscan map"; }
 
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&&) {
@@ -66,7 +66,7 @@ public:
 private:
     bool take(const text_line& line) {
         if (header_.next() == tekscan_part::header) {
-            if (auto problem = header_.take(line.text, described()))
+            if (auto problem = header_.take(line.text, mutable_description()))
                 return fail_at(line.byte, line.number, std::move(problem->expected),
                                std::move(problem->found));
             if (header_.next() == tekscan_part::cells)
@@ -124,8 +124,8 @@ private:
                                "two at place " + std::to_string(place));
             used[place] = true;
         }
-        described().mask.resize(places_.size());
-        std::transform(places_.begin(), places_.end(), described().mask.begin(),
+        mutable_description().mask.resize(places_.size());
+        std::transform(places_.begin(), places_.end(), mutable_description().mask.begin(),
                        [](std::uint16_t place) { return static_cast<std::uint8_t>(place != no_place); });
         set_status(decode_status::finished);
         return true;

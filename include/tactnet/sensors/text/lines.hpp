@@ -47,10 +47,10 @@ public:
             }
             bool go_on = false;
             if (started_.empty()) {
-                go_on = give(std::string_view(at, static_cast<std::size_t>(stop - at)), take);
+                go_on = emit(std::string_view(at, static_cast<std::size_t>(stop - at)), take);
             } else {
                 started_.append(at, stop);
-                go_on = give(started_, take);
+                go_on = emit(started_, take);
                 started_.clear();
             }
             at = newline + 1;
@@ -64,7 +64,7 @@ public:
     template <class Take>
     void finish(Take&& take) {
         if (!started_.empty())
-            give(started_, take, false);
+            emit(started_, take, false);
         started_.clear();
     }
 
@@ -75,7 +75,7 @@ public:
 
 private:
     template <class Take>
-    bool give(std::string_view text, Take& take, bool ended = true) {
+    bool emit(std::string_view text, Take& take, bool ended = true) {
         text_line line{text, byte_, ++number_, ended};
         byte_ += text.size() + (ended ? 1 : 0);
         while (!line.text.empty() && line.text.back() == '\r')

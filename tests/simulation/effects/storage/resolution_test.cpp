@@ -34,7 +34,7 @@ TEST_CASE("resolution: no overshoot beyond the counts") {
     for (std::size_t i = 0; i < full.size(); ++i)
         counts.data()[i] = i / full.columns < 14 ? 14.0f : 0.0f;
     support::frame<shape{56, 100}> resized;
-    const resolution<56, 100, keys<std::ratio<-1, 2>, false>>::bound<full> bound({.last = 14}, {});
+    const resolution<56, 100, keys_cubic<std::ratio<-1, 2>, false>>::bound<full> bound({.last = 14}, {});
     bound.apply(counts.view(), resized.view(), {});
     for (const float count : resized)
         CHECK((count >= 0 && count <= 14 && count == std::floor(count)));
