@@ -68,7 +68,7 @@ TEST_CASE("calibration: of a recording that tells its saturation pressure") {
     REQUIRE(found);
     const std::array<float, 1> counts{100};
     std::array<float, 1> pascal{};
-    CHECK((*found)(counts, pascal));
+    CHECK(found->to_pascal(counts, pascal));
     CHECK(pascal[0] == 200);
     description.unit = tactnet::pressure_unit::pascal;
     CHECK(!calibration::from(description));
