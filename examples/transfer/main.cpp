@@ -44,8 +44,9 @@ constexpr shape frame{28, 50}, photograph{227, 227, 3};
 using trunk = squeezenet1_1_trunk<photograph>;
 
 /// Features of all images, some at a time, so that one sees how far it is.
-std::vector<float> features_of(const image_set& images, const trunk& network, const photograph_preprocessing& form,
-                               feature_pooling pooling, thread_pool& threads) {
+std::vector<float> features_of(const image_set& images, const trunk& network,
+                               const photograph_preprocessing& form, feature_pooling pooling,
+                               thread_pool& threads) {
     const feature_extractor<trunk, frame> extract(network, form, pooling);
     std::vector<float> rows;
     const stopwatch watch;

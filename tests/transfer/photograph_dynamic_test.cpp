@@ -56,7 +56,8 @@ TEST_CASE("photograph: sizes known at run time, as the photograph between sizes 
     }
 }
 
-TEST_CASE("photograph: sizes known at run time, images and photographs that are not as long as they should be") {
+TEST_CASE(
+    "photograph: sizes known at run time, images and photographs that are not as long as they should be") {
     const auto image = touch();
     std::vector<float> to(large.size() + 1);
     CHECK_THROWS_AS(to_photograph(image, {9, 14}, torchvision_photograph, {31, 27}, to),

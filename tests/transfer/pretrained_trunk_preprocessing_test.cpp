@@ -23,8 +23,8 @@ TEST_CASE("stored_photograph_preprocessing: torchvision's, or the means that the
     safetensors_source source = safetensors_source::open(folder / "file");
     CHECK(stored_photograph_preprocessing(whole).normalise.mean == torchvision_photograph.normalise.mean);
     CHECK(stored_photograph_preprocessing(source).normalise.scale == torchvision_photograph.normalise.scale);
-    for (const photograph_preprocessing& form :
-         {stored_photograph_preprocessing(whole, "other."), stored_photograph_preprocessing(source, "other.")}) {
+    for (const photograph_preprocessing& form : {stored_photograph_preprocessing(whole, "other."),
+                                                 stored_photograph_preprocessing(source, "other.")}) {
         CHECK(form.normalise.mean == std::array{123.5F, 117.0F, 104.0F});
         CHECK(form.normalise.scale == std::array{1.0F, 1.0F, 1.0F});
         CHECK(form.pixel == resized_pixel::count);
