@@ -17,14 +17,14 @@
 #include <variant>
 #include <vector>
 
-// A recording or map of which only the bytes are known: what it is shows in them, never in a file's name.
+// Recognises the format of a recording or map by its bytes, never by the name of its file.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// What is none of the formats.
+/// Rejects bytes of an unknown format.
 class unknown_recording : public decoder_base {
 public:
     template <class Sink>
@@ -48,13 +48,12 @@ public:
 
 } // namespace detail
 
-/// Decodes whichever of Tekscan's formats it is given. What the bytes are is known by the end of their
-/// header.
+/// Decodes any of Tekscan's formats, which is known by the end of the header.
 ///
-/// Memory: that of the format, and one header more.
+/// Memory: that of the format, and one more header.
 class any_recording {
 public:
-    /// The mask is for binary recordings: see tekscan_binary.
+    /// The mask is used for binary recordings: see tekscan_binary.
     explicit any_recording(std::vector<std::uint8_t> mask = {}) : mask_(std::move(mask)) {}
 
     template <class Sink>
@@ -80,32 +79,21 @@ public:
         return std::visit([&](auto& decoder) { return decoder.finish(sink); }, decoder_);
     }
 
-    [[nodiscard]] const recording_description& description() const {
-        return std::visit(
-            [](const auto& decoder) -> const recording_description& { return decoder.description(); },
-            decoder_);
-    }
-    [[nodiscard]] const decoding_error& error() const {
-        return std::visit([](const auto& decoder) -> const decoding_error& { return decoder.error(); },
-                          decoder_);
-    }
-    [[nodiscard]] std::uint64_t frames() const {
-        return std::visit([](const auto& decoder) { return decoder.frames(); }, decoder_);
-    }
-    [[nodiscard]] std::uint64_t certain_frames() const {
-        return std::visit([](const auto& decoder) { return decoder.certain_frames(); }, decoder_);
-    }
-    [[nodiscard]] const decoding_warnings& warnings() const {
-        return std::visit([](const auto& decoder) -> const decoding_warnings& { return decoder.warnings(); },
-                          decoder_);
-    }
+    [[nodiscard]] const recording_description& description() const { return decoder().description(); }
+    [[nodiscard]] const decoding_error& error() const { return decoder().error(); }
+    [[nodiscard]] std::uint64_t frames() const { return decoder().frames(); }
+    [[nodiscard]] std::uint64_t certain_frames() const { return decoder().certain_frames(); }
+    [[nodiscard]] const decoding_warnings& warnings() const { return decoder().warnings(); }
 
 private:
+    [[nodiscard]] const decoder_base& decoder() const {
+        return std::visit([](const auto& known) -> const decoder_base& { return known; }, decoder_);
+    }
     [[nodiscard]] std::string_view begun_text() const noexcept {
         return {reinterpret_cast<const char*>(begun_.data()), begun_.size()};
     }
 
-    /// The first line that ends a header decides.
+    /// Returns whether a line that ends a header has come.
     bool recognise() {
         const std::string_view text = begun_text();
         while (true) {
@@ -138,7 +126,7 @@ private:
         return true;
     }
 
-    /// Hands what was kept to the decoder that was found.
+    /// Gives the bytes kept so far to the decoder.
     template <class Sink>
     decode_status start(Sink& sink) {
         known_ = true;
@@ -155,8 +143,8 @@ private:
     std::variant<detail::unknown_recording, tekscan_ascii, tekscan_binary, tekscan_map> decoder_;
     std::vector<std::uint8_t> mask_;
     std::vector<std::byte> begun_;
-    std::size_t line_ = 0;     ///< where the line that has not ended starts
-    std::size_t searched_ = 0; ///< up to where its end has been looked for
+    std::size_t line_ = 0;     ///< the start of the first line without an end
+    std::size_t searched_ = 0; ///< the end of the bytes searched for it
     bool known_ = false;
 };
 

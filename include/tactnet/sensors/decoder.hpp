@@ -13,59 +13,55 @@
 #include <utility>
 #include <vector>
 
-// What a decoder is: bytes are pushed as they arrive, split anywhere, and frames come out. A decoder keeps at
-// most one frame and one piece of its input; what both may need at most is a constant of the format, stated
-// with each decoder. Where the memory of a piece grows as its bytes come, it may be three times what is
-// stated while it does. A decoder throws nothing but std::bad_alloc: a push returns a status, and what was
-// wrong can be asked for, and what was unlike a real writer as well.
+// Decoders take bytes as they arrive, split anywhere, and call a sink for each frame. A decoder keeps at most
+// one frame and one piece of its input, whose largest sizes are stated with each decoder; while a piece
+// grows, it may take three times that. Decoders throw nothing but std::bad_alloc: they return a status, and
+// report errors and warnings on request.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The most rows × columns that a source may announce, so that a few damaged bytes cannot ask for all memory.
+/// The largest rows × columns that a source may announce, so that damaged bytes cannot exhaust the memory.
 inline constexpr std::size_t largest_frame_cells = std::size_t{1} << 20;
-/// The most bytes of a text header, and of a single line.
+/// The largest size of a text header and of a single line, in bytes.
 inline constexpr std::size_t largest_header_bytes = std::size_t{1} << 18;
-/// The most lines of a text header, each of which is kept.
+/// The largest number of lines of a text header, all of which are kept.
 inline constexpr std::size_t largest_header_lines = std::size_t{1} << 13;
 
 enum class decode_status : std::uint8_t {
-    reading,  ///< all bytes are taken, more are welcome
+    reading,  ///< all bytes are taken, more may follow
     finished, ///< the source is complete
-    damaged ///< `error()` tells; frames that came out before are whole, and `certain_frames()` of them beyond
-            ///< doubt. Recordings end here, live streams go on
+    damaged   ///< see `error()`; frames so far are whole. Recordings end here, live streams continue
 };
 
-/// What is wrong with a source, and where.
+/// An error in a source, and its place.
 struct decoding_error {
     std::size_t byte = 0;    ///< offset from the first byte pushed
     std::size_t line = 0;    ///< from 1; 0 in binary data
     std::uint64_t frame = 0; ///< position of the frame, from 1; 0 in a header
     std::string expected, found;
-    std::optional<std::uint64_t> missing_frames; ///< of those announced
+    std::optional<std::uint64_t> missing_frames; ///< announced, but not found
 
     /// For example "byte 812, line 31, frame 1".
     [[nodiscard]] std::string place() const { return detail::place_text(byte, line, frame); }
-    /// What was found, with the number of frames that are missing where it is known.
+    /// What was found, with the number of missing frames if it is known.
     [[nodiscard]] std::string outcome() const {
         return found + (missing_frames.value_or(0) > 0
                             ? " (" + std::to_string(*missing_frames) + " announced frames are missing)"
                             : "");
     }
-    /// All of it in one sentence: "byte 812, line 31, frame 1: expected …, found …". A file's name is put in
-    /// front, where one is given.
+    /// The error as a sentence: "file: byte 812, line 31, frame 1: expected …, found …".
     [[nodiscard]] std::string message(const std::string& file = {}) const {
         return detail::sentence_text(file, place(), expected, outcome());
     }
 };
 
-/// Takes frames and does nothing with them.
+/// A sink that ignores frames.
 struct ignore_frames {
     void operator()(const frame_view&) const noexcept {}
 };
 
-/// A source of frames. `push` and `finish` call the sink once for every frame that has become whole; `finish`
-/// tells that no more bytes will come.
+/// A source of frames. `push` and `finish` call the sink once per complete frame; `finish` ends the source.
 template <class Decoder>
 concept frame_decoder = std::movable<Decoder> &&
     requires(Decoder decoder, const Decoder& constant, std::span<const std::byte> bytes, ignore_frames sink) {
@@ -75,19 +71,19 @@ concept frame_decoder = std::movable<Decoder> &&
     { constant.error() } -> std::same_as<const decoding_error&>;
 };
 
-/// What decoders have in common; they derive from it, as a user's own may.
+/// Base class of decoders, also of your own.
 class decoder_base {
 public:
-    /// Complete when the first frame comes out.
+    /// What the source says about itself; complete when the sink gets the first frame.
     [[nodiscard]] const recording_description& description() const noexcept { return description_; }
-    /// Of the last call that returned `damaged`.
+    /// The error of the last call that returned `damaged`.
     [[nodiscard]] const decoding_error& error() const noexcept { return error_; }
-    /// Frames that came out so far.
+    /// Number of frames so far.
     [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
-    /// How many of the first frames are beyond doubt. All that came out, where each is checked by itself; a
-    /// format in which damage may go unnoticed until later says fewer, as tekscan_binary does.
+    /// How many of the first frames are beyond doubt: all of them, unless the format, as that of
+    /// tekscan_binary, shows damage only in later frames.
     [[nodiscard]] std::uint64_t certain_frames() const noexcept { return certain_.value_or(frames_); }
-    /// What was unlike a real writer so far, though the format allows it.
+    /// Bytes so far that the format allows, but no known program writes.
     [[nodiscard]] const decoding_warnings& warnings() const noexcept { return warnings_; }
 
 protected:
@@ -101,22 +97,22 @@ protected:
     [[nodiscard]] decode_status status() const noexcept { return status_; }
     void set_status(decode_status status) noexcept { status_ = status; }
     [[nodiscard]] decoding_warnings& mutable_warnings() noexcept { return warnings_; }
-    /// For formats where a frame needs those behind it to be certain.
+    /// For formats in which later frames confirm earlier ones.
     void set_certain_frames(std::uint64_t frames) noexcept { certain_ = frames; }
 
-    /// Once rows and columns are known.
+    /// Allocates the cells of a frame once rows and columns are known.
     void resize_cells() { resize_cells(description_.cells()); }
-    /// The same for the first cells only: memory then follows what has come, not what was announced.
+    /// Allocates the first cells only, so that memory follows the data instead of the announced size.
     void resize_cells(std::size_t cells) { cells_.resize(cells); }
 
-    /// Hands the cells to the sink.
+    /// Gives the frame to the sink.
     template <class Sink>
     void emit(Sink&& sink, std::uint64_t number, std::optional<double> seconds) {
         ++frames_;
         sink(frame_view{number, seconds, description_.rows, description_.columns, cells_});
     }
 
-    /// Frames that were announced and have not come out; nothing where none were announced.
+    /// Number of announced frames that have not come; nothing if no number was announced.
     [[nodiscard]] std::optional<std::uint64_t> missing_frames() const noexcept {
         if (!description_.frames)
             return std::nullopt;

@@ -15,32 +15,31 @@
 #include <utility>
 #include <vector>
 
-// What every sensor and every file format comes down to: frames of rows × columns cells, each with a number
-// and, where the source tells, a time; and one description of where they come from.
+// The common form of all sensors and file formats: frames of rows × columns cells, each with a number and, if
+// known, a time, and one description of their source.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What the cells of a frame count: the steps of the device's converter, or pressure.
+/// The unit of cells: raw counts of the converter, or pressure.
 enum class pressure_unit : std::uint8_t { raw, pascal };
 
-/// Where frames come from. What the source does not tell is empty.
+/// The source of frames. Unknown values are empty.
 struct recording_description {
     std::string format{};  ///< for example "Tekscan ASCII"
-    std::string version{}; ///< of the program or the device that wrote it
+    std::string version{}; ///< of the program or device
     std::size_t rows = 0, columns = 0;
-    std::optional<double> row_spacing{};    ///< between the centres of neighbouring rows, metres
-    std::optional<double> column_spacing{}; ///< of neighbouring columns
+    std::optional<double> row_spacing{};    ///< metres between the centres of neighbouring rows
+    std::optional<double> column_spacing{}; ///< metres between the centres of neighbouring columns
     std::optional<double> cell_area{};      ///< square metres
     pressure_unit unit = pressure_unit::raw;
-    std::optional<double> saturation_pressure{}; ///< what the largest count stands for, pascal
+    std::optional<double> saturation_pressure{}; ///< pascal at the largest count
     std::optional<double> noise_threshold{};     ///< counts
     std::optional<double> seconds_per_frame{};
-    std::optional<std::uint64_t> frames{}; ///< as many as the source announces
-    /// One entry a cell, row by row: 1 where there is a tactel, 0 where there is none. Empty: all are there.
+    std::optional<std::uint64_t> frames{}; ///< number announced by the source
+    /// One entry per cell, row by row: 1 if there is a tactel, else 0. Empty: all cells have one.
     std::vector<std::uint8_t> mask{};
-    /// Every line of a text header: key and value, as they stand but for the quotes and separators that
-    /// spreadsheets add.
+    /// The keys and values of a text header, without the quotes and separators that spreadsheets add.
     std::vector<std::pair<std::string, std::string>> header{};
 
     [[nodiscard]] std::size_t cells() const noexcept { return rows * columns; }
@@ -50,10 +49,10 @@ struct recording_description {
     }
 };
 
-/// One frame that someone else owns, such as a decoder until its next call. Cells without a tactel are zero.
+/// A view of a frame, for example of a decoder until its next call. Cells without a tactel are zero.
 struct frame_view {
-    std::uint64_t number = 0;      ///< as the source counts; from 1 where it does not
-    std::optional<double> seconds; ///< since the source's own start
+    std::uint64_t number = 0;      ///< as in the source, else counted from 1
+    std::optional<double> seconds; ///< since the start of the source
     std::size_t rows = 0, columns = 0;
     std::span<const float> cells; ///< rows × columns, row by row
 
@@ -61,8 +60,7 @@ struct frame_view {
         return cells[row * columns + column];
     }
 
-    /// The same cells in a size that is a compile-time constant, without a copy; nothing if the frame has
-    /// another size.
+    /// Returns the frame as a view of a shape known at compile time; nothing if it has another size.
     template <shape Shape>
     [[nodiscard]] std::optional<tensor_view<const float, Shape>> as() const noexcept {
         static_assert(Shape.channels == 1, "frame_view: a frame has one channel");
@@ -71,8 +69,8 @@ struct frame_view {
         return tensor_view<const float, Shape>(cells.data());
     }
 
-    /// 8-bit counts, as networks are trained on; nothing if the frame has another size or a cell is not a
-    /// whole number from 0 to 255.
+    /// Returns the 8-bit counts that networks are trained on; nothing if the frame has another size or a cell
+    /// is not an integer from 0 to 255.
     template <shape Shape>
     [[nodiscard]] std::optional<tensor<std::uint8_t, Shape>> counts() const noexcept {
         const auto whole = as<Shape>();

@@ -15,40 +15,38 @@
 #include <utility>
 #include <vector>
 
-// A plain stream of matrices, as a microcontroller sends it: a marker, if any, bytes to pass over, the cells,
-// more bytes to pass over. The user describes it. A device that does more is a class of its own with `push`
-// and `finish`.
+// A plain stream of matrices, as a microcontroller sends it: a marker, if any, bytes to skip, the cells, more
+// bytes to skip. For other protocols, write a decoder of your own.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// How a cell is sent.
+/// The encoding of a cell.
 enum class cell_format : std::uint8_t { uint8, uint16_little, uint16_big, float32_little };
-/// Which cells follow each other.
+/// The order of the cells.
 enum class cell_order : std::uint8_t { rows, columns };
 
-/// What the stream looks like.
+/// The layout of the stream.
 struct matrix_stream_format {
     std::size_t rows = 0, columns = 0;
     cell_format cell = cell_format::uint8;
     cell_order order = cell_order::rows;
-    std::vector<std::byte> marker{}; ///< in front of every frame
+    std::vector<std::byte> marker{}; ///< before every frame
     std::size_t skip_before = 0;     ///< bytes between the marker and the cells
-    std::size_t skip_after = 0;      ///< bytes behind the cells
+    std::size_t skip_after = 0;      ///< bytes after the cells
     std::optional<double> seconds_per_frame{};
     pressure_unit unit = pressure_unit::raw;
     std::optional<double> row_spacing{}, column_spacing{}; ///< metres
 };
 
-/// Decodes such a stream. With a marker one may join it at any byte: bytes up to the first marker are passed
-/// over. Later on, a frame that does not begin with the marker is reported as damaged, and the next marker is
-/// looked for; so is a float cell that is not a number, infinite or below zero. Without a marker every byte
-/// counts.
+/// Decodes such a stream. With a marker it may be joined at any byte: bytes up to the first marker are
+/// skipped. After that, a frame that does not begin with the marker, or with a float cell that is NaN,
+/// infinite or negative, is reported as damaged, and decoding continues at the next marker.
 ///
-/// Memory: one frame of four bytes a cell, and one packet as it is sent.
+/// Memory: one frame of four bytes per cell, and one packet.
 class matrix_stream : public decoder_base {
 public:
-    /// Throws std::invalid_argument if the cells, or the bytes of a packet, are none or too many.
+    /// Throws std::invalid_argument if there are no cells, or too many cells or bytes to skip.
     explicit matrix_stream(const matrix_stream_format& format)
         : decoder_base(describe(format)), format_(format) {
         packet_.reserve(packet_size());
@@ -82,7 +80,7 @@ public:
         return status();
     }
 
-    /// Bytes that belong to no frame.
+    /// Number of bytes outside of frames.
     [[nodiscard]] std::uint64_t skipped_bytes() const noexcept { return skipped_; }
 
 private:
@@ -114,7 +112,7 @@ private:
                format_.skip_after;
     }
 
-    /// Drops bytes until what is left may be the beginning of a marker.
+    /// Drops bytes until the rest may be the beginning of a marker.
     void find_marker() {
         while (!std::equal(packet_.begin(), packet_.end(), format_.marker.begin())) {
             if (in_step_)
@@ -133,7 +131,7 @@ private:
         for (std::size_t i = 0; i < rows * columns; ++i, from = from.subspan(cell_size())) {
             const std::size_t to = format_.order == cell_order::rows ? i : i % rows * columns + i / rows;
             const float value = read_cell(from);
-            // Written so that a NaN is refused too.
+            // True for NaN too.
             if (!(value >= 0 && std::isfinite(value))) {
                 report("cells of zero or more", std::to_string(value) + " in row " +
                                                     std::to_string(to / columns + 1) + ", column " +
@@ -172,7 +170,7 @@ private:
     std::vector<std::byte> packet_;
     std::size_t byte_ = 0;
     std::uint64_t skipped_ = 0;
-    bool in_step_ = false; ///< behind a frame
+    bool in_step_ = false; ///< just after a frame
 };
 
 } // namespace TACTNET_ARCH

@@ -19,20 +19,20 @@
 #include <utility>
 #include <vector>
 
-// A whole recording in memory, from bytes or from a file. Control loops push bytes into a decoder instead.
+// Whole recordings in memory, from bytes or files. In a control loop, push bytes into a decoder instead.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Frames and where they come from.
+/// The frames of a source in memory.
 class recording {
 public:
     recording_description description;
-    /// What ended the recording before its end; the frames before it are whole.
+    /// Set if damage has ended the recording early. The frames before it are whole.
     std::optional<decoding_error> damage;
-    /// How many of the first frames are beyond doubt: see tekscan_binary. All of them in other formats.
+    /// How many of the first frames are beyond doubt: see decoder_base::certain_frames.
     std::uint64_t certain_frames = 0;
-    /// What is unlike a real writer, though the format allows it.
+    /// Bytes that the format allows, but no known program writes.
     decoding_warnings warnings;
 
     [[nodiscard]] std::size_t size() const noexcept { return stamps_.size(); }
@@ -70,12 +70,11 @@ private:
     std::vector<std::pair<std::uint64_t, std::optional<double>>> stamps_;
 };
 
-/// The most cells of all frames together that are kept in memory unless told otherwise: a few bytes of a
-/// binary recording may stand for thousands of cells.
+/// The default limit of cells of all frames together, since a few bytes of a binary recording may encode
+/// thousands of cells.
 inline constexpr std::size_t default_recording_cells = std::size_t{1} << 28;
 
-/// Decodes all of `bytes`. Damage ends the recording and is kept in it, as is a recording of more than
-/// `limit` cells.
+/// Decodes all of `bytes`. Damage, or more than `limit` cells, ends the recording, which reports it.
 template <frame_decoder Decoder>
 [[nodiscard]] recording decode_all(Decoder decoder, std::span<const std::byte> bytes,
                                    std::size_t limit = default_recording_cells) {
@@ -89,7 +88,7 @@ template <frame_decoder Decoder>
         kept += frame.cells.size();
         result.add(frame);
     };
-    // In pieces, so that what does not fit any more is not decoded either.
+    // In pieces, so that decoding stops soon after the limit.
     constexpr std::size_t piece = std::size_t{1} << 16;
     decode_status status = decode_status::reading;
     while (!bytes.empty() && status != decode_status::damaged && !full) {
@@ -100,7 +99,7 @@ template <frame_decoder Decoder>
         status = decoder.finish(keep);
     result.description = decoder.description();
     result.certain_frames = result.size();
-    // A decoder of one's own need not know doubts.
+    // A decoder that is not derived from decoder_base may lack these.
     if constexpr (requires { decoder.certain_frames(), decoder.warnings(); }) {
         result.certain_frames = std::min<std::uint64_t>(result.size(), decoder.certain_frames());
         result.warnings = decoder.warnings();
@@ -113,15 +112,15 @@ template <frame_decoder Decoder>
     return result;
 }
 
-/// What `read_recording` does with a file that is damaged or cut short.
+/// What `read_recording` does with a damaged or truncated file.
 enum class damaged_file : std::uint8_t {
     refuse,           ///< throw
-    keep_whole_frames ///< return the frames before the damage; `recording::damage` tells
+    keep_whole_frames ///< return the frames before the damage, and set `recording::damage`
 };
 
-/// Reads a recording, or a map, of any of Tekscan's formats; its content tells which. Throws file_error when
-/// the file cannot be read or is none of these, and, unless told otherwise, when it is damaged or has more
-/// than default_recording_cells.
+/// Reads a recording or map of any of Tekscan's formats, recognised by its content. Throws file_error if the
+/// file cannot be read or has another format, and, by default, if it is damaged or has more than
+/// default_recording_cells.
 [[nodiscard]] inline recording read_recording(const std::filesystem::path& path,
                                               damaged_file damaged = damaged_file::refuse) {
     recording result = decode_all(any_recording(), read_file(path));

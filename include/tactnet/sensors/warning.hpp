@@ -14,16 +14,16 @@
 #include <string_view>
 #include <type_traits>
 
-// What a decoder notices without ending the recording: bytes that the format allows, but that no real writer
-// has been seen to make. They may be damage in a format without a sum, or a writer that nobody has met. Many
-// may come while frames do, so nothing here uses the heap but what puts a place into words.
+// Warnings of a decoder: bytes that the format allows, but no known program writes. In a format without a
+// checksum they may be damage, or come from an unknown program. Adding warnings uses no heap, since there may
+// be many.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// For example "byte 812, line 31, frame 1"; what is 0 is left out.
+/// For example "byte 812, line 31, frame 1". A line or frame of 0 is left out.
 [[nodiscard]] inline std::string place_text(std::size_t byte, std::size_t line, std::uint64_t frame) {
     return "byte " + std::to_string(byte) + (line > 0 ? ", line " + std::to_string(line) : "") +
            (frame > 0 ? ", frame " + std::to_string(frame) : "");
@@ -40,7 +40,7 @@ namespace detail {
 
 } // namespace detail
 
-/// A short text without heap, put together from texts and numbers; what does not fit is cut off.
+/// A short text from texts and numbers, without heap. It is truncated to `capacity`.
 class warning_text {
 public:
     static constexpr std::size_t capacity = 103;
@@ -78,25 +78,25 @@ private:
     std::uint8_t size_ = 0;
 };
 
-/// What is unlike a real writer, and where.
+/// A warning and its place.
 struct decoding_warning {
     std::size_t byte = 0;    ///< offset from the first byte pushed
-    std::size_t line = 0;    ///< from 1, in a text header; 0 elsewhere
+    std::size_t line = 0;    ///< from 1; 0 outside of a text header
     std::uint64_t frame = 0; ///< position of the frame, from 1; 0 in a header
     warning_text expected{}, found{};
 
     [[nodiscard]] std::string place() const { return detail::place_text(byte, line, frame); }
-    /// Place, what was expected and what was found in one sentence, with a file's name in front if given.
+    /// The warning as a sentence: "file: place: expected …, found …".
     [[nodiscard]] std::string message(const std::string& file = {}) const {
         return detail::sentence_text(file, place(), expected.view(), found.view());
     }
     friend bool operator==(const decoding_warning&, const decoding_warning&) = default;
 };
 
-/// The first warnings of a source, and how many there were in all.
+/// The first warnings of a source, and the number of all.
 class decoding_warnings {
 public:
-    /// As many are kept.
+    /// Number of warnings kept.
     static constexpr std::size_t capacity = 16;
 
     void add(const decoding_warning& warning) noexcept {
@@ -105,9 +105,9 @@ public:
         ++count_;
     }
 
-    /// All that came, kept or not.
+    /// Number of all warnings.
     [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
-    /// The first ones.
+    /// The first warnings.
     [[nodiscard]] std::span<const decoding_warning> kept() const& noexcept {
         return std::span(kept_).first(static_cast<std::size_t>(std::min<std::uint64_t>(count_, capacity)));
     }

@@ -16,35 +16,33 @@
 #include <utility>
 #include <vector>
 
-// Tekscan's binary recordings (.fsx): a text header, the bytes 0A BB BA, and frames. A frame is runs of cells
-// that are not zero, { u16 cell, u8 count, count bytes }, up to FFFF, and records { u16 tag, u16 length, data
-// }, up to FFFF; where the next frame would begin, FF FE ends the recording. All numbers have their lowest
-// byte first. The cells are raw counts, whatever unit the header names for showing them.
+// Tekscan's binary recordings (.fsx): a text header, the bytes 0A BB BA, and frames. A frame has runs of
+// nonzero cells, { u16 cell, u8 count, count bytes }, up to FFFF, and records { u16 tag, u16 length, data },
+// up to FFFF. FF FE instead of a frame ends the recording. Numbers are little-endian. Cells are raw counts;
+// the unit in the header is for display only.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Decodes a binary recording. Each frame comes out with its last byte. Frames without a time of their own
+/// Decodes a binary recording. The sink gets a frame with its last byte. Frames without a time of their own
 /// are SECONDS_PER_FRAME apart.
 ///
-/// The format has no sum. What the format allows and no real writer does is a warning (see
-/// tekscan_binary_checks), and the recording goes on. Damage that cannot be noticed: a count that became
-/// another one of at least NOISE_THRESHOLD, a run that moved within the gap between its neighbours, bytes
-/// taken out of a run or put into it that happen to leave runs behind; ROWS, COLS, the spacing and the
-/// threshold where they still fit (a map tells the size, by its mask).
+/// The format has no checksum. Bytes that no known program writes are warnings (see tekscan_binary_checks).
+/// Undetectable damage: a count corrupted into another one of at least NOISE_THRESHOLD, a run that moved
+/// within the gap between its neighbours, bytes removed from or added to a run that happen to leave valid
+/// runs, and plausible values of ROWS, COLS, spacing and threshold (a mask fixes the size).
 ///
-/// A frame is certain once the next whole one goes on behind it without any warning up to there, or the
-/// recording ends there as announced: its bytes then are where a writer puts them. Of counts that is all
-/// that can be said. From the first warning in a frame on, none is certain.
+/// A frame is certain once the next complete frame, or the announced end, follows without a warning. Then its
+/// bytes are at their places; counts may still be wrong. From the first warning in a frame on, no frame is
+/// certain.
 ///
-/// Nothing is allocated once the header is read.
-///
-/// Memory: one frame (five bytes a cell, at most 65 279 cells), one header of at most largest_header_bytes
-/// and largest_header_lines, as it stands and cut into keys and values, and one run or record of a few bytes.
+/// Memory: one frame (five bytes per cell, at most 65 279 cells), one header of at most largest_header_bytes
+/// and largest_header_lines, as text and as keys and values, and one run or record. Nothing is allocated
+/// after the header.
 class tekscan_binary : public decoder_base {
 public:
-    /// Where the mask of the sensor's map is given, a run on a cell without a tactel is an error, and so is a
-    /// mask of another size.
+    /// With the mask of the sensor's map, a run on a cell without a tactel and a mask of another size are
+    /// errors.
     explicit tekscan_binary(std::vector<std::uint8_t> mask = {}) {
         mutable_description().format = "Tekscan binary";
         mutable_description().mask = std::move(mask);
@@ -97,7 +95,7 @@ private:
         return taken;
     }
 
-    /// Gathers the one or two bytes of the number that is next.
+    /// Takes the one or two bytes of the next number.
     template <class Sink>
     std::size_t take_number(std::span<const std::byte> bytes, Sink& sink) {
         const std::size_t size = part_ == part::run_count ? 1 : 2;
@@ -160,7 +158,7 @@ private:
         const auto* const from = reinterpret_cast<const std::uint8_t*>(bytes.data());
         for (std::size_t i = 0; i < taken; ++i)
             to[i] = static_cast<float>(from[i]);
-        // As if each byte came by itself: what is unlike a real writer is told before what is wrong.
+        // Warnings come before errors, as if each byte came by itself.
         const std::size_t right = on_tactels(taken);
         checks_.counts({from, right}, cell_, byte_, frames() + 1, mutable_warnings());
         if (right < taken) {
@@ -175,7 +173,7 @@ private:
         return taken;
     }
 
-    /// How many of the next cells there are before one without a tactel.
+    /// Number of cells before the next cell without a tactel.
     [[nodiscard]] std::size_t on_tactels(std::size_t count) const {
         if (description().mask.empty())
             return count;
@@ -248,7 +246,7 @@ private:
         set_status(decode_status::finished);
     }
 
-    /// What is odd in a header puts no frame in doubt.
+    /// Warnings about the header make no frame uncertain.
     [[nodiscard]] bool doubted() const noexcept { return warnings().count() > header_warnings_; }
 
     void fail_at(std::size_t byte, std::string expected, std::string found) {
@@ -261,8 +259,8 @@ private:
     records records_;
     std::uint64_t header_warnings_ = 0;
     part part_ = part::header;
-    std::size_t byte_ = 0, number_byte_ = 0; ///< of what comes next, and of the number that is read
-    std::array<std::byte, 2> small_{};       ///< a number that arrives in pieces
+    std::size_t byte_ = 0, number_byte_ = 0; ///< offsets of the next byte and of the current number
+    std::array<std::byte, 2> small_{};       ///< a number split between pushes
     std::size_t gathered_ = 0, cell_ = 0, count_ = 0;
     std::uint16_t tag_ = 0;
     bool in_frame_ = false; ///< between the first run of a frame and its end

@@ -15,27 +15,26 @@
 #include <string_view>
 #include <system_error>
 
-// What a binary recording tells twice, or never tells: the format has no sum, and these are what damage shows
-// in. All of it is measured on a recording of I-Scan's (500 frames, 9 819 runs, 25 174 counts): no count is
-// zero or below NOISE_THRESHOLD, no run begins where the one before ends, frames are numbered one by one, all
-// have the same records, and record 16 is TIME_2 of the header plus record 2, to the last digit. Its frames
-// are 10 000 or 10 010 microseconds apart where SECONDS_PER_FRAME is 0.01; those of a text recording at 0.1,
-// which are written to the hundredth, 0.10 or 0.11.
+// The redundancy of a binary recording, which reveals damage in a format without a checksum. In a recording
+// of I-Scan (500 frames, 9 819 runs, 25 174 counts), no count is zero or below NOISE_THRESHOLD, no run begins
+// where the last one ends, frames are numbered consecutively and have the same records, and record 16 equals
+// TIME_2 of the header plus record 2. Frames are 10 000 or 10 010 microseconds apart for a SECONDS_PER_FRAME
+// of 0.01; in a text recording at 0.1, written to the hundredth, 0.10 or 0.11.
 //
-// Nothing of it is an error, since one writer is not all: a device that is triggered from outside has frames
-// at any time, and one that drops frames has gaps in their numbers.
+// Violations are warnings, since other programs may differ: with an external trigger frames come at any time,
+// and dropped frames leave gaps in the numbers.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Compares a recording with what real writers do, and warns. Uses no heap.
+/// Warns if a recording differs from those of real programs. Uses no heap.
 class tekscan_binary_checks {
 public:
-    /// How far a frame may be from where SECONDS_PER_FRAME puts it behind the one before, in frames. Real
-    /// ones are off by up to a tenth; beyond a half, a time would be nearer to that of another frame.
+    /// How far the time of a frame may deviate from SECONDS_PER_FRAME, in frames. Real recordings deviate by
+    /// up to a tenth; beyond a half, the time would be nearer to that of another frame.
     static constexpr double time_tolerance = 0.5;
 
-    /// Once the header is read. Warns where it lacks what damage would show in.
+    /// Starts after the header. Warns if it lacks a value that the checks need.
     void begin(const recording_description& description, decoding_warnings& warnings) {
         const auto lacks = [&](bool there, std::string_view key) {
             if (!there)
@@ -45,7 +44,7 @@ public:
         lacks(description.noise_threshold.has_value(), "NOISE_THRESHOLD");
         lacks(description.seconds_per_frame.has_value(), "SECONDS_PER_FRAME");
         lacks(description.frames.has_value(), "FRAMES");
-        // At least 1, since an explicit zero is unlike a writer, whatever the threshold.
+        // At least 1, since no program writes zeros.
         const double threshold = description.noise_threshold.value_or(1);
         smallest_ = static_cast<std::uint8_t>(std::ceil(std::clamp(threshold, 1.0, 255.0)));
         seconds_per_frame_ = description.seconds_per_frame.value_or(0);
@@ -54,7 +53,7 @@ public:
                 start_ = hexadecimal(value);
     }
 
-    /// Counts of a run, the first of them in `cell` and at `byte`.
+    /// Checks counts of a run, of which the first is in `cell` and at `byte`.
     void counts(std::span<const std::uint8_t> counts, std::size_t cell, std::size_t byte, std::uint64_t frame,
                 decoding_warnings& warnings) const noexcept {
         std::uint8_t least = 255;
@@ -70,7 +69,7 @@ public:
                               warning_text(unsigned{counts[i]}, " in cell ", cell + i)});
     }
 
-    /// A run that begins in `cell`, where the one before ended in front of `free`, if there was one.
+    /// Checks a run that begins in `cell`, where `free` is the cell after the last run, or 0.
     static void run(std::size_t cell, std::size_t free, std::size_t byte, std::uint64_t frame,
                     decoding_warnings& warnings) noexcept {
         if (free > 0 && cell == free)
@@ -80,7 +79,7 @@ public:
                  warning_text("cell ", cell)});
     }
 
-    /// The records of a whole frame with this number, which ends at `byte`.
+    /// Checks the records of a complete frame with this number, which ends at `byte`.
     void frame(const tekscan_binary_records& records, std::uint64_t number, std::size_t byte,
                std::uint64_t frame, decoding_warnings& warnings) noexcept {
         const auto warn = [&](const warning_text& expected, const warning_text& found) {
@@ -110,7 +109,7 @@ private:
         return value;
     }
 
-    /// Between frames `steps` apart, in microseconds.
+    /// Checks the times, in microseconds, of two frames `steps` apart.
     template <class Warn>
     void check_step(std::uint64_t time, std::uint64_t last, double steps, Warn& warn) const noexcept {
         const double found = (static_cast<double>(time) - static_cast<double>(last)) / 1e6;
@@ -122,8 +121,8 @@ private:
                  warning_text(found, " s"));
     }
 
-    /// Modulo 2^64, where a damaged time ends as well. Whatever is found is the start for the next frame, so
-    /// that one damaged time does not warn in every frame.
+    /// Checks record 16 against record 2, modulo 2^64. The result is the start for the next frame, so that
+    /// one damaged time does not warn in every frame.
     template <class Warn>
     void check_day_time(std::uint64_t day_time, std::uint64_t time, Warn& warn) noexcept {
         const std::uint64_t start = day_time - 10 * time;
@@ -133,7 +132,7 @@ private:
         start_ = start;
     }
 
-    std::uint8_t smallest_ = 1; ///< count that is no noise
+    std::uint8_t smallest_ = 1; ///< count at or above NOISE_THRESHOLD
     double seconds_per_frame_ = 0;
     tekscan_binary_records last_{};
     std::uint64_t last_number_ = 0;

@@ -15,19 +15,19 @@
 #include <string_view>
 #include <utility>
 
-// The text in front of a Tekscan binary recording, up to the bytes 0A BB BA, which may arrive in any pieces.
+// The text header of a Tekscan binary recording, up to the bytes 0A BB BA.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Gathers the header and reads it as a whole.
+/// Collects the bytes of the header and reads it as a whole.
 class tekscan_binary_header {
 public:
-    /// The cell numbers that are not needed for marks.
+    /// The largest number of cells: larger cell numbers are marks.
     static constexpr std::size_t largest_cells = 0xFEFF;
 
-    /// Takes bytes up to the end of the header, and returns how many. Once `complete`, `to` is filled, and
-    /// `warnings` has what is unlike text.
+    /// Takes bytes up to the end of the header, and returns their number. When the header is complete, fills
+    /// `to` and adds warnings about control characters.
     std::size_t take(std::span<const std::byte> bytes, recording_description& to,
                      decoding_warnings& warnings) {
         const std::size_t before = text_.size();
@@ -53,7 +53,7 @@ public:
     }
 
     [[nodiscard]] bool complete() const noexcept { return complete_; }
-    /// What is wrong with the header, if anything.
+    /// The error in the header, if any.
     [[nodiscard]] const std::optional<decoding_error>& problem() const noexcept { return problem_; }
 
 private:
@@ -85,7 +85,7 @@ private:
                 to.frames = whole_number(value);
     }
 
-    /// Letters beyond ASCII may be a name in any encoding; control characters are never text.
+    /// Warns of control characters. Letters beyond ASCII may be a name in any encoding.
     static void look_for_control(std::string_view text, std::size_t byte, std::size_t line,
                                  decoding_warnings& warnings) noexcept {
         for (std::size_t i = 0; i < text.size(); ++i) {

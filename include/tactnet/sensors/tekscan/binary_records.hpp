@@ -13,23 +13,23 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What stands in the records of one frame of a binary recording, which may arrive in any pieces.
+/// The contents of the records of one frame of a binary recording, which may be split anywhere.
 class tekscan_binary_records {
 public:
-    /// Tags: the frame's number (4 bytes), the time since the start in microseconds (8), and the time of day
-    /// in units of 100 ns since 1601 (8).
+    /// Tags: the number of the frame (4 bytes), the time since the start in microseconds (8), and the time of
+    /// day in units of 100 ns since 1601 (8).
     static constexpr std::uint16_t frame_number = 1, microseconds = 2, time_of_day = 16;
 
     std::optional<std::uint64_t> number, time, day_time;
 
-    /// Bytes of a record that must have so many.
+    /// The length that a record must have, if any.
     [[nodiscard]] static std::optional<std::size_t> bytes_of(std::uint16_t tag) noexcept {
         return tag == frame_number   ? std::optional<std::size_t>(4)
                : tag == microseconds ? std::optional<std::size_t>(8)
                                      : std::nullopt;
     }
 
-    /// A record begins, of `bytes_of(tag)` bytes where that says so.
+    /// Starts a record, of `bytes_of(tag)` bytes if that is not empty.
     void announce(std::uint16_t tag, std::uint16_t length) noexcept {
         for (const unsigned value : {unsigned{tag}, unsigned{length}})
             layout_ = (layout_ ^ value) * 1099511628211U;
@@ -37,8 +37,8 @@ public:
         length_ = length;
         taken_ = 0;
     }
-    /// Takes bytes of the record that was announced, and returns how many are its own. A time of day of
-    /// another length is passed over, as are records with unknown tags.
+    /// Takes bytes of the current record, and returns their number. Records with unknown tags, and times of
+    /// day of another length, are skipped.
     std::size_t take(std::span<const std::byte> bytes) noexcept {
         const std::size_t taken = std::min(bytes.size(), length_ - taken_);
         const bool known =
@@ -56,13 +56,13 @@ public:
     }
     [[nodiscard]] bool whole() const noexcept { return taken_ == length_; }
 
-    /// Equal for frames with the same tags and lengths in the same order, and else hardly ever.
+    /// A hash of tags and lengths in their order.
     [[nodiscard]] std::uint64_t layout() const noexcept { return layout_; }
 
 private:
-    std::uint64_t layout_ = 14695981039346656037U; ///< a hash (FNV-1a), so that any number of them fits
+    std::uint64_t layout_ = 14695981039346656037U; ///< FNV-1a
     std::array<std::byte, 8> data_{};
-    std::size_t length_ = 0, taken_ = 0; ///< of the record that is read
+    std::size_t length_ = 0, taken_ = 0; ///< of the current record
     std::uint16_t tag_ = 0;
 };
 

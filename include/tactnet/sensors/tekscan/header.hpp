@@ -15,27 +15,27 @@
 #include <string_view>
 #include <utility>
 
-// The text in front of Tekscan's recordings and maps: lines of a key and a value, up to the one that begins
-// the data. Versions differ in which keys they write, in units and in what a spreadsheet has added since.
-// Keys that matter for the cells must make sense; all others are kept as they stand.
+// The text header of Tekscan's recordings and maps: lines of a key and a value, up to the line that begins
+// the data. Versions differ in keys and units. Keys that matter for the cells are checked; all others are
+// kept.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What was expected of a text and what was found instead.
+/// An error in a text.
 struct text_problem {
     std::string expected, found;
 };
 
-/// Fills a description, line by line.
+/// Fills a description line by line.
 class tekscan_header {
 public:
-    /// What UNITS names: the unit that cells are written in, or one for showing raw counts, which may be any.
+    /// Whether UNITS names the unit of the cells, or one to display raw counts in, which may be any.
     enum class unit_of : std::uint8_t { cells, display };
 
     explicit tekscan_header(unit_of unit = unit_of::cells) : unit_(unit) {}
 
-    /// One line. Returns what is wrong with it, if anything.
+    /// Takes a line. Returns the error in it, if any.
     [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
         bytes_ += line.size() + 1;
         if (bytes_ > largest_header_bytes || ++lines_ > largest_header_lines)
@@ -56,12 +56,12 @@ public:
         return key_and_value(read, may_be_comment, to);
     }
 
-    /// What comes next: more header, or the data.
+    /// What the next line belongs to: the header or the data.
     [[nodiscard]] tekscan_part next() const noexcept { return part_; }
-    /// What a written cell is multiplied by to be in the description's unit.
+    /// The factor from written cells to the unit of the description.
     [[nodiscard]] double cell_scale() const noexcept { return cell_scale_; }
 
-    /// To be called at the end of a header that no line ends.
+    /// Checks the whole header. `take` calls it at the line that begins the data.
     [[nodiscard]] std::optional<text_problem> complete(recording_description& to) const {
         for (const auto& [key, value] : {std::pair("ROWS", to.rows), std::pair("COLS", to.columns)})
             if (value == 0)
@@ -90,7 +90,7 @@ private:
         return problem;
     }
 
-    /// Text between 'KEY @@' and '@@'.
+    /// Takes text between 'KEY @@' and '@@'.
     void take_block_line(std::string_view text, std::string& to) {
         if (text == end_mark)
             in_block_ = false;
@@ -109,9 +109,8 @@ private:
             to.header.emplace_back(key, "");
             return std::nullopt;
         }
-        // Behind an empty COMMENTS: stands free text, perhaps of several lines, unless there is none and the
-        // header just goes on. What cannot be a line of the header is text, and so is what begins with a key
-        // that has come in front of it.
+        // An empty COMMENTS: may be followed by several lines of free text. A line that cannot belong to the
+        // header is such text, and so is a line that begins with a key from before the comment.
         const auto before = std::find_if(to.header.begin(), to.header.end(),
                                          [&](const auto& line) { return line.first == key; });
         const bool known = before != to.header.end();
@@ -135,7 +134,7 @@ private:
         return std::nullopt;
     }
 
-    /// Takes the value of a key that matters; tells what it should have been.
+    /// Takes the value of a key that matters. Returns the kind of value that was expected.
     understanding understand(std::string_view key, std::string_view value, recording_description& to) {
         if (key == "ROWS" || key == "COLS") {
             const auto size = whole_number(value).value_or(0);
@@ -173,8 +172,8 @@ private:
         return understanding::done;
     }
 
-    /// A measure in base units. Without a unit it is in `plain` base units; a unit that is not known, or no
-    /// number at all, leaves it empty. Only a number that can be read in two ways is refused.
+    /// Converts a measure to base units. Without a unit it is in `plain` base units. An unknown unit or no
+    /// number leaves it empty; only an ambiguous number is an error.
     static understanding to_base(std::string_view value, std::span<const measure_unit> units,
                                  std::optional<double> plain, std::optional<double>& to) {
         const auto found = scan_measure(value);
@@ -203,7 +202,7 @@ private:
     double cell_scale_ = 1;
     std::size_t bytes_ = 0, lines_ = 0;
     bool in_block_ = false, next_is_comment_ = false;
-    std::optional<std::size_t> comment_; ///< which line of the description is the last COMMENTS:
+    std::optional<std::size_t> comment_; ///< index of the last line COMMENTS:
     unit_of unit_;
     tekscan_part part_ = tekscan_part::header;
 };

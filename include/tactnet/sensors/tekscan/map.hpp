@@ -18,16 +18,16 @@
 #include <utility>
 #include <vector>
 
-// Tekscan's maps of sensors (.mp): a text header, and behind 'SENSOR_MAP @@' for each cell, row by row, the
-// place of its tactel in what the electronics scan. A cell without a tactel has no place: a negative number,
-// 65535 or B.
+// Tekscan's maps of sensors (.mp): a text header, and after 'SENSOR_MAP @@', row by row, the position of each
+// cell's tactel in the scan of the electronics: a negative number, 65535 or B for a cell without a tactel.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Decodes a map. No frame comes out of it: its description, with the mask, is complete once it is finished.
+/// Decodes a map. It has no frames; its description, with the mask, is complete at the end.
 ///
-/// Memory: three bytes a cell, of at most largest_frame_cells, one line and one header as for tekscan_ascii.
+/// Memory: three bytes per cell, of at most largest_frame_cells, one line and one header as for
+/// tekscan_ascii.
 class tekscan_map : public decoder_base {
 public:
     tekscan_map() { mutable_description().format = "Tekscan map"; }
@@ -58,7 +58,7 @@ public:
         return status();
     }
 
-    /// The place of each cell's tactel, row by row; `no_place` where there is none.
+    /// The position of each cell's tactel, row by row; `no_place` if it has none.
     [[nodiscard]] std::span<const std::uint16_t> places() const& noexcept { return places_; }
     void places() const&& = delete; // would dangle
     static constexpr std::uint16_t no_place = 0xFFFF;

@@ -10,24 +10,23 @@
 #include <span>
 #include <string_view>
 
-// One row of cells as Tekscan's text has it: numbers, and B where there is no tactel, with commas,
-// semicolons, tabs or spaces between them, one kind in a row. This is where nearly all bytes of a recording
-// go through.
+// A row of cells in Tekscan's text: numbers, or B for a cell without a tactel, separated by commas,
+// semicolons, tabs or spaces, one kind per row. Nearly all bytes of a recording are read here.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// How a row was read.
+/// The result of reading a row.
 struct row_outcome {
-    const char* wrong = nullptr;    ///< the place that makes no sense; null if all does
-    const char* expected = nullptr; ///< there
-    std::size_t column = 0;         ///< of that place, from 0; cells before it are read
+    const char* wrong = nullptr;    ///< the place of the error, or null
+    const char* expected = nullptr; ///< what was expected there
+    std::size_t column = 0;         ///< of that place, counted from 0; cells before it are read
     bool cut = false;               ///< the last number reaches the end of the line
 };
 
 namespace detail {
 
-/// Reads one row, cell by cell. `end` may be read, and is neither a digit nor a separator.
+/// Reads a row, cell by cell. The character at the end may be read, and is neither a digit nor a separator.
 class row_scanner {
 public:
     row_scanner(std::string_view line, double scale)
@@ -67,7 +66,7 @@ private:
             ++at_;
     }
 
-    /// A number in one go where it is short and whole. Returns what was expected, or null.
+    /// Reads a number, short integers the fast way. Returns what was expected, or null.
     const char* number(float& to) {
         std::uint32_t value = 0;
         const char* const begin = at_;
@@ -88,8 +87,8 @@ private:
         return nullptr;
     }
 
-    /// What stands between two cells. The first gap of a row tells the kind, and all others must be of it: so
-    /// a decimal comma never passes for a separator. Returns what was expected, or null.
+    /// Reads the separator between two cells. All separators of a row must be alike, so that a decimal comma
+    /// is never taken for one. Returns what was expected, or null.
     const char* gap() {
         if (*at_ == ',' && kind_ == ',') {
             ++at_;
@@ -121,8 +120,8 @@ private:
 
 } // namespace detail
 
-/// Reads as many cells as `cells` has, times `scale`, tells which exist, and adds them to `sum`. What follows
-/// them may only be separators.
+/// Reads a row into `cells`, multiplied by `scale`, marks in `exists` which have a tactel, and adds them to
+/// `sum`. After the last cell, only separators may follow.
 inline row_outcome scan_tekscan_row(std::string_view line, double scale, std::span<float> cells,
                                     std::span<std::uint8_t> exists, double& sum) {
     return detail::row_scanner(line, scale).scan(cells, exists, sum);

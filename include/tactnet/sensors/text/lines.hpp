@@ -9,26 +9,26 @@
 #include <string>
 #include <string_view>
 
-// Text that arrives in pieces, cut into lines: LF, CR LF or both in one file. A line that is whole in one
-// piece is never copied; one that is not is kept until its end comes, up to a limit.
+// Splits text that arrives in pieces into lines that end with LF or CR LF. Only a line split between pieces
+// is copied.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// One line without its end.
+/// A line without its end.
 struct text_line {
-    /// The character behind the last one may be read, and is a line end or NUL.
+    /// The character after the last one may be read, and is a line end or NUL.
     std::string_view text;
-    std::size_t byte = 0;   ///< where it starts
+    std::size_t byte = 0;   ///< offset of its start
     std::size_t number = 0; ///< from 1
     bool ended = true;      ///< false for a last line without a line end
 };
 
-/// Cuts bytes into lines.
+/// Splits bytes into lines.
 class line_splitter {
 public:
-    /// Calls take(text_line) for each line that has come to its end, until it returns false. Returns false
-    /// when it did, or when a line is longer than largest_header_bytes (see `too_long`).
+    /// Calls take(text_line) for each line that has ended, until it returns false. Returns false if `take`
+    /// did, or if a line is longer than largest_header_bytes (see `too_long`).
     template <class Take>
     bool push(std::span<const std::byte> bytes, Take&& take) {
         const char* at = reinterpret_cast<const char*>(bytes.data());
@@ -60,7 +60,7 @@ public:
         return true;
     }
 
-    /// What stands behind the last line end, if anything.
+    /// Takes the text after the last line end, if any.
     template <class Take>
     void finish(Take&& take) {
         if (!started_.empty())
@@ -69,7 +69,7 @@ public:
     }
 
     [[nodiscard]] bool too_long() const noexcept { return too_long_; }
-    /// Where the line that has not ended starts, and its number.
+    /// Offset and number of the line that has not ended.
     [[nodiscard]] std::size_t byte() const noexcept { return byte_; }
     [[nodiscard]] std::size_t number() const noexcept { return number_ + 1; }
 
