@@ -1,11 +1,14 @@
 #pragma once
 
-#include <tactnet/features/surf_scale.hpp>
+#include <tactnet/features/integral_image.hpp>
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
-#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,32 +16,161 @@
 #include <tuple>
 #include <utility>
 
-// All SURF descriptors of one pressure image, on a grid. Detecting interest points, as SURF does on
-// photographs, would leave too few of them on an image of some 50 tactels.
+// Upright SURF descriptors on a dense grid (Bay, Ess, Tuytelaars and Van Gool, "Speeded-Up Robust Features
+// (SURF)", 2008, section 4.2). A window of 20 s × 20 s pixels has 4 × 4 subregions of 5 × 5 samples, s pixels
+// apart. A sample has the responses dx and dy to Haar wavelets of 2 s × 2 s pixels, weighted by a Gaussian of
+// 3.3 s around the centre of the window; a subregion has Σdx, Σ|dx|, Σdy and Σ|dy|; the 64 values are
+// normalised to unit length. Outside the image are zeros.
+//
+// The Gaussian is separable: responses are added up along columns first, for all windows of a row at once,
+// then along rows.
+//
+// The grid is dense, since the interest points that SURF detects on photographs are too few on an image of
+// some 50 tactels.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Where descriptors are taken: at every `step` tactels, at each scale that is not 0 (at most four). At scale
-/// s the window covers 20 s × 20 s tactels.
+/// Values per SURF descriptor, in the order [row of subregions][column of subregions][dx, |dx|, dy, |dy|].
+inline constexpr std::size_t surf_values = 64;
+
+namespace detail {
+
+/// The factors of the Gaussian for the 20 samples of a window.
+[[nodiscard]] inline std::array<float, 20> surf_weights() {
+    std::array<float, 20> weights{};
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+        const double distance = (static_cast<double>(k) - 9.5) / 3.3;
+        weights[k] = static_cast<float>(std::exp(-distance * distance / 2));
+    }
+    return weights;
+}
+
+/// The places of a grid along one side, centred.
+struct grid_side {
+    std::size_t first, step, count;
+
+    constexpr grid_side(std::size_t size, std::size_t step_)
+        : first((size - 1) % step_ / 2), step(step_), count((size - 1) / step_ + 1) {}
+};
+
+/// The descriptors of one scale.
+template <shape Shape, extent2d Step, std::size_t Scale>
+class surf_scale {
+public:
+    static constexpr grid_side rows{Shape.rows, Step.rows}, columns{Shape.columns, Step.columns};
+
+    /// Calls put(row of the grid, column of the grid, values) for all descriptors, row by row.
+    template <class Integral, class Put>
+    void describe(const Integral& integral, const std::array<float, 20>& weights, Put&& put) noexcept {
+        respond(integral);
+        for (std::size_t row = 0; row < rows.count; ++row) {
+            add_columns(top(row), weights);
+            alignas(alignment) std::array<float, surf_values> values{};
+            for (std::size_t column = 0; column < columns.count; ++column) {
+                for (std::size_t part = 0; part < 16; ++part) {
+                    const std::size_t first = part % 4 * 5;
+                    kernels::weighted_sum<4>(bands_[part / 4].data() + (left(column) + first * Scale) * 4,
+                                             4 * Scale, weights.data() + first, 5, values.data() + part * 4);
+                }
+                put(row, column, values);
+            }
+        }
+    }
+
+private:
+    // From the place of a window to its first sample. The centre of the window is the centre of a pixel for
+    // odd scales and its upper left corner for even scales, so that wavelets end between pixels.
+    static constexpr std::size_t radius = (19 * Scale - Scale % 2) / 2;
+    // Nonzero responses: corners less than Scale outside of the image.
+    static constexpr std::size_t active_rows = Shape.rows + 2 * Scale - 1;
+    static constexpr std::size_t active_columns = Shape.columns + 2 * Scale - 1;
+    // Four sums per column, padded to whole cache lines for the widest vectors.
+    static constexpr std::size_t response_stride = whole_lines(active_columns * 4);
+    // Columns of zeros before and after the responses, for windows that reach outside of the image.
+    static constexpr std::size_t margin = whole_lines(radius * 4) / 4;
+    static constexpr std::size_t band_size =
+        margin * 4 +
+        std::max(response_stride,
+                 whole_lines((columns.first + (columns.count - 1) * columns.step + 20 * Scale) * 4));
+
+    /// The first sample of a window, in rows of responses; may be negative.
+    [[nodiscard]] static constexpr std::ptrdiff_t top(std::size_t row) {
+        return static_cast<std::ptrdiff_t>(rows.first + row * rows.step + Scale - 1) -
+               static_cast<std::ptrdiff_t>(radius);
+    }
+    /// The first sample of a window, in columns of a band.
+    [[nodiscard]] static constexpr std::size_t left(std::size_t column) {
+        return margin + columns.first + column * columns.step + Scale - 1 - radius;
+    }
+
+    /// Scales the responses of floating-point pixels to the middle of the range of single precision.
+    template <class Integral>
+    [[nodiscard]] static typename Integral::value_type factor_for(const Integral& integral) noexcept {
+        if constexpr (std::floating_point<typename Integral::value_type>)
+            return integral.magnitude() > 0 ? 1 / integral.magnitude() : 0;
+        else
+            return 1;
+    }
+    template <class Integral>
+    void respond(const Integral& integral) noexcept {
+        constexpr auto outside = static_cast<std::ptrdiff_t>(Scale) - 1;
+        const auto factor = factor_for(integral);
+        for (std::size_t r = 0; r < active_rows; ++r) {
+            float* to = responses_.data() + r * response_stride;
+            for (std::size_t c = 0; c < active_columns; ++c, to += 4) {
+                const auto [dx, dy] = haar_at<Scale>(integral, static_cast<std::ptrdiff_t>(r) - outside,
+                                                     static_cast<std::ptrdiff_t>(c) - outside);
+                const auto x = static_cast<float>(dx * factor), y = static_cast<float>(dy * factor);
+                to[0] = x, to[1] = std::abs(x), to[2] = y, to[3] = std::abs(y);
+            }
+        }
+    }
+    /// Computes one band per row of subregions: the sums of every column over its five samples.
+    void add_columns(std::ptrdiff_t first_row, const std::array<float, 20>& weights) noexcept {
+        constexpr auto s = static_cast<std::ptrdiff_t>(Scale);
+        for (std::size_t part = 0; part < 4; ++part) {
+            std::size_t k = part * 5, end = k + 5;
+            const auto row = [&](std::size_t sample) {
+                return first_row + static_cast<std::ptrdiff_t>(sample) * s;
+            };
+            while (k < end && row(k) < 0)
+                ++k;
+            while (k < end && row(end - 1) >= static_cast<std::ptrdiff_t>(active_rows))
+                --end;
+            const std::size_t from = k < end ? static_cast<std::size_t>(row(k)) * response_stride : 0;
+            kernels::weighted_sum<response_stride>(responses_.data() + from, response_stride * Scale,
+                                                   weights.data() + k, end - k,
+                                                   bands_[part].data() + margin * 4);
+        }
+    }
+
+    alignas(alignment) std::array<float, active_rows * response_stride> responses_{};
+    alignas(alignment) std::array<std::array<float, band_size>, 4> bands_{};
+};
+
+} // namespace detail
+
+/// The grid of descriptors: every `step` tactels, at up to four nonzero scales. At scale s the window covers
+/// 20 s × 20 s tactels.
 struct surf_grid {
     extent2d step = 3;
     std::array<std::size_t, 4> scales{1, 2};
 
-    /// Scales in use: those before the first 0.
+    /// Number of scales before the first 0.
     [[nodiscard]] constexpr std::size_t levels() const {
         return static_cast<std::size_t>(std::find(scales.begin(), scales.end(), 0u) - scales.begin());
     }
     friend constexpr bool operator==(const surf_grid&, const surf_grid&) = default;
 };
 
-/// Where a descriptor was taken: which scale, and the place on the grid.
+/// The scale and the place on the grid of a descriptor.
 struct surf_place {
     std::uint16_t level, row, column;
 };
 
-/// Takes the descriptors of images of one size. Holds the memory for one image: calls use no heap, and every
-/// thread needs an object of its own. Pixel: std::uint8_t counts, or float.
+/// Computes the descriptors of images of one size without heap use. Each thread needs an object of its own.
+/// `Pixel` is std::uint8_t or float.
 template <shape Shape, surf_grid Grid = surf_grid{}, class Pixel = std::uint8_t>
 class dense_surf {
     static_assert(
@@ -53,11 +185,11 @@ public:
     static constexpr shape extents = Shape;
     static constexpr detail::grid_side rows{Shape.rows, Grid.step.rows},
         columns{Shape.columns, Grid.step.columns};
-    /// The most descriptors of one image.
+    /// Upper bound of the descriptors of one image.
     static constexpr std::size_t most = Grid.levels() * rows.count * columns.count;
 
-    /// Takes the descriptors of an image. Those of zero length, where a window sees no change, are left out:
-    /// they have no direction. False, and no descriptors, where the image holds NaN or infinity.
+    /// Computes the descriptors of an image, except those of zero length, whose window is constant. If the
+    /// image has NaN or infinity, returns false and there are no descriptors.
     [[nodiscard]] bool describe(image_view image) noexcept {
         memory& m = *memory_;
         count_ = 0;
@@ -80,7 +212,7 @@ public:
         });
         return true;
     }
-    /// Those of the last image: 64 values each, of unit length.
+    /// The descriptors of the last image: 64 values each, of unit length.
     [[nodiscard]] std::span<const float> descriptors() const& noexcept {
         return {memory_->descriptors.data(), count_ * surf_values};
     }

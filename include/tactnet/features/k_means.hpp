@@ -19,27 +19,27 @@
 #include <utility>
 #include <vector>
 
-// Clusters of points: Lloyd's iterations ("Least squares quantization in PCM", 1982) from the seeds of
-// k-means++ (Arthur and Vassilvitskii, 2007).
+// k-means clustering: Lloyd's algorithm ("Least squares quantization in PCM", 1982) with k-means++ seeds
+// (Arthur and Vassilvitskii, 2007).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
-inline constexpr random_purpose clusters{5}; ///< where clusters begin
+inline constexpr random_purpose clusters{5}; ///< seeds of clusters
 } // namespace random_purposes
 
 struct k_means_settings {
     std::size_t centres = 500;
     std::size_t most_iterations = 100;
-    /// Stops once an iteration lowers the objective by no more than this share of it.
+    /// Stops when an iteration lowers the objective by no more than this fraction.
     double least_gain = 1e-4;
     std::uint64_t seed = 1;
 };
 
-/// What k-means found.
+/// The result of k-means.
 struct clusters {
-    aligned_vector<float> centres;      ///< one after the other
+    aligned_vector<float> centres;      ///< contiguous
     std::vector<std::uint32_t> nearest; ///< the centre of each point
     double objective = 0;               ///< sum of squared distances of the points to their centres
     std::size_t iterations = 0;
@@ -48,7 +48,7 @@ struct clusters {
 
 namespace detail {
 
-/// The same rows, longer by zeros, which change no distance, or shorter.
+/// Copies rows to another length. Padding with zeros changes no distance.
 inline aligned_vector<float> rows_of_length(std::size_t length, std::span<const float> rows,
                                             std::size_t before) {
     const std::size_t count = rows.size() / before;
@@ -58,7 +58,7 @@ inline aligned_vector<float> rows_of_length(std::size_t length, std::span<const 
     return result;
 }
 
-/// On points of whole vectors, aligned.
+/// k-means on aligned points padded to whole vectors.
 template <std::size_t Values>
 class k_means_run {
 public:
@@ -75,7 +75,7 @@ public:
         seed();
         return std::move(result_.centres);
     }
-    /// Lloyd's iterations from these centres.
+    /// Runs Lloyd's algorithm from these centres.
     [[nodiscard]] clusters improve(aligned_vector<float> centres) && {
         result_.centres = std::move(centres);
         result_.nearest.resize(count_);
@@ -92,15 +92,15 @@ public:
     }
 
 private:
-    // Points whose distances are added up by one thread: fixed, so that sums do not depend on the threads.
+    // Points whose distances one thread adds up, fixed so that sums do not depend on the number of threads.
     static constexpr std::size_t block = 1024;
 
     [[nodiscard]] const float* point(std::size_t i) const { return points_.data() + i * Values; }
-    /// Squared, of point i and centre c.
+    /// The squared distance of point i and centre c.
     [[nodiscard]] double distance(std::size_t i, std::size_t c) const {
         return kernels::squared_distance<Values>(point(i), result_.centres.data() + c * Values);
     }
-    /// distances_[i] = term(i) for all points, in parallel; their sum.
+    /// Sets distances_[i] = term(i) for all points in parallel, and returns their sum.
     template <class Term>
     double measure(const Term& term) {
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
@@ -114,7 +114,7 @@ private:
     void add_centre(std::size_t i) {
         result_.centres.insert(result_.centres.end(), point(i), point(i) + Values);
     }
-    /// Each next one is drawn with its squared distance to the nearest one so far as its probability.
+    /// Draws each seed with a probability proportional to the squared distance to the nearest seed so far.
     void seed() {
         random_stream random(settings_.seed, random_purposes::clusters);
         add_centre(random.below(static_cast<std::uint32_t>(count_)));
@@ -126,7 +126,7 @@ private:
             add_centre(draw_by_distance(random.uniform() * sum));
         }
     }
-    /// The point at `rest` when all distances are laid end to end.
+    /// The point at `rest` in the cumulative sum of distances.
     [[nodiscard]] std::size_t draw_by_distance(double rest) const {
         std::size_t b = 0;
         while (b + 1 < block_sums_.size() && rest >= block_sums_[b])
@@ -139,12 +139,12 @@ private:
                 break;
             rest -= distances_[i];
         }
-        // Rounding may leave a rest behind the last point: then the last one that is no seed yet.
+        // If rounding leaves a rest after the last point, takes the last point that is no seed yet.
         while (!(distances_[chosen] > 0))
             --chosen;
         return chosen;
     }
-    /// Where the points lie far from zero, the search gets them with their middle there.
+    /// Subtracts the mean for the search if the points are far from zero.
     void move_near_zero() {
         origin_ = far_origin<Values>(points_);
         if (!origin_.empty())
@@ -156,7 +156,7 @@ private:
             result[e] = static_cast<float>(static_cast<double>(result[e]) - origin_[e % Values]);
         return result;
     }
-    /// Finds the nearest centre of every point. The objective.
+    /// Finds the nearest centre of every point. Returns the objective.
     double assign() {
         const bool far = !moved_.empty();
         const kernels::nearest_row<Values> search = far ? kernels::nearest_row<Values>(moved(result_.centres))
@@ -168,7 +168,7 @@ private:
         });
         return measure([&](std::size_t i) { return distance(i, result_.nearest[i]); });
     }
-    /// Every centre to the mean of its points.
+    /// Moves every centre to the mean of its points.
     void move_centres() {
         const std::size_t centres = result_.centres.size() / Values;
         std::vector<std::size_t> ends(centres + 1), order(count_);
@@ -191,7 +191,7 @@ private:
         });
         fill_empty(ends);
     }
-    /// A centre without points takes the place of the point that is farthest from its own.
+    /// Moves each centre without points to the point that is farthest from its own centre.
     void fill_empty(const std::vector<std::size_t>& ends) {
         for (std::size_t c = 0; c + 1 < ends.size(); ++c)
             if (ends[c] == ends[c + 1]) {
@@ -207,16 +207,15 @@ private:
     const k_means_settings& settings_;
     thread_pool& threads_;
     std::vector<double> distances_, block_sums_;
-    std::vector<double> origin_;  ///< what is taken from points and centres for the search
-    aligned_vector<float> moved_; ///< the points without it; empty where they are searched for as they are
+    std::vector<double> origin_;  ///< the mean that the search subtracts, or empty
+    aligned_vector<float> moved_; ///< the points minus the mean, or empty
     clusters result_;
 };
 
 } // namespace detail
 
-/// Seeds for `settings.centres` clusters of `points`, of `Values` numbers each, one after the other: points,
-/// each drawn with its squared distance to the nearest one so far as its probability. Fewer, where there are
-/// fewer different points. Throws std::invalid_argument as k_means does.
+/// Draws k-means++ seeds for `settings.centres` clusters of contiguous `points` of `Values` numbers. Returns
+/// fewer if there are fewer different points. Throws std::invalid_argument as k_means does.
 template <std::size_t Values>
 [[nodiscard]] aligned_vector<float> k_means_seeds(std::span<const float> points,
                                                   const k_means_settings& settings, thread_pool& threads) {
@@ -229,7 +228,7 @@ template <std::size_t Values>
     return detail::rows_of_length(Values, seeds, whole);
 }
 
-/// Lloyd's iterations from given centres, however many. Throws std::invalid_argument as k_means does.
+/// Runs Lloyd's algorithm from any number of centres. Throws std::invalid_argument as k_means does.
 template <std::size_t Values>
 [[nodiscard]] clusters k_means_from(std::span<const float> points, std::span<const float> centres,
                                     const k_means_settings& settings, thread_pool& threads) {
@@ -243,9 +242,9 @@ template <std::size_t Values>
     return result;
 }
 
-/// Clusters `points` of `Values` numbers, one after the other. Bit-exact on any number of threads. There
-/// are as many centres as asked for, or as many as there are different points if those are fewer. Throws
-/// std::invalid_argument for no points, no centres, and numbers that are NaN, infinite or beyond 10¹⁷.
+/// Clusters contiguous `points` of `Values` numbers. Bit-identical on any number of threads. Returns fewer
+/// centres than asked for if there are fewer different points. Throws std::invalid_argument if there are no
+/// points or centres, or if a number is NaN, infinite or beyond 10¹⁷.
 template <std::size_t Values>
 [[nodiscard]] clusters k_means(std::span<const float> points, const k_means_settings& settings,
                                thread_pool& threads) {

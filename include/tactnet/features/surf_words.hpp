@@ -15,33 +15,32 @@
 #include <utility>
 #include <vector>
 
-// From pressure images to histograms of SURF words, the features of the paper's baseline: its 3 × 3 grid
-// step, k-means, 500 words, and a linear support vector machine behind them.
+// Histograms of SURF words of pressure images, the features of the paper's baseline: a 3 × 3 grid step,
+// k-means, 500 words, and a linear support vector machine.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What the baseline leaves open. Words, step and scales are template arguments: 500, 3 × 3 tactels, 1 and 2.
-/// Chosen by the mean accuracy on the validation images of 20 random splits, 28 × 50 tactels: 91 %. Counts
-/// instead of their square roots (which are not the paper's) give 89 %, scale 1 or 2 alone 86 or 88 %, scale
-/// 3 beside them 90 %; a step of 2 gives 92 % and takes twice the time. Histograms of parts of the image,
-/// added to that of the whole one (spatial pyramids), gained nothing on 5 of the splits.
+/// Settings that the paper leaves open. Words, step and scales are template arguments: 500, 3 × 3 tactels, 1
+/// and 2. Chosen by the mean accuracy on the validation images of 20 random splits, 28 × 50 tactels: 91 %.
+/// Counts instead of square roots (which are not the paper's) give 89 %, scale 1 or 2 alone 86 or 88 %, and
+/// scales 1 to 3 90 %; a step of 2 gives 92 % and takes twice the time. Spatial pyramids gained nothing on 5
+/// of the splits.
 struct surf_settings {
-    /// Descriptors that the words are found from, as many from every image.
+    /// Descriptors to find the words from, equally many per image.
     std::size_t most_descriptors = 20'000;
-    /// Of k-means.
+    /// Iterations of k-means.
     std::size_t most_iterations = 15;
     std::uint64_t seed = 1;
     histogram_form form = histogram_form::square_roots;
-    /// C of the linear support vector machine (squared hinge, one against the rest) that takes the
-    /// histograms.
+    /// C of the linear support vector machine (squared hinge, one against the rest).
     double cost = 10;
 };
 
 namespace detail {
 
-/// body(surf, i) with the descriptors of image chosen[i] for every i, in parallel. Throws
-/// std::invalid_argument for an image that there is not, or that holds NaN or infinity.
+/// Calls body(surf, i) with the descriptors of image chosen[i] for every i in parallel. Throws
+/// std::invalid_argument if an image does not exist, or has NaN or infinity.
 template <class Surf, class Body>
 void describe_images(std::span<const typename Surf::pixel_type> images, std::span<const std::size_t> chosen,
                      thread_pool& threads, const Body& body) {
@@ -68,7 +67,7 @@ void describe_images(std::span<const typename Surf::pixel_type> images, std::spa
                                     std::to_string(first) + " (counted from 0)");
 }
 
-/// Up to `share` of the descriptors, any of them alike, to the end of `points`.
+/// Appends up to `share` random descriptors to `points`.
 template <class Surf>
 void draw_descriptors(const Surf& surf, std::size_t share, random_stream random, std::vector<float>& points) {
     std::array<std::size_t, Surf::most> order{};
@@ -83,9 +82,9 @@ void draw_descriptors(const Surf& surf, std::size_t share, random_stream random,
 
 } // namespace detail
 
-/// Finds the words of the `chosen` ones of images stored one after the other: those of the training set.
-/// Images without contact have no descriptors and add nothing. The same words on any number of threads.
-/// Throws std::invalid_argument for pixels that are not finite, and where no image has a descriptor.
+/// Finds the words of the `chosen` ones of contiguous images, which should be those of the training set.
+/// Bit-identical on any number of threads. Throws std::invalid_argument if a pixel is not finite, or if no
+/// image has contact.
 template <class Surf, std::size_t Words = 500>
 [[nodiscard]] bag_of_words<surf_values, Words>
 fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<const std::size_t> chosen,
@@ -93,7 +92,7 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
     const std::size_t share = settings.most_descriptors / std::max<std::size_t>(chosen.size(), 1) + 1;
     std::vector<std::vector<float>> drawn(chosen.size());
     for (std::vector<float>& of_image : drawn)
-        of_image.reserve(std::min(share, Surf::most) * surf_values); // before the threads need it
+        of_image.reserve(std::min(share, Surf::most) * surf_values); // no heap use in the threads
     detail::describe_images<Surf>(images, chosen, threads, [&](const Surf& surf, std::size_t i) {
         // Major 1: k_means draws from 0.
         const random_stream random(settings.seed, random_purposes::clusters, 1,
@@ -112,8 +111,8 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
     return bag_of_words<surf_values, Words>(found.centres, settings.form);
 }
 
-/// The histogram of one image, without heap use. False, and a histogram of zeros, where it holds NaN or
-/// infinity.
+/// Computes the histogram of one image without heap use. If the image has NaN or infinity, returns false and
+/// a histogram of zeros.
 template <class Surf, std::size_t Words>
 [[nodiscard]] bool surf_histogram(Surf& surf, const bag_of_words<surf_values, Words>& words,
                                   typename Surf::image_view image,
@@ -123,8 +122,8 @@ template <class Surf, std::size_t Words>
     return finite;
 }
 
-/// The histograms of the chosen images, one after the other. Throws std::invalid_argument for pixels that are
-/// not finite.
+/// Computes the contiguous histograms of the chosen images. Throws std::invalid_argument if a pixel is not
+/// finite.
 template <class Surf, std::size_t Words>
 [[nodiscard]] aligned_vector<float>
 surf_histograms(std::span<const typename Surf::pixel_type> images, std::span<const std::size_t> chosen,

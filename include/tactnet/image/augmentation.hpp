@@ -6,30 +6,31 @@
 #include <cstddef>
 #include <numbers>
 
-// What may happen to a pressure image before it is shown to a network, and drawing it. transform.hpp does it.
+// Random augmentation of pressure images: ranges, a random motion from them, and its affine transform, which
+// transform.hpp applies.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
-inline constexpr random_purpose augmentation{2}; ///< what is done to one image in one epoch
+inline constexpr random_purpose augmentation{2}; ///< augmentation of one image in one epoch
 } // namespace random_purposes
 
-/// The same object, touched elsewhere, in another direction, or harder.
+/// Ranges of random changes, as if an object was touched elsewhere, in another direction, or harder.
 struct augmentation_ranges {
-    double reflect_rows = 0;    ///< probability of turning upside down
-    double reflect_columns = 0; ///< probability of exchanging left and right
-    double translation = 0;     ///< tactels, uniform in ± in both directions
+    double reflect_rows = 0;    ///< probability of reflection upside down
+    double reflect_columns = 0; ///< probability of reflection left to right
+    double translation = 0;     ///< tactels, uniform in ± along both axes
     double rotation = 0;        ///< degrees about the centre, uniform in ±
     double scale = 0;           ///< size, log-uniform in 1 / (1 + scale) … 1 + scale
     double pressure = 0;        ///< all counts, log-uniform in 1 / (1 + pressure) … 1 + pressure
-    double shear = 0;           ///< columns that a row moves against the next, uniform in ±
-    /// Probability that a rectangle of it shows no contact, whose sides are a tenth to a third of the image's
-    /// (random erasing; Zhong et al., 2017).
+    double shear = 0;           ///< columns per row, uniform in ±
+    /// Probability of erasing a rectangle with sides of a tenth to a third of the image (random erasing;
+    /// Zhong et al., 2017).
     double erase = 0;
 
-    /// Those of the authors' programs: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50, ± 2
-    /// and ± 3° at 20 × 35 and 14 × 25, ± 1 and ± 2° at 10 × 18 and 7 × 13.
+    /// The ranges in the authors' programs: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50,
+    /// ± 2 and ± 3° at 20 × 35 and 14 × 25, ± 1 and ± 2° at 10 × 18 and 7 × 13.
     [[nodiscard]] static constexpr augmentation_ranges published(std::size_t rows, std::size_t columns) {
         augmentation_ranges r{.reflect_rows = 0.5, .reflect_columns = 0.5, .translation = 3, .rotation = 10};
         if (rows <= 10 && columns <= 18)
@@ -41,28 +42,28 @@ struct augmentation_ranges {
     friend constexpr bool operator==(const augmentation_ranges&, const augmentation_ranges&) = default;
 };
 
-/// A rectangle of an image, in shares of its sides, 0 … 1.
+/// A rectangle of an image, in fractions of its sides, 0 … 1.
 struct image_part {
     double row = 0, column = 0;   ///< its upper left corner
     double rows = 0, columns = 0; ///< its size
 
-    /// Whether it has no pixel.
+    /// Whether the rectangle has no pixels.
     [[nodiscard]] constexpr bool empty() const { return !(rows > 0 && columns > 0); }
 };
 
-/// What happens to one image, in this order, about its centre.
+/// The changes of one image, in this order, about its centre.
 struct image_motion {
-    bool reflect_rows = false;    ///< turned upside down
-    bool reflect_columns = false; ///< left and right exchanged
-    double shear = 0;             ///< columns to the right that a row moves against the one above
-    double zoom = 1;              ///< size afterwards by size before
-    double rotation = 0;          ///< degrees, from the rows' direction (down) to the columns' (right)
+    bool reflect_rows = false;    ///< upside down
+    bool reflect_columns = false; ///< left to right
+    double shear = 0;             ///< columns to the right per row
+    double zoom = 1;              ///< factor of the size
+    double rotation = 0;          ///< degrees, from down to right
     double row_shift = 0;         ///< tactels down
     double column_shift = 0;      ///< tactels to the right
     double pressure = 1;          ///< factor of all counts
-    image_part erased{};          ///< what shows no contact then
+    image_part erased{};          ///< set to no contact
 
-    /// All from one stream; the numbers of each range are drawn whether or not it is empty.
+    /// Draws a motion from one stream, which advances equally whichever ranges are empty.
     [[nodiscard]] static image_motion draw(const augmentation_ranges& ranges, random_stream& random) {
         image_motion m;
         m.rotation = random.uniform(-1, 1) * ranges.rotation;
@@ -82,15 +83,15 @@ struct image_motion {
     }
 };
 
-/// An affine map from output to input coordinates, both counted from the image's centre, a factor for the
-/// counts, and a part of the output that shows no contact.
+/// An affine map from output to input coordinates, both relative to the centre of the image, a factor of the
+/// counts, and a part of the output without contact.
 struct image_transform {
     double row_by_row = 1, row_by_column = 0, row_shift = 0;
     double column_by_row = 0, column_by_column = 1, column_shift = 0;
     double gain = 1;
-    image_part erased{}; ///< what shows no contact
+    image_part erased{}; ///< set to no contact
 
-    /// The inverse of a motion, since each output asks where it comes from. Multiples of 90° are exact.
+    /// Inverts a motion, since outputs are looked up in the input. Multiples of 90° are exact.
     [[nodiscard]] static image_transform of(const image_motion& m) {
         const auto [cosine, sine] = turn(m.rotation);
         const double c = cosine / m.zoom, s = sine / m.zoom;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/image/resize_axis.hpp>
+#include <tactnet/image/resize_kernel.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,29 @@
 #include <stdexcept>
 #include <vector>
 
-// Resize of images whose size is known only when running, such as a user's files: plain loops in double
-// precision.
+// Resize between sizes known only at run time, such as those of image files, in double precision.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
+/// The taps of all outputs of a size known at run time, in double precision.
+template <class Kernel>
+class dynamic_axis {
+public:
+    using output = detail::resize_taps<std::vector<double>>;
+
+    dynamic_axis(std::size_t from, std::size_t to) : table_(to) {
+        for (std::size_t o = 0; o < to; ++o) {
+            table_[o].weights.resize(detail::most_taps(from, to));
+            detail::find_taps<Kernel>(o, from, to, table_[o]);
+        }
+    }
+    [[nodiscard]] const output& operator[](std::size_t index) const { return table_[index]; }
+    [[nodiscard]] std::size_t size() const { return table_.size(); }
+
+private:
+    std::vector<output> table_;
+};
 
 namespace detail {
 
@@ -41,8 +59,8 @@ template <class Kernel, class Count>
 
 } // namespace detail
 
-/// Resizes a row-major 8-bit image; the result is rounded and kept within 0 … 255. `Kernel` as in resize.
-/// Throws std::invalid_argument for an empty image or a size that does not match the pixels.
+/// Resizes a row-major 8-bit image, rounded and clamped to 0 … 255. `Kernel` is as in resize. Throws
+/// std::invalid_argument if an image is empty or its size does not match the pixels.
 template <class Kernel = keys_cubic<>>
 [[nodiscard]] std::vector<std::uint8_t> resize_bicubic(std::span<const std::uint8_t> image, std::size_t rows,
                                                        std::size_t columns, std::size_t new_rows,
@@ -54,7 +72,7 @@ template <class Kernel = keys_cubic<>>
     });
     return result;
 }
-/// The same for numbers, as they come out.
+/// Resizes a row-major image of floats, without clamping.
 template <class Kernel = keys_cubic<>>
 [[nodiscard]] std::vector<float> resize_bicubic(std::span<const float> image, std::size_t rows,
                                                 std::size_t columns, std::size_t new_rows,

@@ -11,19 +11,19 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
-inline constexpr random_purpose noise{6}; ///< what is added to one image in one epoch
+inline constexpr random_purpose noise{6}; ///< noise of one image in one epoch
 } // namespace random_purposes
 
-/// How far counts scatter from touch to touch, as standard deviations.
+/// Standard deviations of the noise of counts.
 struct pressure_noise {
     double additive = 0; ///< counts
-    double relative = 0; ///< share of each count
+    double relative = 0; ///< fraction of each count
 
     friend constexpr bool operator==(const pressure_noise&, const pressure_noise&) = default;
 };
 
-/// Adds normal noise to counts, each tactel's its own; none falls below zero, and NaN stays. Of the stream of
-/// (seed, random_purposes::noise, epoch, sample) the numbers are the same wherever they are computed.
+/// Adds independent normal noise to counts and clamps them at zero; NaN stays. With the stream of
+/// (seed, random_purposes::noise, epoch, sample) the noise does not depend on where it is computed.
 template <shape Shape>
 void add_noise(const pressure_noise& noise, const random_stream& random, tensor_view<float, Shape> counts) {
     if (noise == pressure_noise{})

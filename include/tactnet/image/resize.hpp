@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/image/resize_axis.hpp>
+#include <tactnet/image/resize_kernel.hpp>
 #include <tactnet/kernels/map/resample.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <type_traits>
 
-// Resize between two sizes that are compile-time constants: so are all weights, both passes are written for
-// these sizes, and there is no heap. dynamic_resize.hpp is for sizes known at run time only.
+// Resize between sizes known at compile time, with constant weights and without heap. For sizes known only at
+// run time, see dynamic_resize.hpp.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -27,7 +27,7 @@ struct resize_plan {
     using down = resize_axis<Kernel, From.rows, To.rows>;
     using along = resize_axis<Kernel, From.columns, To.columns>;
 
-    // The pass that leaves less comes first.
+    // The pass that reduces the work of the other comes first.
     static constexpr std::size_t down_cost(std::size_t columns) {
         return To.rows * down::taps * kernels::row_vectors(columns, kernels::row_lanes<float>(columns)) *
                (kernels::row_lanes<float>(columns) * sizeof(float) == 64 ? 2 : 1);
@@ -38,12 +38,12 @@ struct resize_plan {
     static constexpr bool down_first =
         down_cost(From.columns) + along_cost(To.rows) <= along_cost(From.rows) + down_cost(To.columns);
 
-    // Vectors read a whole one even where a row is shorter.
+    // Vector loads read beyond shorter rows.
     static constexpr bool readable = From.columns >= kernels::min_lanes<float>;
 
     static void run(const float* from, float* to) {
-        // Vectors of outputs multiply inputs that not all of them weigh. That is harmless where all products
-        // are numbers: if all inputs are and are not too large, or else if all outputs are.
+        // Vectors also multiply inputs by weights of zero. That is harmless if all inputs are finite and not
+        // too large, or if all outputs are.
         constexpr bool has_gaps = down::has_gaps || along::has_gaps || kernels::lanes<float> != 1;
         if constexpr (!has_gaps) {
             run<false>(from, to);
@@ -93,10 +93,9 @@ struct resize_plan {
 
 } // namespace detail
 
-/// Resizes an image of counts or of numbers, channel by channel. `Kernel` is `keys_cubic<…>` or
-/// lagrange_cubic. The result may leave the range of the input where it overshoots; NaN and infinity reach
-/// the outputs whose taps of weight other than zero hold them, and no others. On the stack: `From` and one
-/// pass of the result.
+/// Resizes an image of counts or floats, channel by channel. `Kernel` is `keys_cubic<…>` or lagrange_cubic.
+/// The result may overshoot the range of the input. NaN and infinity only reach outputs that give them a
+/// nonzero weight. Uses the stack for `From` and one pass of the result.
 template <shape From, shape To, class Kernel = keys_cubic<>>
 void resize(tensor_view<const float, From> from, tensor_view<float, To> to) {
     detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());
@@ -106,13 +105,13 @@ void resize(tensor_view<const std::uint8_t, From> from, tensor_view<float, To> t
     detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());
 }
 
-/// A number as a count: kept within 0 … 255 and rounded; NaN is 0.
+/// Clamps a number to 0 … 255 and rounds it; NaN becomes 0.
 [[nodiscard]] constexpr std::uint8_t to_count(float value) {
     const float kept = value > 0 ? (value < 255 ? value : 255) : 0;
     return static_cast<std::uint8_t>(kept + 0.5f);
 }
 
-/// The result as counts.
+/// Resizes an image to counts, rounded and clamped to 0 … 255.
 template <shape From, shape To, class Kernel = keys_cubic<>, class Count>
     requires std::is_convertible_v<Count, tensor_view<const std::uint8_t, From>> ||
         std::is_convertible_v<Count, tensor_view<const float, From>>

@@ -3,32 +3,33 @@
 #include <tactnet/detail/config.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <ratio>
 
-// Where the outputs of a resize lie between its inputs, and what they weigh them by. Both directions are
-// treated alike and apart from each other. Pixel centres are at halves: output o of `to` lies at the input
-// coordinate (o + ½) · from / to − ½.
+// Interpolation kernels, and the taps of every output along one axis that they give. Pixel centres are at
+// halves: output o of `to` lies at the input coordinate (o + ½) · from / to − ½. An input with a weight of
+// zero is no tap: if it is NaN, the output is not.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What stands beyond the border of an image.
+/// The pixels beyond the border of an image.
 enum class resize_border {
     symmetric, ///< the image reflected: … 1 0 | 0 1 …
     replicate, ///< its last pixel
-    left_out   ///< nothing: the taps that remain share the weight
+    left_out   ///< none: the remaining taps are normalised
 };
 
 namespace detail {
 
-/// std::floor at compile time too.
+/// std::floor, also at compile time.
 [[nodiscard]] constexpr std::ptrdiff_t whole_below(double x) {
     const auto towards_zero = static_cast<std::ptrdiff_t>(x);
     return towards_zero - (static_cast<double>(towards_zero) > x);
 }
 
-/// The pixel that stands at a position within or beyond `size` pixels, by an edge other than left_out.
+/// The pixel at a position within or beyond `size` pixels, for borders other than left_out.
 [[nodiscard]] constexpr std::size_t pixel_at(std::ptrdiff_t position, std::ptrdiff_t size,
                                              resize_border rule) {
     if (rule == resize_border::replicate)
@@ -40,14 +41,14 @@ namespace detail {
 } // namespace detail
 
 /// Keys' cubic convolution ("Cubic convolution interpolation for digital image processing", 1981, equation
-/// 15), third order for A = −½. Antialiased: support widened by the scale when shrinking. As it is, the one
-/// behind the published small images.
+/// 15), of third order for A = −½. Antialiased widens the support by the scale when shrinking. The defaults
+/// are those of the published small images.
 template <class A = std::ratio<-1, 2>, bool Antialiased = true,
           resize_border Border = resize_border::symmetric>
 struct keys_cubic {
     static constexpr double a = static_cast<double>(A::num) / static_cast<double>(A::den);
 
-    /// At a distance in pixels.
+    /// The weight at a distance in pixels.
     [[nodiscard]] static constexpr double weight(double distance) {
         const double t = distance < 0 ? -distance : distance;
         if (t <= 1)
@@ -56,8 +57,8 @@ struct keys_cubic {
             return ((a * t - 5 * a) * t + 8 * a) * t - 4 * a;
         return 0;
     }
-    /// Calls add(input, weight) for each tap around `centre` of weight other than zero; an input may come
-    /// several times. The caller normalises.
+    /// Calls add(input, weight) for each tap around `centre` of nonzero weight, possibly several times per
+    /// input. Weights are not normalised.
     template <class Add>
     static constexpr void taps(double centre, double scale, std::size_t inputs, Add&& add) {
         const double narrow = Antialiased ? std::min(scale, 1.0) : 1.0;
@@ -72,21 +73,20 @@ struct keys_cubic {
     }
 };
 
-/// What OpenCV's INTER_CUBIC computes.
+/// OpenCV's INTER_CUBIC.
 using opencv_cubic = keys_cubic<std::ratio<-3, 4>, false, resize_border::replicate>;
-/// What Pillow's BICUBIC and PyTorch's antialiased bicubic compute.
+/// Pillow's BICUBIC and PyTorch's antialiased bicubic.
 using pillow_bicubic = keys_cubic<std::ratio<-1, 2>, true, resize_border::left_out>;
 
 /// The paper's equations (1) to (3), repaired: as printed, x = r′ / S always falls on the first of its four
-/// neighbours (weights 1, 0, 0, 0), and S is the inverse of the scale. Read as Lagrange's interpolation of
-/// degree three in each direction: with x the output's coordinate scaled to the input, x₀ … x₃ the four
-/// pixels next to it and
+/// neighbours (weights 1, 0, 0, 0), and S is the inverse of the scale. Read as Lagrange interpolation of
+/// degree three along each axis: with x the coordinate of the output in the input, x₀ … x₃ the four nearest
+/// pixels and
 ///   Lᵢ(x) = ∏ⱼ≠ᵢ (x − xⱼ) / (xᵢ − xⱼ),
 /// an output is the sum over the 4 × 4 neighbourhood of Lᵢ(x) · Lⱼ(y) · pixel(xᵢ, yⱼ). The neighbourhood
-/// stays within the image, at whose border x may lie beside its middle: so polynomials up to the third degree
-/// come out exactly everywhere, and no rule for the border is needed. There an error of the pixels grows by
-/// up to Σ |weights|, which is below 6 in each direction (5.2 for 28 → 227); Keys' stays at 1.25. No
-/// antialiasing. In a direction of less than four pixels all of them are taken, which lowers the degree.
+/// stays within the image, so that polynomials up to degree three are exact everywhere. At the border, errors
+/// of pixels grow by up to Σ |weights|, which is below 6 per axis (5.2 for 28 → 227); for Keys' cubic it is
+/// at most 1.25. Not antialiased. Along an axis of less than four pixels the degree is lower.
 struct lagrange_cubic {
     template <class Add>
     static constexpr void taps(double centre, double, std::size_t inputs, Add&& add) {
@@ -104,6 +104,96 @@ struct lagrange_cubic {
                 add(first + i, w);
         }
     }
+};
+
+namespace detail {
+
+/// Inputs first … first + count − 1 and their weights, which sum to one.
+template <class Weights>
+struct resize_taps {
+    std::size_t first = 0, count = 0;
+    Weights weights{};
+
+    /// Calls body(input, weight) for each tap of nonzero weight.
+    template <class Body>
+    constexpr void for_each(Body&& body) const {
+        for (std::size_t t = 0; t < count; ++t)
+            if (weights[t] != 0)
+                body(first + t, weights[t]);
+    }
+};
+
+/// Upper bound of the taps of an output.
+[[nodiscard]] constexpr std::size_t most_taps(std::size_t from, std::size_t to) {
+    return std::min(from, (from > to ? 4 * ((from + to - 1) / to) : 4) + 2);
+}
+
+/// Computes the taps of one output. `taps.weights` holds most_taps zeros before.
+template <class Kernel, class Weights>
+constexpr void find_taps(std::size_t output, std::size_t from, std::size_t to, resize_taps<Weights>& taps) {
+    // One rounding, so that integer coordinates are exact.
+    const double centre = (static_cast<double>((2 * output + 1) * from) - static_cast<double>(to)) /
+                          static_cast<double>(2 * to);
+    const double scale = static_cast<double>(to) / static_cast<double>(from);
+    std::size_t first = from, last = 0;
+    double sum = 0;
+    Kernel::taps(centre, scale, from, [&](std::size_t input, double weight) {
+        first = std::min(first, input);
+        last = std::max(last, input);
+        sum += weight;
+    });
+    Kernel::taps(centre, scale, from,
+                 [&](std::size_t input, double weight) { taps.weights[input - first] += weight / sum; });
+    taps.first = first;
+    taps.count = last + 1 - first;
+}
+
+} // namespace detail
+
+/// The taps of all outputs of a compile-time size, in single precision.
+template <class Kernel, std::size_t From, std::size_t To>
+struct resize_axis {
+    static constexpr std::size_t inputs = From, outputs = To;
+
+private:
+    using weights = std::array<double, detail::most_taps(From, To)>;
+    static constexpr auto exact = [] {
+        std::array<detail::resize_taps<weights>, To> all{};
+        for (std::size_t o = 0; o < To; ++o)
+            detail::find_taps<Kernel>(o, From, To, all[o]);
+        return all;
+    }();
+
+public:
+    /// Taps per output. Outputs that need fewer have weights of zero.
+    static constexpr std::size_t taps = [] {
+        std::size_t most = 0;
+        for (const auto& each : exact)
+            most = std::max(most, each.count);
+        return most;
+    }();
+
+    struct output {
+        std::size_t first;
+        std::array<float, taps> weights;
+    };
+    static constexpr std::array<output, To> table = [] {
+        std::array<output, To> all{};
+        for (std::size_t o = 0; o < To; ++o) {
+            all[o].first = std::min(exact[o].first, From - taps);
+            for (std::size_t t = 0; t < exact[o].count; ++t)
+                all[o].weights[exact[o].first + t - all[o].first] = static_cast<float>(exact[o].weights[t]);
+        }
+        return all;
+    }();
+    /// Whether any weight is zero.
+    static constexpr bool has_gaps = [] {
+        for (const output& each : table)
+            for (const float weight : each.weights)
+                if (weight == 0)
+                    return true;
+        return false;
+    }();
 };
 
 } // namespace TACTNET_ARCH

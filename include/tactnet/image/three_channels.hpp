@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <span>
 
-// A grey image as the three channels that networks trained on photographs take: replicated (the paper's
-// equation 4), less the mean of each channel, written once in the layout that the next layer reads.
+// Converts a grey image to the three normalised channels that networks trained on photographs take (the
+// paper's equation 4).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -21,12 +21,12 @@ struct channel_normalisation {
     std::array<float, 3> scale{1, 1, 1};
 };
 
-/// The shape of an image with its channel three times.
+/// The shape of a grey image with three channels.
 [[nodiscard]] constexpr shape three_of(shape grey) {
     return {grey.rows, grey.columns, 3};
 }
 
-/// One channel after the other, as tensors are.
+/// Writes one channel after the other, the layout of tensors.
 template <shape Grey>
 [[gnu::flatten]] void to_three_channels(tensor_view<const float, Grey> grey,
                                         const channel_normalisation& normalise,
@@ -50,7 +50,7 @@ template <shape Grey>
     }
 }
 
-/// The three channels of a pixel side by side, as deployed networks and most image files are.
+/// Writes the three channels of a pixel side by side, the layout of deployed networks and most image files.
 template <shape Grey>
 [[gnu::flatten]] void to_three_channels_last(tensor_view<const float, Grey> grey,
                                              const channel_normalisation& normalise,
@@ -73,7 +73,7 @@ template <shape Grey>
         to[i] = (grey.data()[i / 3] - normalise.mean[i % 3]) * normalise.scale[i % 3];
 }
 
-/// One sample of a batch, as training takes it.
+/// Writes one sample of a batch, for training.
 template <shape Grey, std::size_t Lanes>
 void to_three_channels(tensor_view<const float, Grey> grey, const channel_normalisation& normalise,
                        batch_view<float, three_of(Grey), Lanes> to, std::size_t sample) {

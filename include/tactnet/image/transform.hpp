@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <span>
 
-// An image seen through an affine map, in one pass.
+// Affine transforms of images in one pass.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -19,15 +19,15 @@ enum class interpolation {
     bilinear,
     bicubic ///< Keys' cubic with a = −½
 };
-/// What is seen where the image is not.
+/// The pixels outside of the image.
 enum class border_mode {
     zero, ///< no contact
-    edge  ///< its nearest pixel
+    edge  ///< the nearest pixel
 };
 
 namespace detail {
 
-/// Times `gain`, with a border for the taps, so that none needs to ask where it is.
+/// Copies an image times `gain`, padded so that taps need no bounds check.
 template <shape Shape, class Sampling, border_mode Border, class Count>
 void pad_image(const Count* from, float gain, float* padded) {
     constexpr std::size_t before = Sampling::before, behind = Sampling::behind;
@@ -51,7 +51,7 @@ void pad_image(const Count* from, float gain, float* padded) {
     fill_rows(before + Shape.rows, behind, before + Shape.rows - 1);
 }
 
-/// Zeros in a part of one channel, whose sides are rounded to whole pixels.
+/// Sets a part of one channel to zero. Its sides are rounded to pixels.
 template <shape Shape>
 void erase_part(const image_part& part, float* channel) {
     const auto pixel = [](double share, std::size_t pixels) {
@@ -69,7 +69,7 @@ template <shape Shape, interpolation Interpolation, border_mode Border, class Co
 void transform_image(const image_transform& t, const Count* from, float* to) {
     static_assert(Shape.size() > 0,
                   "transform_image: there must be at least one row, one column and one channel");
-    if constexpr (Shape.size() > 0) { // or the compiler goes on to say what else does not fit
+    if constexpr (Shape.size() > 0) { // avoids further errors
         using sampling = kernels::affine_sampling<Shape.rows, Shape.columns,
                                                   Interpolation == interpolation::bilinear ? 2 : 4>;
         constexpr double middle_row = static_cast<double>(Shape.rows - 1) / 2,
@@ -90,17 +90,16 @@ void transform_image(const image_transform& t, const Count* from, float* to) {
 
 } // namespace detail
 
-/// An image as it is after what `t` stands for; channels alike. Positions are in single precision: within
-/// 10⁻⁵ of a pixel for images of up to 64 pixels. Where they are whole, pixels come through unchanged: doing
-/// nothing, reflections, translations by whole pixels, half turns, and quarter turns of squares are exact.
-/// NaN and infinity reach the outputs that weigh them.
+/// Transforms all channels of an image. Positions are in single precision: within 10⁻⁵ of a pixel for images
+/// of up to 64 pixels. Pixel-aligned transforms are bit-exact: identity, reflections, translations by whole
+/// pixels, half turns, and quarter turns of squares. NaN and infinity reach the outputs that weigh them.
 template <shape Shape, interpolation Interpolation = interpolation::bilinear,
           border_mode Border = border_mode::zero>
 void transform_image(const image_transform& t, std::span<const std::uint8_t, Shape.size()> from,
                      tensor_view<float, Shape> to) {
     detail::transform_image<Shape, Interpolation, Border>(t, from.data(), to.data());
 }
-/// `from` and `to` may be the same.
+/// Transforms an image of floats. `from` and `to` may be the same.
 template <shape Shape, interpolation Interpolation = interpolation::bilinear,
           border_mode Border = border_mode::zero>
 void transform_image(const image_transform& t, tensor_view<const float, Shape> from,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/image/resize_axis.hpp>
+#include <tactnet/image/resize_kernel.hpp>
 #include <tactnet/kernels/batch/resampling.hpp>
 #include <tactnet/layers/layer.hpp>
 

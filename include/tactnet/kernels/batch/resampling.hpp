@@ -8,7 +8,7 @@
 #include <cstddef>
 
 // A separable resize whose weights are compile-time constants, for samples side by side: one group of a
-// batch, of one channel. A `Down` and an `Along` axis (see image/resize_axis.hpp) tell `inputs`, `outputs`,
+// batch, of one channel. A `Down` and an `Along` axis (see image/resize_kernel.hpp) tell `inputs`, `outputs`,
 // `taps` and, in `table`, the first input and the weights of each output's taps. A weight of zero is no tap,
 // so that NaN and infinity reach the outputs that they belong to, and no others.
 

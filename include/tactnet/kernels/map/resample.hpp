@@ -9,7 +9,7 @@
 #include <type_traits>
 
 // The two passes of a separable resize whose weights are compile-time constants. An `Axis` (see
-// image/resize_axis.hpp) tells `inputs`, `outputs`, `taps` and, in `table`, the first input and the weights
+// image/resize_kernel.hpp) tells `inputs`, `outputs`, `taps` and, in `table`, the first input and the weights
 // of each output's taps.
 //
 // Down the rows, whole rows are multiplied by a weight and added. Along the rows, a vector of outputs is the
