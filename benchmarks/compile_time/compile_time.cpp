@@ -53,10 +53,10 @@ std::string deployed(const std::string& network) {
            "using network = " +
            network +
            ";\n"
-           "tactnet::frame_status recognise(const tactnet::deployed<network>& d,\n"
-           "                                tactnet::tensor_view<const float, network::input_shape> frame,\n"
-           "                                std::span<float, network::outputs> logits) {\n"
-           "    return d(frame, logits);\n"
+           "tactnet::frame_status infer(const tactnet::deployed<network>& d,\n"
+           "                            tactnet::tensor_view<const float, network::input_shape> frame,\n"
+           "                            std::span<float, network::outputs> logits) {\n"
+           "    return d.infer(frame, logits);\n"
            "}\n"
            "tactnet::deployed<network> make(const network& n) { return tactnet::deploy(n); }\n";
 }
@@ -70,10 +70,10 @@ std::string deployed_in_8_bits(const std::string& network, bool calibrated) {
            network +
            ";\n"
            "using bytes = tactnet::deployed<network, tactnet::eight_bit>;\n"
-           "tactnet::frame_status recognise(const bytes& d,\n"
-           "                                tactnet::tensor_view<const float, network::input_shape> frame,\n"
-           "                                std::span<float, network::outputs> logits) {\n"
-           "    return d(frame, logits);\n"
+           "tactnet::frame_status infer(const bytes& d,\n"
+           "                            tactnet::tensor_view<const float, network::input_shape> frame,\n"
+           "                            std::span<float, network::outputs> logits) {\n"
+           "    return d.infer(frame, logits);\n"
            "}\n" +
            (calibrated
                 ? "bytes make(const network& n, std::span<const float, network::input_shape.size()> mean,\n"

@@ -52,10 +52,10 @@ struct scaling_case {
 template <class Network>
 scaling_case case_of(const char* name) {
     struct state {
-        tactnet::deployed<Network> recognise;
+        tactnet::deployed<Network> deployed;
         std::vector<std::uint8_t> frames = std::vector<std::uint8_t>(batch * Network::input_shape.size());
         std::vector<float> on_one = std::vector<float>(batch * Network::outputs), on_all = on_one;
-        bool recognised = true;
+        bool ok = true;
     };
     const auto network = std::make_unique<Network>();
     tactnet::initialise(*network, tactnet::he_normal{}, 1);
@@ -65,13 +65,11 @@ scaling_case case_of(const char* name) {
     return {.name = name,
             .body =
                 [held](tactnet::thread_pool& pool) {
-                    held->recognised &=
-                        held->recognise(
-                            pool, std::span<const std::uint8_t>(held->frames),
-                            std::span<float>(pool.threads() == 1 ? held->on_one : held->on_all)) ==
-                        tactnet::frame_status::ok;
+                    held->ok &=
+                        held->deployed.infer(held->frames, pool.threads() == 1 ? held->on_one : held->on_all,
+                                             pool) == tactnet::frame_status::ok;
                 },
-            .right = [held] { return held->recognised && held->on_one == held->on_all; }};
+            .right = [held] { return held->ok && held->on_one == held->on_all; }};
 }
 
 } // namespace

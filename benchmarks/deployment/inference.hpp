@@ -138,9 +138,9 @@ void time_deployed(State& state, const task<Network, Count>& given, const Deploy
     time_checked(state, logits, given.expected, tolerance, [&] {
         const auto status =
             given.expected.size() == Network::outputs
-                ? deployed(tactnet::tensor_view<const Count, Network::input_shape>(given.frames.data()),
-                           std::span(logits).template first<Network::outputs>(), memory)
-                : deployed(one, std::span(given.frames), std::span(logits));
+                ? deployed.infer(tactnet::tensor_view<const Count, Network::input_shape>(given.frames.data()),
+                                 std::span(logits).template first<Network::outputs>(), memory)
+                : deployed.infer(std::span(given.frames), std::span(logits), one);
         if (status != tactnet::frame_status::ok)
             state.SkipWithError("a frame was not recognised");
     });

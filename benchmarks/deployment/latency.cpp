@@ -49,7 +49,7 @@ int main() {
     const tactnet::tensor_view<const std::uint8_t, network::input_shape> counts(frame);
     decltype(deployed)::workspace memory;
     std::array<float, network::outputs> logits{}, first{};
-    if (deployed(counts, first, memory) != tactnet::frame_status::ok)
+    if (deployed.infer(counts, first, memory) != tactnet::frame_status::ok)
         return EXIT_FAILURE;
 
     std::vector<double> ours, machine;
@@ -58,7 +58,7 @@ int main() {
     bool same = true;
     for (std::size_t call = 0; call < calls + warm_up; ++call) {
         auto status = tactnet::frame_status::not_finite;
-        const double of_network = time([&] { status = deployed(counts, logits, memory); });
+        const double of_network = time([&] { status = deployed.infer(counts, logits, memory); });
         const double of_loop =
             time([&] { check = std::isfinite(benchmark::run_chains(check)) ? 1.0f : 0.0f; });
         same = same && logits == first && status == tactnet::frame_status::ok;

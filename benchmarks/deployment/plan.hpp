@@ -211,7 +211,7 @@ template <class Network>
     typename decltype(deployed)::workspace workspace;
 
     network_report report{.name = name};
-    report.whole = seconds_of([&] { static_cast<void>(deployed(counts, logits, workspace)); });
+    report.whole = seconds_of([&] { static_cast<void>(deployed.infer(counts, logits, workspace)); });
 
     tactnet::aligned_vector<float> packed(view::packed_elements), in(input::map),
         memory(steps::workspace_elements),

@@ -3,8 +3,6 @@
 
 #include "recogniser.hpp"
 
-#include <tactnet/networks/recognition.hpp>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -31,12 +29,9 @@ int main() {
         return 1;
 
     const auto counts = read_tactels();
-    std::array<float, gripper::recogniser_type::outputs> logits;
-    if (gripper::recogniser(counts, logits) != tactnet::frame_status::ok)
-        return 1;
-    const auto found = tactnet::likeliest(logits, gripper::classes);
+    const auto found = gripper::recogniser.classify(counts);
     if (!found)
         return 1;
-    show(found->name);
+    show(gripper::classes[found->index]);
     return 0;
 }

@@ -61,11 +61,11 @@ void run(const char* weights, const char* header) {
                                                               {"lies", "stands", "cross"}});
 
     const auto model = tactnet::load_model<own::network>(weights);
-    const auto recognise = tactnet::deploy(model);
+    const auto network = tactnet::deploy(model);
     std::size_t right = 0;
     constexpr std::size_t size = rows * columns;
     for (const std::size_t i : split.test) {
-        const auto found = recognise(
+        const auto found = network.classify(
             tactnet::tensor_view<const std::uint8_t, own::network::input_shape>(pixels.data() + i * size));
         right += found && found->index == labels[i];
     }
@@ -75,7 +75,7 @@ void run(const char* weights, const char* header) {
 
     tactnet::write_file(header,
                         tactnet::deployed_header(
-                            recognise, {.network = "own", .namespace_name = "bars", .classes = model.classes},
+                            network, {.network = "own", .namespace_name = "bars", .classes = model.classes},
                             std::span(pixels).template first<size>()));
 }
 

@@ -68,18 +68,17 @@ int main() {
         training.run_epoch();
 
     const auto& input = training.input_normalisation();
-    const auto recognise = deploy(training.best(), input.mean.view().elements(), input.scale);
-    std::array<float, own_network::outputs> logits{};
+    const auto deployed = deploy(training.best(), input.mean.view().elements(), input.scale);
     std::size_t right = 0;
     for (const std::size_t index : split.test) {
         const tensor_view<const std::uint8_t, extents> frame(views.image<extents>(index));
-        if (recognise(frame, logits) != frame_status::ok)
+        const auto found = deployed.classify(frame);
+        if (!found)
             return 1;
-        const auto found = likeliest(logits);
-        right += found && found->index == data.labels[index];
+        right += found->index == data.labels[index];
     }
     std::printf(
         "%zu of %zu test images recognised, %zu parameters, %zu multiply-adds, %zu bytes of weights\n", right,
-        split.test.size(), own_network::parameters, own_network::multiply_adds, recognise.weight_bytes);
+        split.test.size(), own_network::parameters, own_network::multiply_adds, deployed.weight_bytes);
     return 2 * right > split.test.size() ? 0 : 1;
 }

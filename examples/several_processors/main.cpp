@@ -39,7 +39,7 @@ int main() {
     for (std::size_t i = 0; i < frame.size(); ++i)
         frame[i] = static_cast<std::uint8_t>(i * 37 % 251);
     std::array<float, net::outputs> expected{};
-    if (deployed(frame, expected) != tactnet::frame_status::ok)
+    if (deployed.infer(frame, expected) != tactnet::frame_status::ok)
         return 1;
 
     const std::vector<const recogniser*> list = usable();

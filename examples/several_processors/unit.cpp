@@ -19,8 +19,9 @@ void take(const float* folded) noexcept {
 }
 
 bool recognise(const std::uint8_t* counts, float* logits) noexcept {
-    return view(weights)(tactnet::tensor_view<const std::uint8_t, net::input_shape>(counts),
-                         std::span<float, net::outputs>(logits, net::outputs)) == tactnet::frame_status::ok;
+    return view(weights).infer(tactnet::tensor_view<const std::uint8_t, net::input_shape>(counts),
+                               std::span<float, net::outputs>(logits, net::outputs)) ==
+           tactnet::frame_status::ok;
 }
 
 } // namespace

@@ -31,12 +31,12 @@ using network = tactnet::tactnet6<tactnet::shape{own_device::rows, own_device::c
 /// True if the stream was whole, its frames were recognised and their lines written.
 template <tactnet::frame_decoder Decoder>
 bool run(Decoder decoder, const tactnet::model<network>& model) {
-    const auto recognise = tactnet::deploy(model);
+    const auto deployed = tactnet::deploy(model);
     bool all_well = true;
     const auto take = [&](const tactnet::frame_view& frame) {
         const auto cells = frame.as<network::input_shape>();
         const auto start = std::chrono::steady_clock::now();
-        const auto found = cells ? recognise(*cells) : std::nullopt;
+        const auto found = cells ? deployed.classify(*cells) : std::nullopt;
         const std::chrono::duration<double, std::micro> time = std::chrono::steady_clock::now() - start;
         if (!found) {
             std::fprintf(stderr, "tactnet_stream: frame %llu cannot be recognised\n",

@@ -22,8 +22,6 @@ template <class Network>
 class trainer;
 template <class Network, class Format>
 class deployed;
-template <class Network, class Format>
-class deployed_model;
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

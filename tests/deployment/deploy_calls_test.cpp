@@ -36,12 +36,12 @@ using byte_frame = tensor_view<const std::uint8_t, net::input_shape>;
 using fast_net = deployed<net>;
 using logits = std::array<float, outputs>;
 
-static_assert(noexcept(std::declval<const fast_net&>()(std::declval<float_frame>(),
-                                                       std::declval<std::span<float, outputs>>())));
-static_assert(noexcept(std::declval<const fast_net&>()(std::declval<byte_frame>(),
-                                                       std::declval<std::span<float, outputs>>(),
-                                                       std::declval<fast_net::workspace&>())));
-static_assert(noexcept(std::declval<const fast_net::view_type&>()(
+static_assert(noexcept(std::declval<const fast_net&>().infer(std::declval<float_frame>(),
+                                                             std::declval<std::span<float, outputs>>())));
+static_assert(noexcept(std::declval<const fast_net&>().infer(std::declval<byte_frame>(),
+                                                             std::declval<std::span<float, outputs>>(),
+                                                             std::declval<fast_net::workspace&>())));
+static_assert(noexcept(std::declval<const fast_net::view_type&>().infer(
     std::declval<byte_frame>(), std::declval<std::span<float, outputs>>())));
 static_assert(fast_net::workspace_bytes == sizeof(fast_net::workspace) && fast_net::weight_bytes > 0);
 
@@ -73,7 +73,7 @@ std::vector<float> as_floats(const std::vector<std::uint8_t>& counts) {
 logits of(const std::vector<std::uint8_t>& counts) {
     logits out;
     out.fill(-1);
-    CHECK(fast()(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
+    CHECK(fast().infer(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
     return out;
 }
 
@@ -84,8 +84,8 @@ TEST_CASE("deployed: NaN and infinity are told wherever they are in the frame") 
         using fast_type = std::remove_cvref_t<decltype(network)>;
         const auto told = [&] {
             std::array<float, fast_type::outputs> out;
-            return network(tensor_view<const float, fast_type::input_shape>(frame.data()), std::span(out)) ==
-                   frame_status::not_finite;
+            return network.infer(tensor_view<const float, fast_type::input_shape>(frame.data()),
+                                 std::span(out)) == frame_status::not_finite;
         };
         std::size_t count = 0;
         for (float& pixel : frame)
@@ -112,15 +112,17 @@ TEST_CASE("deployed: of a batch with one bad frame too") {
     constexpr std::size_t count = 5;
     std::vector<float> frames(count * pixels, 3), out(count * outputs);
     thread_pool threads(2);
-    CHECK(fast()(threads, std::span<const float>(frames), out) == frame_status::ok);
+    CHECK(fast().infer(std::span<const float>(frames), out, threads) == frame_status::ok);
     for (std::size_t i = 0; i < count; ++i) {
         frames[i * pixels + 700] = std::numeric_limits<float>::quiet_NaN();
-        CHECK(fast()(threads, std::span<const float>(frames), out) == frame_status::not_finite);
+        CHECK(fast().infer(std::span<const float>(frames), out, threads) == frame_status::not_finite);
         frames[i * pixels + 700] = 3;
     }
     const std::span<const float> all(frames);
-    CHECK_THROWS_AS(static_cast<void>(fast()(threads, all.first(pixels + 1), out)), std::invalid_argument);
-    CHECK_THROWS_AS(static_cast<void>(fast()(threads, all, std::span(out).first(1))), std::invalid_argument);
+    CHECK_THROWS_AS(static_cast<void>(fast().infer(all.first(pixels + 1), out, threads)),
+                    std::invalid_argument);
+    CHECK_THROWS_AS(static_cast<void>(fast().infer(all, std::span(out).first(1), threads)),
+                    std::invalid_argument);
 }
 
 TEST_CASE("deployed: numbers so large that sums overflow never pass as a result") {
@@ -136,7 +138,7 @@ TEST_CASE("deployed: numbers so large that sums overflow never pass as a result"
         for (float& pixel : frame)
             pixel = std::isfinite(pixel) ? pixel : std::numeric_limits<float>::lowest();
         logits out;
-        if (plain(float_frame(frame.data()), std::span(out)) == frame_status::not_finite) {
+        if (plain.infer(float_frame(frame.data()), std::span(out)) == frame_status::not_finite) {
             ++told;
             continue;
         }
@@ -157,7 +159,7 @@ TEST_CASE("deployed: a sum that overflows on the way is told, though a ReLU woul
     std::array<float, 1> out{};
     const auto run = [&](float value) {
         const std::array<float, 3> frame{value, value, value};
-        return deploy(n)(frame, out);
+        return deploy(n).infer(frame, out);
     };
     CHECK(run(3e38f) == frame_status::not_finite);
     CHECK(run(1e30f) == frame_status::ok);
@@ -174,7 +176,7 @@ TEST_CASE("deployed: counts of 8 bits are taken wherever a mean makes them large
         const deployed<one> network = deploy(n, std::span<const float, 3>(mean), 1);
         const std::array<float, 3> frame{};
         std::array<float, 1> out{};
-        CHECK(network(frame, out) == frame_status::ok);
+        CHECK(network.infer(frame, out) == frame_status::ok);
         CHECK(out[0] == doctest::Approx(-1e37));
     }
 }
@@ -192,7 +194,7 @@ TEST_CASE("deployed: counts in bytes give the bits of counts in floats") {
         const std::vector<std::uint8_t> counts = support::make_frame(pixels, seed);
         const std::vector<float> frame = as_floats(counts);
         logits out;
-        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::ok);
+        CHECK(fast().infer(float_frame(frame.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, of(counts)));
     }
 }
@@ -205,7 +207,7 @@ TEST_CASE("deployed: mean and scale give the bits of a frame prepared by hand") 
     for (std::size_t i = 0; i < pixels; ++i)
         frame[i] = (frame[i] - mean[i]) * scale;
     logits out;
-    CHECK(plain(float_frame(frame.data()), std::span(out)) == frame_status::ok);
+    CHECK(plain.infer(float_frame(frame.data()), std::span(out)) == frame_status::ok);
     CHECK(same_bits(out, of(counts)));
 }
 
@@ -263,11 +265,11 @@ TEST_CASE("deployed: the same bits in batches of any size on any number of threa
             CAPTURE(batch);
             std::vector<float> out(batch * outputs, NAN);
             const std::span<const float> right(expected.data(), out.size());
-            CHECK(fast()(threads, std::span<const std::uint8_t>(frames).first(batch * pixels), out) ==
+            CHECK(fast().infer(std::span<const std::uint8_t>(frames).first(batch * pixels), out, threads) ==
                   frame_status::ok);
             CHECK(same_bits(out, right));
             std::fill(out.begin(), out.end(), NAN);
-            CHECK(fast()(threads, std::span<const float>(float_frames).first(batch * pixels), out) ==
+            CHECK(fast().infer(std::span<const float>(float_frames).first(batch * pixels), out, threads) ==
                   frame_status::ok);
             CHECK(same_bits(out, right));
         }
@@ -288,11 +290,11 @@ TEST_CASE("deployed: the same bits wherever the frame and the outputs lie, with 
         // NaN at first: what is read before it is written shows.
         std::memset(static_cast<void*>(memory.get()), offset == 0 ? 0xff : static_cast<int>(offset * 37),
                     sizeof(*memory));
-        CHECK(fast()(byte_frame(moved.data() + offset), to, *memory) == frame_status::ok);
+        CHECK(fast().infer(byte_frame(moved.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         std::memset(static_cast<void*>(memory.get()), 0x7f, sizeof(*memory)); // 3.4e38
         std::fill(to.begin(), to.end(), NAN);
-        CHECK(fast()(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::ok);
+        CHECK(fast().infer(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         for (std::size_t i = 0; i < out.size(); ++i)
             if (i <= offset || i > offset + outputs)
@@ -308,7 +310,7 @@ TEST_CASE("deployed: copies and views give the same bits, also when the original
     original.reset();
     for (const fast_net::view_type view : {copy.view(), moved.view()}) {
         logits out;
-        CHECK(view(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
+        CHECK(view.infer(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, of(counts)));
     }
 }
@@ -328,7 +330,7 @@ TEST_CASE("deployed: the same bits for four threads on one object") {
             for (std::size_t i = 0; i < rounds; ++i) {
                 const std::size_t which = (i + t) % frames.size();
                 logits out;
-                const auto status = fast()(byte_frame(frames[which].data()), std::span(out));
+                const auto status = fast().infer(byte_frame(frames[which].data()), std::span(out));
                 wrong[t] += status != frame_status::ok || !same_bits(out, expected[which]);
             }
         });
@@ -345,10 +347,10 @@ TEST_CASE("deployed: nothing is asked of the heap") {
     logits out;
     const fast_net& network = fast();
     const std::size_t before = support::allocations();
-    const auto a = network(byte_frame(counts.data()), std::span(out));
-    const auto b = network(float_frame(frame.data()), std::span(out));
-    const auto c = network(byte_frame(counts.data()), std::span(out), *memory);
-    const auto d = network.view()(float_frame(frame.data()), std::span(out), *memory);
+    const auto a = network.infer(byte_frame(counts.data()), std::span(out));
+    const auto b = network.infer(float_frame(frame.data()), std::span(out));
+    const auto c = network.infer(byte_frame(counts.data()), std::span(out), *memory);
+    const auto d = network.view().infer(float_frame(frame.data()), std::span(out), *memory);
     const std::size_t after = support::allocations();
     CHECK(after == before);
     for (const auto status : {a, b, c, d})
@@ -405,9 +407,9 @@ TEST_CASE("deployed: nothing is asked of the system, as real time demands") {
         bool right = true;
         for (std::size_t i = 0; i < 100; ++i) {
             logits out;
-            right = right && network(byte_frame(counts.data()), std::span(out)) == frame_status::ok &&
+            right = right && network.infer(byte_frame(counts.data()), std::span(out)) == frame_status::ok &&
                     std::memcmp(out.data(), expected.data(), sizeof(out)) == 0;
-            right = right && network(float_frame(frame.data()), std::span(out)) == frame_status::ok &&
+            right = right && network.infer(float_frame(frame.data()), std::span(out)) == frame_status::ok &&
                     std::memcmp(out.data(), expected.data(), sizeof(out)) == 0;
         }
         return right;

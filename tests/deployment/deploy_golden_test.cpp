@@ -37,8 +37,8 @@ TEST_CASE("deployed: tactnet4, the published network gives the published logits"
     for (std::size_t i = 0; i < count; ++i) {
         std::vector<float> out(outputs);
         const std::span<const float> right(expected.data() + i * outputs, outputs);
-        REQUIRE(fast(tensor_view<const std::uint8_t, net_type::input_shape>(images.data() + i * size),
-                     std::span<float, outputs>(out)) == frame_status::ok);
+        REQUIRE(fast.infer(tensor_view<const std::uint8_t, net_type::input_shape>(images.data() + i * size),
+                           std::span<float, outputs>(out)) == frame_status::ok);
         double largest = 0, error = 0;
         for (std::size_t c = 0; c < outputs; ++c) {
             largest = std::max(largest, std::abs(static_cast<double>(right[c])));

@@ -29,8 +29,8 @@ TEST_CASE("deployed: squeezenet gives torchvision's logits") {
     std::vector<float> image(net_type::input_shape.size()), logits(net_type::outputs);
     support::draw_by_name("input", image);
     const auto memory = std::make_unique<deployed<net_type>::workspace>();
-    CHECK(fast(tensor_view<const float, net_type::input_shape>(image.data()),
-               std::span<float, net_type::outputs>(logits), *memory) == frame_status::ok);
+    CHECK(fast.infer(tensor_view<const float, net_type::input_shape>(image.data()),
+                     std::span<float, net_type::outputs>(logits), *memory) == frame_status::ok);
     support::golden_stages golden("squeezenet1_1");
     golden.compare(
         "classifier.3", logits.size(), [&](std::size_t e) { return logits[e]; }, 2.4);
@@ -65,12 +65,12 @@ TEST_CASE_TEMPLATE("deployed: maps too large for a stack lie on the heap, one by
     const auto memory = std::make_unique<typename fast_net::workspace>();
     std::vector<float> together(frames * net::outputs), alone(net::outputs);
     thread_pool threads(2);
-    CHECK(fast(threads, std::span<const std::uint8_t>(counts), std::span<float>(together)) ==
+    CHECK(fast.infer(std::span<const std::uint8_t>(counts), std::span<float>(together), threads) ==
           frame_status::ok);
     for (std::size_t i = 0; i < frames; ++i) {
-        CHECK(fast(tensor_view<const std::uint8_t, net::input_shape>(counts.data() +
-                                                                     i * net::input_shape.size()),
-                   std::span<float, net::outputs>(alone), *memory) == frame_status::ok);
+        CHECK(fast.infer(tensor_view<const std::uint8_t, net::input_shape>(counts.data() +
+                                                                           i * net::input_shape.size()),
+                         std::span<float, net::outputs>(alone), *memory) == frame_status::ok);
         CHECK(support::same_bits(alone, std::span(together).subspan(i * net::outputs, net::outputs)));
     }
 }

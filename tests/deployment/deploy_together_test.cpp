@@ -58,7 +58,7 @@ inline constexpr bool joins_tiles<step_chain<Steps...>> = (joins_tiles<Steps> ||
 template <kernels::frame_convolution C>
 inline constexpr bool joins_tiles<convolution_step<single_precision, C>> = [] {
     using step = convolution_step<single_precision, C>;
-    using executor = batch_executor<detail::inline_executor<4>>;
+    using executor = batch_executor<inline_executor<4>>;
     return step::frames_together == 4 && requires(float* numbers, const executor& four) {
         step::run_batch(numbers, numbers, std::size_t{}, numbers, numbers, four);
     };
@@ -82,13 +82,13 @@ std::unique_ptr<Network> random_network() {
 TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave the bits of each alone",
                    Network, large_network, branched_network, heavy_network, light_network) {
     const auto net = random_network<Network>();
-    const auto recognise = deploy(*net);
+    const auto fast = deploy(*net);
     using form = deployed<Network>;
     constexpr bool light = std::is_same_v<Network, light_network>;
     static_assert(form::view_type::large == !(light || std::is_same_v<Network, heavy_network>));
     static_assert((form::weight_bytes > kernels::l2_cache_bytes) == !light);
     if constexpr (light) {
-        static_assert(detail::frame_batch<typename form::view_type>::on_one_thread == 4);
+        static_assert(detail::batch_inference<typename form::view_type>::on_one_thread == 4);
         static_assert(joins_tiles<typename form::view_type::steps>);
     }
     constexpr std::size_t frames = 19, size = form::input_shape.size(), outputs = form::outputs;
@@ -98,25 +98,25 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
         value = support::draw(state);
     const auto memory = std::make_unique<typename form::workspace>();
     for (std::size_t f = 0; f < frames; ++f)
-        CHECK(recognise(tensor_view<const float, form::input_shape>(counts.data() + f * size),
-                        std::span<float, outputs>(alone.data() + f * outputs, outputs),
-                        *memory) == frame_status::ok);
-    [[maybe_unused]] typename form::batch_workspace kept;
+        CHECK(fast.infer(tensor_view<const float, form::input_shape>(counts.data() + f * size),
+                         std::span<float, outputs>(alone.data() + f * outputs, outputs),
+                         *memory) == frame_status::ok);
+    [[maybe_unused]] batch_workspace kept;
     for (const std::size_t threads : {1U, 2U, 3U}) {
         thread_pool pool(threads);
         for (const std::size_t some : {std::size_t{1}, std::size_t{2}, std::size_t{8}, frames}) {
             CAPTURE(threads);
             CAPTURE(some);
             std::vector<float> together(some * outputs, NAN);
-            CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
-                            std::span<float>(together)) == frame_status::ok);
+            CHECK(fast.infer(std::span<const float>(counts.data(), some * size), std::span<float>(together),
+                             pool) == frame_status::ok);
             const std::vector<float> first(alone.begin(),
                                            alone.begin() + static_cast<std::ptrdiff_t>(some * outputs));
             CHECK(support::numbers_that_differ(together, first) == 0);
             if constexpr (form::view_type::large) {
                 std::fill(together.begin(), together.end(), NAN);
-                CHECK(recognise(pool, std::span<const float>(counts.data(), some * size),
-                                std::span<float>(together), kept) == frame_status::ok);
+                CHECK(fast.infer(std::span<const float>(counts.data(), some * size),
+                                 std::span<float>(together), pool, kept) == frame_status::ok);
                 CHECK(support::numbers_that_differ(together, first) == 0);
             }
         }
@@ -124,10 +124,10 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
         std::vector<float> broken = counts;
         broken[3 * size + 7] = std::numeric_limits<float>::infinity();
         std::vector<float> to(frames * outputs);
-        CHECK(recognise(pool, std::span<const float>(broken), std::span<float>(to)) ==
+        CHECK(fast.infer(std::span<const float>(broken), std::span<float>(to), pool) ==
               frame_status::not_finite);
         CHECK_THROWS_AS(
-            (void)recognise(pool, std::span<const float>(counts.data(), size + 1), std::span<float>(to)),
+            (void)fast.infer(std::span<const float>(counts.data(), size + 1), std::span<float>(to), pool),
             const std::invalid_argument&);
     }
 }

@@ -329,8 +329,8 @@ error_shares errors_of(std::uint64_t seed, std::size_t frames, float scale = 1.0
         const std::vector<float> exact(counts.begin(), counts.end());
         std::vector<float> out(Network::outputs, NAN);
         const auto status =
-            fast(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
-                 std::span<float, Network::outputs>(out));
+            fast.infer(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                       std::span<float, Network::outputs>(out));
         if (status != tactnet::frame_status::ok)
             return {INFINITY, INFINITY};
         const rounded_map expected =

@@ -28,13 +28,14 @@ bool same_together(const Deployed& fast, std::uint64_t seed) {
     for (std::size_t frame = 0; frame < many; ++frame) {
         const std::vector<std::uint8_t> counts = support::make_frame(size, seed + frame);
         frames.insert(frames.end(), counts.begin(), counts.end());
-        same &= fast(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
-                     std::span<float, outputs>(alone.data() + frame * outputs, outputs)) == frame_status::ok;
+        same &= fast.infer(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                           std::span<float, outputs>(alone.data() + frame * outputs, outputs)) ==
+                frame_status::ok;
     }
     for (const std::size_t threads : {1U, 2U}) {
         thread_pool pool(threads);
         std::vector<float> together(many * outputs, NAN);
-        same &= fast(pool, std::span<const std::uint8_t>(frames), std::span<float>(together)) ==
+        same &= fast.infer(std::span<const std::uint8_t>(frames), std::span<float>(together), pool) ==
                     frame_status::ok &&
                 support::same_bits(together, alone);
     }
@@ -53,8 +54,8 @@ void append(reduced_result& result, std::uint64_t seed) {
     const auto layers = support::describe<Network>();
     const std::vector<std::uint8_t> counts = support::make_frame(size, seed);
     std::vector<float> out(Network::outputs, NAN);
-    const auto status = fast(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
-                             std::span<float, Network::outputs>(out));
+    const auto status = fast.infer(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                                   std::span<float, Network::outputs>(out));
     const std::vector<float> exact(counts.begin(), counts.end());
     support::error_shares errors =
         support::shares_of(out, support::bounded_outputs(layers, support::parameters_of(net),
@@ -97,8 +98,9 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
     for (std::uint64_t frame = 0; frame < 4; ++frame) {
         const std::vector<std::uint8_t> counts = support::make_frame(size, seed + frame);
         std::vector<float> out(Network::outputs, NAN);
-        const auto status = network(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
-                                    std::span<float, Network::outputs>(out));
+        const auto status =
+            network.infer(tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                          std::span<float, Network::outputs>(out));
         const std::vector<float> expected =
             support::reference_outputs<view>(folded, std::span<const std::uint8_t>(counts));
         result.as_reference = result.as_reference && status == frame_status::ok;

@@ -1,6 +1,6 @@
 #include "deployed_network.hpp"
 
-#include <tactnet/deployment/deployed_model.hpp>
+#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/reflection_average.hpp>
 
 #include <doctest/doctest.h>
@@ -22,9 +22,9 @@ using net = network<size, conv2d<4, 3>, batch_norm, relu, max_pool<2>, dense<5>>
 using average = reflection_average<deployed<net>::view_type>;
 using logits = std::array<float, net::outputs>;
 
-static_assert(noexcept(std::declval<const average&>()(std::declval<tensor_view<const std::uint8_t, size>>(),
-                                                      std::declval<std::span<float, net::outputs>>(),
-                                                      std::declval<average::workspace&>())));
+static_assert(noexcept(std::declval<const average&>().infer(
+    std::declval<tensor_view<const std::uint8_t, size>>(), std::declval<std::span<float, net::outputs>>(),
+    std::declval<average::workspace&>())));
 
 deployed<net> some_network() {
     net network;
@@ -47,12 +47,14 @@ void check_average() {
 
     std::array<logits, 4> of_each;
     logits found, again;
-    REQUIRE(both_ways(tensor_view<const Count, size>(frame.data()), found, *memory) == frame_status::ok);
+    REQUIRE(both_ways.infer(tensor_view<const Count, size>(frame.data()), found, *memory) ==
+            frame_status::ok);
     for (std::size_t i = 0; i < 4; ++i) {
         reflect_image(size, all_reflections[i], frame.data(), turned.data());
-        REQUIRE(network(tensor_view<const Count, size>(turned.data()), of_each[i]) == frame_status::ok);
+        REQUIRE(network.infer(tensor_view<const Count, size>(turned.data()), of_each[i]) == frame_status::ok);
         // What comes the other way round is the same touch, to the bit.
-        REQUIRE(both_ways(tensor_view<const Count, size>(turned.data()), again, *memory) == frame_status::ok);
+        REQUIRE(both_ways.infer(tensor_view<const Count, size>(turned.data()), again, *memory) ==
+                frame_status::ok);
         CHECK(again == found);
     }
     CHECK(of_each[0] != of_each[1]);
@@ -75,8 +77,8 @@ TEST_CASE("reflection_average: a broken frame is told, and no heap is used") {
     logits found;
     const tensor_view<const float, size> view(frame.data());
     const std::size_t before = support::allocations();
-    CHECK(both_ways(view, found, *memory) == frame_status::ok);
+    CHECK(both_ways.infer(view, found, *memory) == frame_status::ok);
     CHECK(support::allocations() == before);
     frame[17] = std::numeric_limits<float>::quiet_NaN();
-    CHECK(both_ways(view, found, *memory) == frame_status::not_finite);
+    CHECK(both_ways.infer(view, found, *memory) == frame_status::not_finite);
 }

@@ -176,13 +176,13 @@ TEST_CASE("frames: a network recognises an Eigen matrix with the same bits, with
     float value = 0;
     for (float& parameter : network.learnable_values().first(net::parameters))
         parameter = 0.1f * std::sin(value += 1);
-    const auto recognise = deploy(network);
+    const auto fast = deploy(network);
 
     std::array<std::uint8_t, 7 * 13> counts;
     for (std::size_t i = 0; i < counts.size(); ++i)
         counts[i] = static_cast<std::uint8_t>(i * 37);
     std::array<float, 5> expected;
-    REQUIRE(recognise(counts, expected) == frame_status::ok);
+    REQUIRE(fast.infer(counts, expected) == frame_status::ok);
     REQUIRE(std::any_of(expected.begin(), expected.end(), [](float logit) { return logit != 0; }));
 
     const auto matrix = frame_matrix<std::uint8_t, net::input_shape>::Map(counts.data()).eval();
@@ -193,7 +193,7 @@ TEST_CASE("frames: a network recognises an Eigen matrix with the same bits, with
     const auto recognised = [&](auto frame) {
         logits.setZero();
         const std::size_t before = support::allocations();
-        const bool whole = recognise(frame, view_elements(logits)) == frame_status::ok;
+        const bool whole = fast.infer(frame, view_elements(logits)) == frame_status::ok;
         return whole && support::allocations() == before &&
                std::memcmp(logits.data(), expected.data(), sizeof expected) == 0;
     };

@@ -98,15 +98,15 @@ TEST_CASE("own_layer: deployed within the derived bound") {
 
 TEST_CASE("own_layer: the program's weight file and header are the same network") {
     const auto model = tactnet::load_model<own::network>(std::filesystem::path(TACTNET_OWN_LAYER_WEIGHTS));
-    const auto recognise = tactnet::deploy(model);
+    const auto network = tactnet::deploy(model);
     CHECK(bars::passes_selftest());
     CHECK(bars::classes == std::array<std::string_view, 3>{"lies", "stands", "cross"});
     for (std::size_t i = 0; i < 10; ++i) {
         const auto counts = support::make_frame(own::network::input_shape.size(), i);
         const tactnet::tensor_view<const std::uint8_t, own::network::input_shape> frame(counts.data());
         std::array<float, 3> expected{}, found{};
-        REQUIRE(recognise(frame, expected) == tactnet::frame_status::ok);
-        REQUIRE(bars::recogniser(frame, found) == tactnet::frame_status::ok);
+        REQUIRE(network.infer(frame, expected) == tactnet::frame_status::ok);
+        REQUIRE(bars::recogniser.infer(frame, found) == tactnet::frame_status::ok);
         CHECK(expected == found);
     }
 }

@@ -64,8 +64,8 @@ TEST_SUITE("stream") {
         const auto logits = model.logits(counts, alone);
         std::vector<std::string> expected;
         for (std::size_t f = 0; f < frames; ++f) {
-            const auto row = std::span(logits).subspan(f * network::outputs);
-            expected.push_back(std::string(tactnet::likeliest(row, model.classes).value().name));
+            const auto row = std::span(logits).subspan(f * network::outputs, network::outputs);
+            expected.push_back(std::string(tactnet::classify_logits(row, model.classes).value().name));
         }
 
         const std::string program = TACTNET_STREAM_PROGRAM, weights = " " + (folder / "net").string();

@@ -26,7 +26,7 @@ using net = tactnet::network<tactnet::shape{3, 4}, tactnet::conv2d<4, 2>, tactne
                              tactnet::concatenation<tactnet::sequence<tactnet::conv2d<4, 1>>,
                                                     tactnet::sequence<tactnet::conv2d<4, 1>>>,
                              tactnet::average_pool<2>, tactnet::dense<3>>;
-using in_bytes = tactnet::deployed_model<net, tactnet::eight_bit>;
+using in_bytes = tactnet::deployed<net, tactnet::eight_bit>;
 constexpr std::size_t pixels = net::input_shape.size();
 
 void require(bool holds) {

@@ -138,8 +138,8 @@ void check_softmax(const std::string& name, float size) {
             logit += net.learnable_values()[c * 4 + i] * in[i];
         values[c] = std::exp(logit), sum += values[c];
     }
-    CHECK(deploy(net)(tensor_view<const float, two_layers::input_shape>(in.data()),
-                      std::span<float, classes>(deployed_values)) == frame_status::ok);
+    CHECK(deploy(net).infer(tensor_view<const float, two_layers::input_shape>(in.data()),
+                            std::span<float, classes>(deployed_values)) == frame_status::ok);
     thread_pool threads(1);
     two_layers::workspace space;
     two_layers::input_batch batch_in(1);

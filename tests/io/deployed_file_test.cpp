@@ -27,7 +27,7 @@ namespace {
 
 using net = network<shape{6, 7}, conv2d<4, 3>, relu, residual<sequence<conv2d<4, 3>>>, batch_norm, relu,
                     concatenation<sequence<conv2d<4, 1>>, sequence<conv2d<8, 3>>>, max_pool<2>, dense<5>>;
-using bytes_net = deployed_model<net, eight_bit>;
+using bytes_net = deployed<net, eight_bit>;
 constexpr std::size_t pixels = net::input_shape.size();
 
 std::vector<std::uint8_t> images(std::size_t count) {
@@ -124,9 +124,8 @@ TEST_CASE("load_deployed: a model's file gives what load_model and deploy give, 
     model<net> other = trained(3);
     other.network.learnable_values()[0] += 1;
     safetensors_writer writer;
-    thread_pool alone;
     add_model(writer, parts_of(m), images(2),
-              [&](std::span<const std::uint8_t> some) { return other.logits(some, alone); });
+              [&](std::span<const std::uint8_t> some) { return detail::class_logits(other, some); });
     const safetensors wrong = safetensors::parse(writer.to_bytes(), "wrong.safetensors");
     CHECK_THROWS_WITH_AS((void)load_deployed<net>(wrong), doctest::Contains("self-test"), file_error);
     CHECK_NOTHROW((void)load_deployed<net>(safetensors::read(path), 1e-4)); // an epsilon that hardly differs
@@ -196,7 +195,8 @@ TEST_CASE("save_deployed: weights between whole multiples of their scales are ke
                 folded[step.arrays[0].offset + i] += 0.3f * folded[scales->offset];
     constexpr std::size_t numbers = bytes_net::view_type::folded_elements;
     const std::span<const float, numbers> all(folded.data(), numbers);
-    const bytes_net between(deployed<net, eight_bit>(all), trained(net::outputs).classes);
+    bytes_net between(all);
+    between.set_classes(trained(net::outputs).classes);
     const bytes_net loaded = load_deployed<net, eight_bit>(stored(between));
     CHECK_FALSE(same_bits(loaded.folded(), between.folded()));
     CHECK(same_bits(outputs_of(loaded), outputs_of(between)));

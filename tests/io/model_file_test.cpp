@@ -83,9 +83,8 @@ TEST_CASE("model_file: a model comes back as it was") {
     CHECK(copy.classes == m.classes);
     CHECK(copy.network.epsilon == 1e-4);
     CHECK(load_model<small_network>(path, 0.25).network.epsilon == 0.25);
-    thread_pool alone;
-    CHECK(copy.logits(images(3), alone) == m.logits(images(3), alone));
-    CHECK(m.logits(images(3), alone).size() == 9);
+    CHECK(detail::class_logits(copy, images(3)) == detail::class_logits(m, images(3)));
+    CHECK(detail::class_logits(m, images(3)).size() == 9);
 }
 
 TEST_CASE("model_file: scaled input") {
@@ -116,8 +115,7 @@ TEST_CASE("model_file: several channels") {
 
     const model<colourful> copy = load_model<colourful>(path);
     CHECK(std::equal(copy.normalise.mean.begin(), copy.normalise.mean.end(), m.normalise.mean.begin()));
-    thread_pool alone;
-    CHECK(copy.logits(images(3), alone) == m.logits(images(3), alone));
+    CHECK(detail::class_logits(copy, images(3)) == detail::class_logits(m, images(3)));
 }
 
 TEST_CASE("model_file: a self-test notices what changed") {
@@ -220,9 +218,8 @@ TEST_CASE("model_file: the same without the network's type") {
     const support::temporary_folder folder;
     const model<small_network> m = example();
     save_model(folder / "typed", m, {{"seed", "7"}}, images(2));
-    thread_pool alone;
     const logits_function logits = [&](std::span<const std::uint8_t> asked) {
-        return m.logits(asked, alone);
+        return detail::class_logits(m, asked);
     };
     save_model(folder / "parts", parts_of(m), {{"seed", "7"}}, images(2), logits);
     CHECK(read_file(folder / "typed") == read_file(folder / "parts"));
@@ -231,7 +228,7 @@ TEST_CASE("model_file: the same without the network's type") {
     const stored_arrays arrays = stored_arrays_of<small_network>();
     const model<small_network> copy = make_model<small_network>(read_model(file, size, arrays));
     CHECK(copy.classes == m.classes);
-    CHECK(copy.logits(images(3), alone) == m.logits(images(3), alone));
+    CHECK(detail::class_logits(copy, images(3)) == detail::class_logits(m, images(3)));
     CHECK_NOTHROW(check_selftest(file, size, 3, logits));
     CHECK_THROWS_AS(
         check_selftest(file, size, 3, [](std::span<const std::uint8_t>) { return std::vector<float>(6); }),

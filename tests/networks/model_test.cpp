@@ -42,14 +42,13 @@ std::vector<std::uint8_t> images(std::size_t count) {
 
 } // namespace
 
-TEST_CASE("model: logits of normalised images, a row of the named classes each") {
+TEST_CASE("model: logits of normalised images, a row of all outputs each") {
     const auto m = example(3);
     const auto pixels = images(21);
     thread_pool threads(2);
     const std::vector<float> found = m.logits(pixels, threads);
-    REQUIRE(found.size() == 21 * 3);
-
     using net = std::remove_cvref_t<decltype(m.network)>;
+    REQUIRE(found.size() == 21 * net::outputs);
     net::workspace space;
     net::input_batch in(1);
     net::output_batch out(1);
@@ -58,8 +57,8 @@ TEST_CASE("model: logits of normalised images, a row of the named classes each")
     for (std::size_t i = 0; i < 21; ++i) {
         in.set(0, m.normalise(std::span(pixels).subspan(i * size.size()).first<size.size()>()));
         m.network.logits(threads, space, in, out);
-        for (std::size_t c = 0; c < 3; ++c)
-            different += found[i * 3 + c] != out(0, c);
+        for (std::size_t o = 0; o < net::outputs; ++o)
+            different += found[i * net::outputs + o] != out(0, o);
     }
     CHECK(different == 0);
 }
@@ -73,7 +72,7 @@ TEST_CASE("model: an image of another size is refused") {
     const auto m = example(3);
     thread_pool alone;
     const std::vector<std::uint8_t> pixels = images(2);
-    CHECK(m.logits(pixels, alone).size() == 2 * m.classes.size());
+    CHECK(m.logits(pixels, alone).size() == 2 * decltype(m.network)::outputs);
     for (const std::size_t wrong : {std::size_t{0}, size.size() - 1, size.size() + 1})
         CHECK_THROWS_WITH_AS(
             static_cast<void>(m.logits(std::span(pixels).first(wrong), alone)),

@@ -58,8 +58,8 @@ sizes sizes_of(const Network& network, std::span<const float, Network::input_sha
         const auto counts = support::make_frame(Network::input_shape.size(), 9000 + i);
         const tensor_view<const std::uint8_t, Network::input_shape> frame(counts.data());
         std::array<float, Network::outputs> a, b;
-        CHECK(floats(frame, a) == frame_status::ok);
-        CHECK(bytes(frame, b) == frame_status::ok);
+        CHECK(floats.infer(frame, a) == frame_status::ok);
+        CHECK(bytes.infer(frame, b) == frame_status::ok);
         for (std::size_t o = 0; o < a.size(); ++o) {
             const auto x = static_cast<double>(a[o]), y = static_cast<double>(b[o]);
             result.outputs += x * x, result.differences += (x - y) * (x - y);
@@ -108,8 +108,8 @@ TEST_CASE(
         for (std::size_t i = 0; i < 5; ++i) {
             const tensor_view<const float, net::input_shape> frame(frames.data() + i * size);
             std::array<float, net::outputs> a, b;
-            CHECK(floats(frame, a) == frame_status::ok);
-            CHECK(bytes(frame, b) == frame_status::ok);
+            CHECK(floats.infer(frame, a) == frame_status::ok);
+            CHECK(bytes.infer(frame, b) == frame_status::ok);
             for (std::size_t o = 0; o < a.size(); ++o)
                 sum += std::pow(static_cast<double>(a[o]) - static_cast<double>(b[o]), 2);
         }
@@ -131,7 +131,7 @@ TEST_CASE(
     double apart = 0;
     for (std::size_t i = 0; i < 5; ++i) {
         std::array<float, net::outputs> a;
-        CHECK(floats(tensor_view<const float, net::input_shape>(frames.data() + i * size), a) ==
+        CHECK(floats.infer(tensor_view<const float, net::input_shape>(frames.data() + i * size), a) ==
               frame_status::ok);
         for (std::size_t o = 0; o < a.size(); ++o)
             apart += std::pow(
@@ -231,8 +231,9 @@ TEST_CASE("eight_bit_calibration: words hold whatever counts there are, in as ma
         CHECK(most * steps <= 32767);
         CHECK(most >= largest - 21);
         std::array<float, 2> out{};
-        CHECK(support::byte_network<small>(calibration.folded())(
-                  tensor_view<const float, small::input_shape>(frames.data() + 6), out) == frame_status::ok);
+        CHECK(support::byte_network<small>(calibration.folded())
+                  .infer(tensor_view<const float, small::input_shape>(frames.data() + 6), out) ==
+              frame_status::ok);
     }
 }
 
@@ -270,7 +271,7 @@ TEST_CASE("eight_bit_calibration: maps that hold nothing but zero are no difficu
     const eight_bit_calibration<small> calibration(n, zero, 1, std::span<const float>(frames));
     const support::byte_network<small> bytes(calibration.folded());
     std::array<float, 2> out{};
-    CHECK(bytes(tensor_view<const float, small::input_shape>(frames.data()), out) == frame_status::ok);
+    CHECK(bytes.infer(tensor_view<const float, small::input_shape>(frames.data()), out) == frame_status::ok);
     CHECK(out[0] == 0);
     CHECK(out[1] == 0.75f); // 2²⁸ units, each a power of two of it
 }

@@ -93,8 +93,8 @@ deviations deviations_of() {
         const std::span<const float> frame = std::span(frames).subspan(i * size, size);
         const tensor_view<const float, Network::input_shape> shown(frame.data());
         std::array<float, Network::outputs> floats, whole;
-        CHECK(in_floats(shown, floats) == frame_status::ok);
-        CHECK(in_bytes(shown, whole) == frame_status::ok);
+        CHECK(in_floats.infer(shown, floats) == frame_status::ok);
+        CHECK(in_bytes.infer(shown, whole) == frame_status::ok);
         const auto of = [&](std::span<const float> folded, bool rounded) {
             return plain_outputs<Network>(steps, folded, ranges, frame, support::input_scale, rounded);
         };
@@ -158,7 +158,8 @@ std::size_t outputs_that_differ() {
     for (std::size_t i = 0; i < count; ++i) {
         const std::span<const float> frame = std::span(frames).subspan(i * size, size);
         std::array<float, Network::outputs> whole;
-        CHECK(bytes(tensor_view<const float, Network::input_shape>(frame.data()), whole) == frame_status::ok);
+        CHECK(bytes.infer(tensor_view<const float, Network::input_shape>(frame.data()), whole) ==
+              frame_status::ok);
         const auto plain = plain_outputs<Network>(steps, folded, ranges, frame, support::input_scale, true);
         for (std::size_t o = 0; o < whole.size(); ++o)
             different += whole[o] != plain[o];

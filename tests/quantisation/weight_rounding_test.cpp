@@ -100,9 +100,9 @@ TEST_CASE("eight_bit_calibration: fitted weights bring outputs nearer, on frames
         const auto counts = support::make_frame(size, 5000 + i);
         const tensor_view<const std::uint8_t, net::input_shape> frame(counts.data());
         std::array<float, net::outputs> a, b, c;
-        CHECK(exact(frame, a) == frame_status::ok);
-        CHECK(with_fit(frame, b) == frame_status::ok);
-        CHECK(without(frame, c) == frame_status::ok);
+        CHECK(exact.infer(frame, a) == frame_status::ok);
+        CHECK(with_fit.infer(frame, b) == frame_status::ok);
+        CHECK(without.infer(frame, c) == frame_status::ok);
         of_fitted += mean_square(a, b), of_rounded += mean_square(a, c);
     }
     CHECK(of_fitted < 0.9 * of_rounded); // as above

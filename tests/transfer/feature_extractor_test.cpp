@@ -56,8 +56,8 @@ TEST_CASE("feature_extractor: what the trunk gives for the photograph of an imag
         std::vector<float> picture(trunk::input_shape.size()), expected(map.size());
         to_photograph(tensor_view<const std::uint8_t, grey>(pixels.data() + chosen[i] * grey.size()), form,
                       tensor_view<float, trunk::input_shape>(picture.data()));
-        REQUIRE(alone(tensor_view<const float, trunk::input_shape>(picture.data()),
-                      std::span<float, map.size()>(expected)) == frame_status::ok);
+        REQUIRE(alone.infer(tensor_view<const float, trunk::input_shape>(picture.data()),
+                            std::span<float, map.size()>(expected)) == frame_status::ok);
         for (std::size_t e = 0; e < map.size(); ++e) {
             REQUIRE(all[i * map.size() + e] == expected[e]);
             some = some || expected[e] > 0;

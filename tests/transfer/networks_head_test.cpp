@@ -61,13 +61,13 @@ TEST_CASE("feature_head: learns classes from features of any scale, and recognis
     CHECK(tested.confusion.total() > 10);
     CHECK(tested.confusion.accuracy() == 1.0);
 
-    const auto recognise = deploy(best);
+    const auto fast = deploy(best);
     for (std::size_t i = 0; i < tested.recognised.size(); ++i) {
         std::array<float, classes> logits{};
         const std::span<const float, numbers> row(data.values.data() + data.split().test[i] * numbers,
                                                   numbers);
-        REQUIRE(recognise(tensor_view<const float, head::input_shape>(row), logits) == frame_status::ok);
-        CHECK(likeliest(logits).value().index == tested.recognised[i]);
+        REQUIRE(fast.infer(tensor_view<const float, head::input_shape>(row), logits) == frame_status::ok);
+        CHECK(classify_logits(logits, classes).value().index == tested.recognised[i]);
     }
 }
 

@@ -1,77 +1,63 @@
 #pragma once
 
-#include <tactnet/deployment/frame_status.hpp>
+#include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/runtime/work_share.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/alignment.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 // Many frames through a deployed network, on all threads of a pool: each with the bits that it has alone.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
-namespace detail {
 
-/// Memory that grows to what a call needs, and is kept for the next. It serves one call at a time.
-template <class T>
-class workspace_buffer {
+/// Memory for calls with many frames. It grows to what a call needs and is kept for the next, of any network.
+/// It serves one call at a time.
+class batch_workspace {
 public:
-    workspace_buffer() = default;
-    workspace_buffer(const workspace_buffer&) = delete;
-    workspace_buffer& operator=(const workspace_buffer&) = delete;
-    ~workspace_buffer() { release(); }
+    batch_workspace() = default;
+    batch_workspace(const batch_workspace&) = delete;
+    batch_workspace& operator=(const batch_workspace&) = delete;
+    ~batch_workspace() { release(); }
 
-    /// Not written to: pages that no call touches cost nothing.
-    T* hold(std::size_t elements) {
-        if (elements > held_.size()) {
+    /// Room for so many elements, aligned to `alignment`. Not written to: pages that no call touches cost
+    /// nothing.
+    template <class T>
+    [[nodiscard]] T* hold(std::size_t elements) {
+        const std::size_t bytes = elements * sizeof(T);
+        if (bytes > held_.size()) {
             release();
-            held_ = {aligned_allocator<T>().allocate(elements), elements};
+            held_ = {aligned_allocator<std::byte>().allocate(bytes), bytes};
         }
-        return held_.data();
+        return static_cast<T*>(static_cast<void*>(held_.data()));
     }
 
 private:
     void release() noexcept {
         if (!held_.empty())
-            aligned_allocator<T>().deallocate(held_.data(), held_.size());
+            aligned_allocator<std::byte>().deallocate(held_.data(), held_.size());
         held_ = {};
     }
-    std::span<T> held_;
+    std::span<std::byte> held_;
 };
 
-/// A pool that is the thread which asks, for at most so many frames.
-template <std::size_t MostFrames>
-struct inline_executor {
-    static constexpr std::size_t most_frames = MostFrames;
-    static constexpr std::size_t threads() { return 1; }
-    template <class Body>
-    void on_each_thread(const Body& body) const {
-        body(work_share{0, 1});
-    }
-    template <class Body>
-    void for_each(std::size_t count, const Body& body) const {
-        for (std::size_t i = 0; i < count; ++i)
-            body(i);
-    }
-};
+namespace detail {
 
-/// How many frames of such a network go through it. `View` is a deployed_view.
+/// How many frames pass a network. `View` is a deployed_view.
 template <class View>
-struct frame_batch {
-    using memory_type = workspace_buffer<typename View::activation>;
+struct batch_inference {
+    using activation = typename View::activation;
+    using frames_type = frames_ref<View::input_shape>;
     static constexpr std::size_t pixels = View::input_shape.size(), outputs = View::outputs;
 
     /// Frames of a large network that pass together at most, beyond one for each thread. Weights are read
@@ -85,88 +71,54 @@ struct frame_batch {
     /// second level of cache; more only where the weights outgrow that level.
     static constexpr std::size_t most_memory =
         View::weight_bytes > kernels::l2_cache_bytes ? View::most_on_stack : std::size_t{256} * 1024;
-    static constexpr std::size_t on_one_thread = std::clamp<std::size_t>(
-        most_memory / (View::workspace_elements * sizeof(typename View::activation)), 1, 4);
+    static constexpr std::size_t on_one_thread =
+        std::clamp<std::size_t>(most_memory / (View::workspace_elements * sizeof(activation)), 1, 4);
+    static constexpr bool on_stack = View::workspace_bytes <= View::most_on_stack;
 
-    /// Frames, if there is a row of outputs for each; else throws std::invalid_argument.
-    static std::size_t checked_count(std::size_t counts, std::size_t numbers) {
-        const std::size_t count = counts / pixels;
-        if (count * pixels != counts || count * outputs != numbers)
+    /// `status` is null, or has one element per frame, of which those of broken frames are written. Throws
+    /// std::invalid_argument unless there is a row of outputs for each frame.
+    static frame_status run(const View& view, const frames_type& frames, std::span<float> to,
+                            thread_pool& pool, batch_workspace& memory, frame_status* status = nullptr) {
+        const std::size_t count = frames.size();
+        if (count * pixels != frames.elements() || count * outputs != to.size())
             throw std::invalid_argument("deployed: expected frames of " + std::to_string(pixels) +
                                         " counts and " + std::to_string(outputs) +
-                                        " outputs for each, found " + std::to_string(counts) +
-                                        " counts and " + std::to_string(numbers) + " outputs");
-        return count;
-    }
-
-    template <class Count>
-    static frame_status recognise(const View& view, thread_pool& threads, std::span<const Count> frames,
-                                  std::span<float> to) {
+                                        " outputs for each, found " + std::to_string(frames.elements()) +
+                                        " counts and " + std::to_string(to.size()) + " outputs");
+        const auto infer = [&](std::size_t first, activation* elements, const auto& executor) {
+            return view.infer_batch(frames, first, to.data() + first * outputs, elements, executor,
+                                    status == nullptr ? nullptr : status + first);
+        };
+        std::atomic<bool> usual = true;
         if constexpr (View::large) {
-            memory_type memory;
-            return recognise(view, threads, frames, to, memory);
-        } else if constexpr (View::workspace_bytes <= View::most_on_stack) {
-            return a_few_together(view, threads, frames, to);
+            const std::size_t group = std::max(most_on_all_threads, pool.threads());
+            for (std::size_t first = 0; first < count; first += group) {
+                const batch_executor<thread_pool> executor{pool, std::min(group, count - first)};
+                if (infer(first, memory.hold<activation>(executor.copies() * View::workspace_elements),
+                          executor) != frame_status::ok)
+                    usual = false;
+            }
         } else {
-            return from_the_heap(view, threads, frames, to);
+            const std::size_t shares = std::min(pool.threads(), count); // one frame wakes no other thread
+            activation* const heap =
+                on_stack ? nullptr : memory.hold<activation>(shares * View::workspace_elements);
+            pool.for_each(shares, [&](std::size_t index) {
+                const work_share share{index, shares};
+                alignas(alignment)
+                    std::array<activation, on_stack ? on_one_thread * View::workspace_elements : 1>
+                        stack; // not zeroed
+                activation* const elements =
+                    on_stack ? stack.data() : heap + index * View::workspace_elements;
+                inline_executor<on_one_thread> here;
+                const std::size_t end = share.end(count);
+                for (std::size_t first = share.begin(count); first < end; first += on_one_thread) {
+                    const batch_executor<inline_executor<on_one_thread>> executor{
+                        here, std::min(on_one_thread, end - first)};
+                    if (infer(first, elements, executor) != frame_status::ok)
+                        usual = false;
+                }
+            });
         }
-    }
-    template <class Count>
-    static frame_status recognise(const View& view, thread_pool& threads, std::span<const Count> frames,
-                                  std::span<float> to, memory_type& memory) requires View::large {
-        const std::size_t count = checked_count(frames.size(), to.size());
-        const std::size_t group = std::max(most_on_all_threads, threads.threads());
-        frame_status status = frame_status::ok;
-        for (std::size_t first = 0; first < count; first += group) {
-            const batch_executor<thread_pool> executor{threads, std::min(group, count - first)};
-            if (view.infer_batch(frames.data() + first * pixels, to.data() + first * outputs,
-                                 memory.hold(executor.copies() * View::workspace_elements),
-                                 executor) != frame_status::ok)
-                status = frame_status::not_finite;
-        }
-        return status;
-    }
-
-private:
-    template <class Count>
-    static frame_status a_few_together(const View& view, thread_pool& threads, std::span<const Count> frames,
-                                       std::span<float> to) {
-        const std::size_t count = checked_count(frames.size(), to.size());
-        const std::size_t shares = std::min(threads.threads(), count); // one frame wakes no other thread
-        std::atomic<bool> usual = true;
-        threads.for_each(shares, [&](std::size_t index) {
-            const work_share share{index, shares};
-            alignas(alignment) std::array<typename View::activation, on_one_thread * View::workspace_elements>
-                memory; // not zeroed
-            inline_executor<on_one_thread> here;
-            const std::size_t end = share.end(count);
-            for (std::size_t first = share.begin(count); first < end; first += on_one_thread) {
-                const batch_executor<inline_executor<on_one_thread>> executor{
-                    here, std::min(on_one_thread, end - first)};
-                if (view.infer_batch(frames.data() + first * pixels, to.data() + first * outputs,
-                                     memory.data(), executor) != frame_status::ok)
-                    usual = false;
-            }
-        });
-        return usual ? frame_status::ok : frame_status::not_finite;
-    }
-    template <class Count>
-    static frame_status from_the_heap(const View& view, thread_pool& threads, std::span<const Count> frames,
-                                      std::span<float> to) {
-        const std::size_t count = checked_count(frames.size(), to.size());
-        std::atomic<bool> usual = true;
-        using workspace = typename View::workspace;
-        std::vector<std::unique_ptr<workspace>> memories(threads.threads());
-        for (std::unique_ptr<workspace>& memory : memories)
-            memory.reset(new workspace); // not zeroed, as by make_unique_for_overwrite, which libc++ 14 lacks
-        threads.on_each_thread([&](work_share share) {
-            for (std::size_t i = share.begin(count); i < share.end(count); ++i) {
-                const tensor_view<const Count, View::input_shape> frame(frames.data() + i * pixels);
-                if (view(frame, to.subspan(i * outputs).template first<outputs>(), *memories[share.index]) !=
-                    frame_status::ok)
-                    usual = false;
-            }
-        });
         return usual ? frame_status::ok : frame_status::not_finite;
     }
 };

@@ -4,19 +4,22 @@
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/lowering.hpp>
 #include <tactnet/deployment/lowering/sequence.hpp>
+#include <tactnet/networks/model.hpp>
+#include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tactnet {
@@ -36,19 +39,20 @@ struct folded_check<single_precision> {
 
 } // namespace detail
 
-/// A deployed network that keeps its weights, on the heap since they were packed: calls use none. May be
-/// copied and moved. `deployed_view` tells of the calls.
+/// A deployed network that keeps its weights, packed, on the heap: calls use none. May be copied and moved.
+///
+///     const auto network = deploy(model);
+///     if (const auto found = network.classify(frame)) // index, probability and name
+///         show(found->name);
+///
+/// Calls with one frame are `const` and `noexcept` and may come from any number of threads. Their last
+/// argument may be a `workspace`; without, workspace_bytes lie on the stack.
 template <class Network, class Format = single_precision>
-class deployed : protected detail::refused_calls<Network::input_shape, Network::outputs> {
+class deployed : detail::refused_calls<Network::input_shape, Network::outputs> {
     using plan = lowered_network<Network, Format>;
 
 public:
     using view_type = deployed_view<Network::input_shape, typename plan::step>;
-
-private:
-    using batch = detail::frame_batch<view_type>;
-
-public:
     using activation = typename Format::activation;
     using workspace = typename view_type::workspace;
     static constexpr shape input_shape = Network::input_shape;
@@ -92,8 +96,26 @@ public:
         view_type::pack(folded_.data(), packed_.data());
     }
 
+    /// Names the classes, which the first outputs stand for, in order. Throws std::invalid_argument unless
+    /// there are 1 to `outputs` names.
+    void set_classes(std::vector<std::string> names) {
+        if (names.empty() || names.size() > outputs)
+            throw std::invalid_argument("deploy: expected a model that names 1 to " +
+                                        std::to_string(outputs) + " classes, found " +
+                                        std::to_string(names.size()) + " names");
+        classes_ = std::move(names);
+    }
+    /// Empty if the classes have no names.
+    [[nodiscard]] std::span<const std::string> classes() const& noexcept { return classes_; }
+    std::span<const std::string> classes() const&& = delete;
+    /// How many of the outputs stand for a class: the first ones, as many as there are names; all without
+    /// names.
+    [[nodiscard]] std::size_t class_count() const noexcept {
+        return classes_.empty() ? outputs : classes_.size();
+    }
+
     /// A view of these weights, which must outlive it.
-    [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data()); }
+    [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data(), class_count()); }
     view_type view() const&& = delete;
     operator view_type() const& noexcept { return view(); }
     operator view_type() const&& = delete;
@@ -102,47 +124,64 @@ public:
         return std::span<const float, view_type::folded_elements>(folded_.data(), folded_.size());
     }
 
-    using detail::refused_calls<input_shape, outputs>::operator();
-    frame_status operator()(tensor_view<const std::uint8_t, input_shape> counts, std::span<float, outputs> to,
-                            workspace& memory) const noexcept {
-        return view()(counts, to, memory);
+    using detail::refused_calls<input_shape, outputs>::infer;
+    using detail::refused_calls<input_shape, outputs>::classify;
+
+    /// Writes the outputs of the network for a frame: logits, or whatever its last layer computes.
+    frame_status infer(frame_ref<input_shape> frame, std::span<float, outputs> to,
+                       workspace& memory) const noexcept {
+        return view().infer(frame, to, memory);
     }
-    frame_status operator()(tensor_view<const float, input_shape> counts, std::span<float, outputs> to,
-                            workspace& memory) const noexcept {
-        return view()(counts, to, memory);
+    frame_status infer(frame_ref<input_shape> frame, std::span<float, outputs> to) const noexcept {
+        return view().infer(frame, to);
     }
-    frame_status operator()(tensor_view<const std::uint8_t, input_shape> counts,
-                            std::span<float, outputs> to) const noexcept {
-        return view()(counts, to);
+    /// The class that a frame most likely shows; its name is a view of one of `classes()`. std::nullopt if
+    /// the frame or its outputs are not finite.
+    [[nodiscard]] std::optional<recognition> classify(frame_ref<input_shape> frame,
+                                                      workspace& memory) const& noexcept {
+        return named(view().classify(frame, memory));
     }
-    frame_status operator()(tensor_view<const float, input_shape> counts,
-                            std::span<float, outputs> to) const noexcept {
-        return view()(counts, to);
+    [[nodiscard]] std::optional<recognition> classify(frame_ref<input_shape> frame) const& noexcept {
+        return named(view().classify(frame));
     }
-    /// Frames on all threads of a pool: each bit-exact with itself alone. A small network takes them one
-    /// after the other on each thread, or a few together where its weights outgrow the second level of cache;
-    /// of a large one, some frames pass together, so that weights are read once for all of them, and all
-    /// threads share each layer, for a single frame too. Tells whether all were recognised. Throws
-    /// std::invalid_argument unless there is a row of outputs for each frame, and std::bad_alloc: a large
-    /// network uses the heap here, unless it is given memory that is kept.
-    frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames,
-                            std::span<float> to) const {
-        return batch::recognise(view(), threads, frames, to);
+
+    /// Writes the outputs of many frames, one row each, on all threads of a pool. The bits are those of each
+    /// frame alone. `not_finite` if one of the frames is broken. A small network takes them one after the
+    /// other on each thread, or a few together if its weights outgrow the second level of cache; through a
+    /// large one, frames pass together, so that weights are read once for all of them, and all threads share
+    /// each layer, for a single frame too. Throws std::invalid_argument unless there is a row of outputs for
+    /// each frame. A network whose workspace does not fit the stack uses the heap, unless `memory` is kept
+    /// from call to call.
+    frame_status infer(const frames_ref<input_shape>& frames, std::span<float> to, thread_pool& pool,
+                       batch_workspace& memory) const {
+        return detail::batch_inference<view_type>::run(view(), frames, to, pool, memory);
     }
-    frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to) const {
-        return batch::recognise(view(), threads, frames, to);
+    frame_status infer(const frames_ref<input_shape>& frames, std::span<float> to, thread_pool& pool) const {
+        batch_workspace memory;
+        return infer(frames, to, pool, memory);
     }
-    /// Memory for such calls: it grows to what a call needs, and is kept for the next. It serves one call at
-    /// a time.
-    using batch_workspace = detail::workspace_buffer<activation>;
-    frame_status operator()(thread_pool& threads, std::span<const std::uint8_t> frames, std::span<float> to,
-                            batch_workspace& memory) const requires view_type::large {
-        return batch::recognise(view(), threads, frames, to, memory);
+    /// The classes that many frames most likely show. Throws std::invalid_argument unless there are whole
+    /// frames.
+    [[nodiscard]] std::vector<std::optional<recognition>>
+    classify(const frames_ref<input_shape>& frames, thread_pool& pool, batch_workspace& memory) const& {
+        std::vector<float> found(frames.size() * outputs);
+        std::vector<frame_status> status(frames.size(), frame_status::ok);
+        (void)detail::batch_inference<view_type>::run(view(), frames, found, pool, memory, status.data());
+        std::vector<std::optional<recognition>> result(frames.size());
+        for (std::size_t i = 0; i < frames.size(); ++i)
+            if (status[i] == frame_status::ok)
+                result[i] = named(
+                    view().classify_outputs(std::span(found).subspan(i * outputs).template first<outputs>()));
+        return result;
     }
-    frame_status operator()(thread_pool& threads, std::span<const float> frames, std::span<float> to,
-                            batch_workspace& memory) const requires view_type::large {
-        return batch::recognise(view(), threads, frames, to, memory);
+    [[nodiscard]] std::vector<std::optional<recognition>> classify(const frames_ref<input_shape>& frames,
+                                                                   thread_pool& pool) const& {
+        batch_workspace memory;
+        return classify(frames, pool, memory);
     }
+    /// The names would be gone with the temporary.
+    template <class... Arguments>
+    std::optional<recognition> classify(Arguments&&...) const&& = delete;
 
 private:
     static constexpr float largest_parameter = 1e30f;
@@ -165,13 +204,20 @@ private:
             largest >= needed ? static_cast<float>(largest) : std::numeric_limits<float>::max();
     }
 
+    [[nodiscard]] std::optional<recognition> named(std::optional<recognition> found) const noexcept {
+        if (found && !classes_.empty())
+            found->name = classes_[found->index];
+        return found;
+    }
+
     aligned_vector<float> folded_;
     aligned_vector<typename Format::packed> packed_;
+    std::vector<std::string> classes_;
 };
 
-/// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Any list of layers that
-/// have a deployed form; the main branch of a residual block must end in a convolution, with or without batch
-/// norm. Throws as the constructor of `deployed`. A `model` becomes a deployed_model, which names classes.
+/// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Takes any list of layers
+/// that can be deployed; the main branch of a residual block must end in a convolution, with or without batch
+/// norm. Throws as the constructor of `deployed`.
 template <class Network>
 [[nodiscard]] deployed<Network>
 deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale = 1) {
@@ -183,6 +229,15 @@ template <class Network>
     // Not on the stack: the photographs of large networks take more than half a megabyte.
     const std::vector<float> zero(Network::input_shape.size());
     return deployed<Network>(network, std::span(zero).template first<Network::input_shape.size()>(), 1);
+}
+/// A trained network with its normalisation and the names of its classes, as `load_model` returns it. Throws
+/// std::invalid_argument as the constructor of `deployed` and as set_classes.
+template <class Network>
+[[nodiscard]] deployed<Network> deploy(const model<Network>& trained) {
+    deployed<Network> network(trained.network, trained.normalise.mean.view().elements(),
+                              trained.normalise.scale);
+    network.set_classes(trained.classes);
+    return network;
 }
 
 } // namespace TACTNET_ARCH

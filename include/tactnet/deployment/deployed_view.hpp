@@ -1,10 +1,12 @@
 #pragma once
 
-#include <tactnet/deployment/frame.hpp>
-#include <tactnet/deployment/frame_status.hpp>
+#include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/deployment/refused_call.hpp>
 #include <tactnet/deployment/steps.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
+#include <tactnet/networks/recognition.hpp>
+#include <tactnet/tensor/alignment.hpp>
+#include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <type_traits>
 
@@ -21,12 +24,65 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// Reads a frame [channel][row][column] into the map of the first step, pixel by pixel without gaps, as
+/// (count − mean) × scale. Its folded numbers, in every format: the mean frame, the scale, the largest
+/// magnitude that the first step may see.
+template <shape Input>
+struct input_stage<single_precision, Input> {
+    static constexpr std::size_t folded = Input.size() + 2;
+    static constexpr std::size_t packed = whole_lines(Input.size()) + whole_lines(2);
+    static constexpr std::size_t map = whole_lines(Input.size()); ///< elements of the first step's input
+
+    static constexpr void pack(const float* from, float* to) {
+        std::copy_n(from, Input.size(), to);
+        std::copy_n(from + Input.size(), 2, to + whole_lines(Input.size()));
+    }
+    /// Whether all of the frame is finite and small enough. Pools and ReLUs would hide a NaN or an infinity
+    /// from the outputs. Counts of 8 bits never exceed the limit.
+    template <class Count>
+    static bool read(const float* packed_values, const Count* counts, float* in) noexcept {
+        const float* const mean = packed_values;
+        const float scale = packed_values[map], limit = packed_values[map + 1];
+        if constexpr (Input.channels == 1) {
+            return kernels::normalise_counts<Input.size()>(counts, mean, scale, limit, in);
+        } else {
+            std::uint32_t beyond = 0;
+            for (std::size_t channel = 0; channel < Input.channels; ++channel)
+                for (std::size_t pixel = 0; pixel < Input.area(); ++pixel) {
+                    const std::size_t at = channel * Input.area() + pixel;
+                    const float number = (static_cast<float>(counts[at]) - mean[at]) * scale;
+                    in[pixel * Input.channels + channel] = number;
+                    if constexpr (std::is_floating_point_v<Count>)
+                        beyond += !(number <= limit && number >= -limit);
+                }
+            return beyond == 0;
+        }
+    }
+};
+
+/// Writes the map of the last step, `Stride` elements from one pixel to the next, as outputs
+/// [channel][row][column].
+template <shape Output, std::size_t Stride>
+struct output_stage<single_precision, Output, Stride> {
+    static constexpr std::size_t map = whole_lines(Output.area() * Stride); ///< elements of the last map
+    /// Whether all outputs are finite.
+    static bool write(const float* out, std::span<float, Output.size()> to) noexcept {
+        std::uint32_t beyond = 0;
+        for (std::size_t channel = 0; channel < Output.channels; ++channel)
+            for (std::size_t pixel = 0; pixel < Output.area(); ++pixel)
+                to[channel * Output.area() + pixel] = out[pixel * Stride + channel];
+        for (const float value : to)
+            beyond += !(std::abs(value) <= std::numeric_limits<float>::max());
+        return beyond == 0;
+    }
+};
+
 template <std::size_t Needed, std::size_t AtMost>
 concept fits_stack = (Needed <= AtMost);
 
 /// The fastest form of a trained network, over packed weights that someone else keeps (in a `deployed`, or in
-/// a constant of the program). Copies are cheap. A call reads and writes nothing but its arguments: as many
-/// threads as one likes may call the same object. No heap, no exceptions, no branch on the instruction set.
+/// a constant of the program). Copies are cheap. A call reads and writes nothing but its arguments, so any
+/// number of threads may call the same object. No heap, no exceptions, no branch on the instruction set.
 ///
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
@@ -37,8 +93,7 @@ class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
     using format = typename Steps::format;
     using packed_number = typename format::packed;
     using input = input_stage<format, Input>;
-    using exit = output_stage<format, Steps::output, Steps::output_stride>;
-    static constexpr std::size_t output_elements = exit::map;
+    using output = output_stage<format, Steps::output, Steps::output_stride>;
 
 public:
     using steps = Steps;
@@ -53,18 +108,16 @@ public:
     static constexpr std::size_t packed_elements = input::packed + Steps::packed;
     static constexpr std::size_t weight_bytes = packed_elements * sizeof(packed_number);
 
+    /// Elements of memory for each of the frames or threads, whichever are more, of infer_batch.
+    static constexpr std::size_t workspace_elements = input::map + output::map + Steps::workspace_elements;
     /// Memory for one call, on the stack or wherever the caller likes. Nothing in it outlives the call.
     struct workspace {
-        alignas(alignment)
-            std::array<activation, input::map + output_elements + Steps::workspace_elements> elements;
+        alignas(alignment) std::array<activation, workspace_elements> elements;
     };
     static constexpr std::size_t workspace_bytes = sizeof(workspace);
-    /// Networks that need more take their memory from the caller: stacks end at a few megabytes.
+    /// Networks that need more take their workspace from the caller: stacks end at a few megabytes.
     static constexpr std::size_t most_on_stack = std::size_t{1} << 20;
-    /// Elements of memory for each of the frames or threads, whichever are more, that pass together.
-    static constexpr std::size_t workspace_elements =
-        input::map + output_elements + Steps::workspace_elements;
-    /// Whether frames had better pass together, and one frame occupy all threads.
+    /// Whether layer-wise batching pays, and all threads should share one frame.
     static constexpr bool large = Steps::large;
 
     /// Packed weights as a value, for constants of a program.
@@ -82,75 +135,93 @@ public:
         return result;
     }
 
-    /// Weights that outlive the view, aligned to `alignment`.
-    constexpr explicit deployed_view(const packed_number* packed) noexcept : packed_(packed) {}
-    constexpr explicit deployed_view(const packed_weights& weights) noexcept
-        : packed_(weights.elements.data()) {}
+    /// `packed` must outlive the view and be aligned to `alignment`. Only the first `classes` outputs stand
+    /// for a class.
+    constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs) noexcept
+        : packed_(packed), classes_(classes) {}
+    constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs) noexcept
+        : deployed_view(weights.elements.data(), classes) {}
 
-    using detail::refused_calls<Input, outputs>::operator();
-    /// Outputs of a frame of counts as the sensor gives them, or of numbers that are not whole, as after
-    /// filtering: [row][column], for several channels one after the other. `to` gets what the trained network
-    /// gives, logits or whatever its last layer makes.
-    frame_status operator()(tensor_view<const std::uint8_t, Input> counts, std::span<float, outputs> to,
-                            workspace& memory) const noexcept {
-        return recognise(counts.data(), to, memory);
+    using detail::refused_calls<Input, outputs>::infer;
+    using detail::refused_calls<Input, outputs>::classify;
+
+    /// Writes the outputs of the network for a frame: logits, or whatever its last layer computes.
+    frame_status infer(frame_ref<Input> frame, std::span<float, outputs> to,
+                       workspace& memory) const noexcept {
+        activation* const in = memory.elements.data();
+        activation* const out = in + input::map;
+        const bool usual = read(frame, in);
+        Steps::run(packed_ + input::packed, in, out, out + output::map);
+        return output::write(out, to) && usual ? frame_status::ok : frame_status::not_finite;
     }
-    frame_status operator()(tensor_view<const float, Input> counts, std::span<float, outputs> to,
-                            workspace& memory) const noexcept {
-        return recognise(counts.data(), to, memory);
+    /// With a workspace on the stack.
+    frame_status infer(frame_ref<Input> frame, std::span<float, outputs> to) const noexcept {
+        check_stack();
+        workspace memory;
+        return infer(frame, to, memory);
     }
-    /// With workspace on the stack: workspace_bytes of it, up to `most_on_stack`.
-    frame_status operator()(tensor_view<const std::uint8_t, Input> counts,
-                            std::span<float, outputs> to) const noexcept {
-        return on_stack(counts.data(), to);
+    /// The class that a frame most likely shows, without its name. std::nullopt if the frame or its outputs
+    /// are not finite.
+    [[nodiscard]] std::optional<recognition> classify(frame_ref<Input> frame,
+                                                      workspace& memory) const noexcept {
+        std::array<float, outputs> found;
+        return infer(frame, found, memory) == frame_status::ok ? classify_outputs(found) : std::nullopt;
     }
-    frame_status operator()(tensor_view<const float, Input> counts,
-                            std::span<float, outputs> to) const noexcept {
-        return on_stack(counts.data(), to);
+    [[nodiscard]] std::optional<recognition> classify(frame_ref<Input> frame) const noexcept {
+        check_stack();
+        workspace memory;
+        return classify(frame, memory);
     }
-    /// Frames and outputs one behind the other, on all threads of the executor
-    /// (deployment/steps/batch_executor.hpp); `memory` holds workspace_elements for each of
-    /// executor.copies(). The same bits as frame by frame.
-    template <class Count, class Executor>
-    frame_status infer_batch(const Count* counts, float* to, activation* memory,
-                             const Executor& executor) const {
+    /// The class that the outputs of a frame name.
+    [[nodiscard]] std::optional<recognition>
+    classify_outputs(std::span<const float, outputs> found) const noexcept {
+        if constexpr (detail::gives_probabilities<Steps>)
+            return classify_probabilities(found, classes_);
+        else
+            return classify_logits(found, classes_);
+    }
+    /// How many of the outputs stand for a class: the first ones.
+    [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
+
+    /// All frames together, layer by layer, on all threads of the executor (steps/batch_executor.hpp).
+    /// `memory` holds workspace_elements for each of executor.copies(). `status` is null, or has one element
+    /// per frame, of which those of broken frames are written. The bits are those of each frame alone.
+    template <class Executor>
+    frame_status infer_batch(const frames_ref<Input>& frames, std::size_t first, float* to,
+                             activation* memory, const Executor& executor, frame_status* status) const {
         activation* const in = memory;
         activation* const out = in + executor.copies() * input::map;
         std::atomic<bool> usual = true;
-        executor.for_each_frame([&](std::size_t frame) {
-            if (!input::read(packed_, counts + frame * Input.size(), in + frame * input::map))
-                usual = false;
-        });
-        Steps::run_batch(packed_ + input::packed, in, input::map, out,
-                         out + executor.copies() * output_elements, executor);
-        executor.for_each_frame([&](std::size_t frame) {
-            if (!exit::write(out + frame * output_elements,
-                             std::span<float, outputs>(to + frame * outputs, outputs)))
-                usual = false;
+        const auto check = [&](std::size_t frame, bool finite) {
+            if (finite)
+                return;
+            usual = false;
+            if (status != nullptr)
+                status[frame] = frame_status::not_finite;
+        };
+        executor.for_each_frame(
+            [&](std::size_t i) { check(i, read(frames[first + i], in + i * input::map)); });
+        Steps::run_batch(packed_ + input::packed, in, input::map, out, out + executor.copies() * output::map,
+                         executor);
+        executor.for_each_frame([&](std::size_t i) {
+            check(i,
+                  output::write(out + i * output::map, std::span<float, outputs>(to + i * outputs, outputs)));
         });
         return usual ? frame_status::ok : frame_status::not_finite;
     }
 
 private:
-    template <class Count>
-    frame_status on_stack(const Count* counts, std::span<float, outputs> to) const noexcept {
+    bool read(frame_ref<Input> frame, activation* in) const noexcept {
+        return frame.visit([&](auto view) { return input::read(packed_, view.data(), in); });
+    }
+    static constexpr void check_stack() {
         static_assert(fits_stack<workspace_bytes, most_on_stack>,
                       "deployed: this network needs more workspace than a stack should hold: give it some "
                       "from the heap; fits_stack shows bytes needed, bytes at most");
-        workspace memory;
-        return recognise(counts, to, memory);
-    }
-    template <class Count>
-    frame_status recognise(const Count* counts, std::span<float, outputs> to,
-                           workspace& memory) const noexcept {
-        activation* const in = memory.elements.data();
-        activation* const out = in + input::map;
-        const bool usual = input::read(packed_, counts, in);
-        Steps::run(packed_ + input::packed, in, out, out + output_elements);
-        return exit::write(out, to) && usual ? frame_status::ok : frame_status::not_finite;
     }
 
     const packed_number* packed_;
+    std::size_t classes_;
 };
 
 } // namespace TACTNET_ARCH

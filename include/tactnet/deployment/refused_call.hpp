@@ -1,11 +1,10 @@
 #pragma once
 
-#include <tactnet/deployment/frame_status.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/deployment/frame_ref.hpp>
+#include <tactnet/networks/recognition.hpp>
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -16,13 +15,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-class thread_pool; // calls with one are no frames: see deploy.hpp
-
-namespace detail {
-template <class Element>
-inline constexpr bool is_count_or_float =
-    std::is_same_v<Element, std::uint8_t> || std::is_same_v<Element, float>;
-} // namespace detail
+class thread_pool;
 
 template <class Element>
 concept frame_has_type = detail::is_count_or_float<Element>; // one expression, which compilers show
@@ -38,30 +31,6 @@ template <std::size_t Elements, std::size_t ExpectedElements>
 concept outputs_have_size = (Elements == ExpectedElements);
 
 namespace detail {
-
-/// Elements of an argument as far as its type tells: 0 is not known.
-template <class Argument>
-inline constexpr std::size_t elements_of = 0;
-template <class T, std::size_t Size>
-inline constexpr std::size_t elements_of<std::array<T, Size>> = Size;
-template <class T, std::size_t Size>
-inline constexpr std::size_t elements_of<T[Size]> = Size;
-template <class T, std::size_t Size>
-inline constexpr std::size_t elements_of<std::span<T, Size>> = Size == std::dynamic_extent ? 0 : Size;
-
-/// The type of an argument's elements, with its const; void if there are none.
-template <class Argument>
-[[nodiscard]] auto find_element() {
-    using plain = std::remove_reference_t<Argument>;
-    if constexpr (requires(plain & argument) { *argument.data(); })
-        return std::type_identity<std::remove_pointer_t<decltype(std::declval<plain&>().data())>>{};
-    else if constexpr (requires(plain & argument) { *argument; })
-        return std::type_identity<std::remove_reference_t<decltype(*std::declval<plain&>())>>{};
-    else
-        return std::type_identity<void>{};
-}
-template <class Argument>
-using element_of = typename decltype(find_element<Argument>())::type;
 
 template <class Found>
 void refuse_type() {
@@ -84,11 +53,12 @@ void refuse_size() {
                   "frame_has_size shows found, expected");
 }
 
-/// The sentence about a frame.
+/// The error about a frame.
 template <class Frame, shape Input>
 void refuse_frame() {
     using plain = std::remove_cvref_t<Frame>;
     using element = std::remove_const_t<element_of<Frame>>;
+    constexpr shape found = shape_of<plain>;
     if constexpr (requires(const plain& frame) { frame.template as<Input>(); })
         static_assert(std::is_void_v<Frame>,
                       "deployed: the size of this frame is known when running only: compare it by "
@@ -96,15 +66,15 @@ void refuse_frame() {
                       "that holds");
     else if constexpr (!frame_has_type<element>)
         refuse_type<element>();
-    else if constexpr (requires { typename std::integral_constant<shape, plain::extents>; })
-        refuse_shape<plain::extents.rows, plain::extents.columns, plain::extents.channels, Input.rows,
-                     Input.columns, Input.channels>();
-    else if constexpr (elements_of<plain> != 0 && elements_of<plain> != Input.size())
+    else if constexpr (found != shape{0, 0, 0})
+        refuse_shape<found.rows, found.columns, found.channels, Input.rows, Input.columns, Input.channels>();
+    else if constexpr (elements_of<plain> != 0)
         refuse_size<elements_of<plain>, Input.size()>();
     else
         static_assert(std::is_void_v<Frame>,
-                      "deployed: the type of this frame does not tell its shape: compare its size, then name "
-                      "the shape, as in tensor_view<const float, network::input_shape>(frame.data())");
+                      "deployed: the type of this frame does not tell its size: compare it by "
+                      "try_view<network::input_shape>(frame), which is nothing if it is another, and give "
+                      "what that holds");
 }
 
 template <class Found>
@@ -120,7 +90,7 @@ void refuse_number_of_outputs() {
                   "outputs_have_size shows found, expected");
 }
 
-/// The sentence about outputs.
+/// The error about outputs.
 template <class Outputs, std::size_t Expected>
 void refuse_outputs() {
     using plain = std::remove_cvref_t<Outputs>;
@@ -135,34 +105,33 @@ void refuse_outputs() {
                       "it, as in std::span<float, network::outputs>(outputs)");
 }
 
-/// The calls that a deployed network refuses. It takes them in by `using`, beside those that it takes: no
-/// call that one of them takes gets here.
+/// Calls with arguments that a deployed network does not take. Its own calls, which are no templates, go
+/// before these.
 template <shape Input, std::size_t Outputs>
 class refused_calls {
     template <class Frame>
-    static constexpr bool takes_frame =
-        std::is_convertible_v<Frame, tensor_view<const std::uint8_t, Input>> ||
-        std::is_convertible_v<Frame, tensor_view<const float, Input>>;
-    template <class To>
-    static constexpr bool takes_outputs = std::is_convertible_v<To, std::span<float, Outputs>>;
-    template <class Pool>
-    static constexpr bool is_pool = std::is_same_v<std::remove_cvref_t<Pool>, thread_pool>;
-
-protected:
-    template <class Frame>
-    static constexpr bool refuses_frame = !takes_frame<Frame> && !is_pool<Frame>;
+    static constexpr bool is_frame = std::is_convertible_v<Frame, frame_ref<Input>>;
+    template <class Argument>
+    static constexpr bool is_pool = std::is_same_v<std::remove_cvref_t<Argument>, thread_pool>;
 
 public:
-    template <class Frame, class To, class... Memory>
-    requires refuses_frame<Frame> frame_status operator()(Frame&&, To&&, Memory&&...) const noexcept {
-        refuse_frame<Frame, Input>();
+    template <class Frame, class To, class... Rest>
+        requires(!(is_frame<Frame> &&
+                   std::is_convertible_v<To, std::span<float, Outputs>>)&&!(is_pool<Rest> || ...))
+    frame_status infer(Frame&&, To&&, Rest&&...)
+    const noexcept {
+        if constexpr (is_frame<Frame>)
+            refuse_outputs<To, Outputs>();
+        else
+            refuse_frame<Frame, Input>();
         return {};
     }
-    template <class Frame, class To, class... Memory>
-        requires(takes_frame<Frame> && !takes_outputs<To> && !std::is_void_v<element_of<To>>)
-    frame_status operator()(Frame&&, To&&, Memory&&...) const noexcept {
-        refuse_outputs<To, Outputs>();
-        return {};
+    template <class Frame, class... Rest>
+        requires(!is_frame<Frame> && !(is_pool<Rest> || ...))
+    std::optional<recognition> classify(Frame&&, Rest&&...)
+    const noexcept {
+        refuse_frame<Frame, Input>();
+        return std::nullopt;
     }
 };
 

@@ -17,7 +17,7 @@
 // with a row for each frame.
 //
 //     Eigen::Vector<float, 22> logits;
-//     recognise(frame, view_elements(logits));
+//     network.infer(frame, view_elements(logits));
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

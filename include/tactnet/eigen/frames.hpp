@@ -21,9 +21,9 @@
 // row.
 //
 //     Eigen::Matrix<float, 28, 50, Eigen::RowMajor> pressure;        // or frame_matrix<float, shape{28, 50}>
-//     recognise(view_frame(pressure), logits);                       // sizes compared when compiling
+//     network.infer(view_frame(pressure), logits);               // sizes compared when compiling
 //     Eigen::Matrix<float, -1, -1, Eigen::RowMajor> cells(28, 50);
-//     recognise(view_frame<shape{28, 50}>(cells), logits);           // compared when called
+//     network.infer(view_frame<shape{28, 50}>(cells), logits);   // compared when called
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

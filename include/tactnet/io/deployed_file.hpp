@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/deployment/deployed_model.hpp>
+#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/eight_bit/layout_of.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
@@ -31,13 +31,12 @@ template <class Network>
 [[nodiscard]] std::vector<float> logits_of(const Network& network, std::span<const std::uint8_t> images,
                                            std::size_t classes) {
     const std::unique_ptr<typename Network::workspace> memory(new typename Network::workspace); // not zeroed
-    constexpr std::size_t size = Network::input_shape.size();
+    const frames_ref<Network::input_shape> frames(images);
     std::vector<float> logits;
-    for (std::size_t first = 0; first + size <= images.size(); first += size) {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
         std::array<float, Network::outputs> found;
         // What is not finite agrees with no logit of a file.
-        (void)network(tensor_view<const std::uint8_t, Network::input_shape>(images.data() + first),
-                      std::span<float, Network::outputs>(found), *memory);
+        (void)network.infer(frames[i], found, *memory);
         logits.insert(logits.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(classes));
     }
     return logits;
@@ -48,20 +47,19 @@ template <class Network>
 /// The deployed form of a model in a file, as `save_model` writes it: what load_model and deploy give, with
 /// the self-test in the form that is used.
 ///
-///     const auto recognise = load_deployed<net>("tactnet6.safetensors");
+///     const auto network = load_deployed<net>("tactnet6.safetensors");
 ///
 /// Throws file_error as `load_model`, and std::invalid_argument as `deploy`.
 template <class Network>
-[[nodiscard]] deployed_model<Network> load_deployed(const safetensors& file,
-                                                    std::optional<double> epsilon = std::nullopt) {
+[[nodiscard]] deployed<Network> load_deployed(const safetensors& file,
+                                              std::optional<double> epsilon = std::nullopt) {
     const model<Network> trained =
         make_model<Network>(read_model(file, Network::input_shape, stored_arrays_of<Network>(), epsilon));
-    deployed_model<Network> network = deploy(trained);
+    deployed<Network> network = deploy(trained);
     const std::size_t classes = trained.classes.size();
     check_selftest(file, Network::input_shape, classes, [&](std::span<const std::uint8_t> images) {
         if constexpr (Network::ends_in_softmax) { // whose outputs are no logits
-            thread_pool alone;
-            return trained.logits(images, alone);
+            return detail::class_logits(trained, images);
         } else {
             return detail::logits_of(network, images, classes);
         }
@@ -70,19 +68,19 @@ template <class Network>
 }
 /// Of the file at a path.
 template <class Network>
-[[nodiscard]] deployed_model<Network> load_deployed(const std::filesystem::path& path,
-                                                    std::optional<double> epsilon = std::nullopt) {
+[[nodiscard]] deployed<Network> load_deployed(const std::filesystem::path& path,
+                                              std::optional<double> epsilon = std::nullopt) {
     return load_deployed<Network>(safetensors::read(path), epsilon);
 }
 
 /// A network in 8 bits from a file, as `save_deployed` writes it:
 ///
-///     const auto recognise = load_deployed<net, eight_bit>("tactnet6_8bit.safetensors");
+///     const auto network = load_deployed<net, eight_bit>("tactnet6_8bit.safetensors");
 ///
 /// Throws file_error as `read_deployed`, also when the self-test in the file does not give its very logits.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] deployed_model<Network, eight_bit> load_deployed(const safetensors& file) {
+[[nodiscard]] deployed<Network, eight_bit> load_deployed(const safetensors& file) {
     using bytes = deployed<Network, eight_bit>;
     stored_deployed stored = read_deployed(file, folded_layout_of<typename bytes::view_type>());
     constexpr std::size_t numbers = bytes::view_type::folded_elements;
@@ -91,12 +89,13 @@ template <class Network, class Format>
     check_deployed(file, Network::input_shape, classes, [&](std::span<const std::uint8_t> images) {
         return detail::logits_of(network, images, classes);
     });
-    return {std::move(network), std::move(stored.classes)};
+    network.set_classes(std::move(stored.classes));
+    return network;
 }
 /// Of the file at a path.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] deployed_model<Network, eight_bit> load_deployed(const std::filesystem::path& path) {
+[[nodiscard]] deployed<Network, eight_bit> load_deployed(const std::filesystem::path& path) {
     return load_deployed<Network, eight_bit>(safetensors::read(path));
 }
 
@@ -104,7 +103,7 @@ template <class Network, class Format>
 /// `selftest` holds images to keep with what came of them, of which loading expects every bit. Throws
 /// file_error, and as `add_deployed`.
 template <class Network>
-void save_deployed(const std::filesystem::path& path, const deployed_model<Network, eight_bit>& network,
+void save_deployed(const std::filesystem::path& path, const deployed<Network, eight_bit>& network,
                    file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {
     safetensors_writer writer;
     writer.metadata = std::move(metadata);

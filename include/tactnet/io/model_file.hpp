@@ -159,6 +159,23 @@ template <class Network>
     return m;
 }
 
+namespace detail {
+
+/// The logits of images: those of the classes, which a file holds, without the other outputs.
+template <class Network>
+[[nodiscard]] std::vector<float> class_logits(const model<Network>& m, std::span<const std::uint8_t> images) {
+    thread_pool alone;
+    std::vector<float> logits = m.logits(images, alone);
+    const std::size_t count = logits.size() / Network::outputs, classes = m.classes.size();
+    for (std::size_t i = 0; i < count; ++i)
+        std::copy_n(logits.begin() + static_cast<std::ptrdiff_t>(i * Network::outputs), classes,
+                    logits.begin() + static_cast<std::ptrdiff_t>(i * classes));
+    logits.resize(count * classes);
+    return logits;
+}
+
+} // namespace detail
+
 /// Fills a model from a file. Without metadata: epsilon 1e-5, inputs are counts minus `input_mean` where
 /// there is one, classes are named class_00, class_01, …. `epsilon` goes before the file's. Throws
 /// file_error, also when a self-test in the file does not give its logits.
@@ -167,10 +184,8 @@ template <class Network>
                                         std::optional<double> epsilon = std::nullopt) {
     model<Network> m =
         make_model<Network>(read_model(file, Network::input_shape, stored_arrays_of<Network>(), epsilon));
-    check_selftest(file, Network::input_shape, m.classes.size(), [&](std::span<const std::uint8_t> images) {
-        thread_pool alone;
-        return m.logits(images, alone);
-    });
+    check_selftest(file, Network::input_shape, m.classes.size(),
+                   [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
     return m;
 }
 
@@ -234,10 +249,8 @@ inline void save_model(const std::filesystem::path& path, const model_parts& m, 
 template <class Network>
 void save_model(const std::filesystem::path& path, const model<Network>& m, file_metadata metadata = {},
                 std::span<const std::uint8_t> selftest = {}) {
-    save_model(path, parts_of(m), std::move(metadata), selftest, [&](std::span<const std::uint8_t> images) {
-        thread_pool alone;
-        return m.logits(images, alone);
-    });
+    save_model(path, parts_of(m), std::move(metadata), selftest,
+               [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
 }
 
 } // namespace TACTNET_ARCH

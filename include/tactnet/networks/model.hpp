@@ -26,17 +26,16 @@ inline std::size_t count_images(std::size_t pixels, std::size_t size) {
 
 } // namespace detail
 
-/// A network with all that it takes to recognise an image.
+/// A trained network with its normalisation and the names of its classes.
 template <class Network>
 struct model {
     Network network;
     normalisation<Network::input_shape> normalise;
-    /// As many as the network tells apart, from 1 to Network::outputs: the first outputs, in order. Outputs
-    /// behind them stand for nothing.
+    /// Names of the first outputs, in order: from 1 to Network::outputs. The other outputs stand for nothing.
     std::vector<std::string> classes;
 
-    /// Logits of images stored one after the other: one row of `classes.size()` each.
-    /// Throws std::invalid_argument unless there is a whole number of images, one or more.
+    /// Logits of images stored one after the other: a row of Network::outputs for each. Throws
+    /// std::invalid_argument unless there is a whole number of images, one or more.
     [[nodiscard]] std::vector<float> logits(std::span<const std::uint8_t> images,
                                             thread_pool& threads) const {
         constexpr std::size_t size = Network::input_shape.size();
@@ -49,10 +48,10 @@ struct model {
         network.prepare(threads, space);
         network.logits(threads, space, in, out);
         std::vector<float> result;
-        result.reserve(count * classes.size());
+        result.reserve(count * Network::outputs);
         for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t c = 0; c < classes.size(); ++c)
-                result.push_back(out(i, c));
+            for (std::size_t o = 0; o < Network::outputs; ++o)
+                result.push_back(out(i, o));
         return result;
     }
 };

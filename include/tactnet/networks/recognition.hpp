@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -10,8 +10,8 @@
 #include <string_view>
 #include <type_traits>
 
-// What a network's outputs say of a frame. Nothing here uses the heap or throws, and it needs no more than a
-// target without files has.
+// From the outputs of a network to the class that they name. Nothing here uses the heap or throws, and it
+// needs no more than a target without files has.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -23,7 +23,7 @@ struct recognition {
     std::string_view name = {}; ///< a view of the caller's name of the class; empty where none was given
 };
 
-/// Where the largest value stands, the first of several. NaN is passed over; 0 if there is nothing else.
+/// The index of the largest value, of equal ones the first. Skips NaN; 0 if there is no other value.
 [[nodiscard]] constexpr std::size_t first_largest(std::span<const float> values) noexcept {
     std::size_t best = values.size();
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -34,12 +34,13 @@ struct recognition {
 
 namespace detail {
 
-/// A recognition by the shares that classes have in a whole. Nothing if there is no class, if a value is not
-/// finite, or if all shares are zero.
+/// The class with the largest of the first `classes` outputs, and its share of the sum of all shares.
 template <class Share>
-[[nodiscard]] std::optional<recognition> recognise_by(std::span<const float> values, Share share) noexcept {
-    if (values.empty())
+[[nodiscard]] std::optional<recognition> classify_by(std::span<const float> outputs, std::size_t classes,
+                                                     Share share) noexcept {
+    if (classes == 0 || classes > outputs.size())
         return std::nullopt;
+    const std::span<const float> values = outputs.first(classes);
     const std::size_t best = first_largest(values);
     double sum = 0;
     for (const float value : values) {
@@ -53,13 +54,10 @@ template <class Share>
     return recognition{best, largest / sum};
 }
 
-/// Gives a recognition among the first outputs its name.
-template <class Recognise, class Names>
-[[nodiscard]] std::optional<recognition> recognise_named(std::span<const float> outputs, const Names& names,
-                                                         Recognise recognise) noexcept {
-    if (outputs.size() < names.size())
-        return std::nullopt;
-    std::optional<recognition> found = recognise(outputs.first(names.size()));
+/// Names a class, if there is one.
+template <class Names>
+[[nodiscard]] std::optional<recognition> with_name(std::optional<recognition> found,
+                                                   const Names& names) noexcept {
     if (found)
         found->name = names[found->index];
     return found;
@@ -67,38 +65,40 @@ template <class Recognise, class Names>
 
 } // namespace detail
 
-/// The class with the largest logit, of equal ones the first, and its probability by a softmax in double.
-/// Nothing if there is no logit, or if one is NaN or infinite: such a network says nothing of its frame.
-[[nodiscard]] inline std::optional<recognition> likeliest(std::span<const float> logits) noexcept {
-    return detail::recognise_by(logits,
-                                [](double logit, double largest) { return std::exp(logit - largest); });
-}
-/// Names that outlive a call: a container that is not a temporary, or a view.
+/// Names of classes that outlive a call: a container that is not a temporary, or a view.
 template <class Names>
-concept lasting_names =
-    std::is_lvalue_reference_v<Names> || std::ranges::enable_borrowed_range<std::remove_cvref_t<Names>>;
+concept lasting_names = lasting_range<Names> && requires(const std::remove_reference_t<Names>& names) {
+    std::string_view(names[names.size()]);
+};
 
-/// With the name of the class: as many logits take part as there are names, which must outlive the result.
-/// Nothing if there are fewer logits than names.
-template <class Names>
-    requires lasting_names<Names>
-[[nodiscard]] std::optional<recognition> likeliest(std::span<const float> logits, Names&& names) noexcept {
-    return detail::recognise_named(logits, names,
-                                   [](std::span<const float> known) { return likeliest(known); });
+/// The class with the largest of the first `classes` logits, of equal ones the first, and its probability by
+/// a softmax in double. A network may have more outputs than classes; the others stand for nothing.
+/// std::nullopt if there is no class, if there are fewer logits than classes, or if one of them is NaN or
+/// infinite.
+[[nodiscard]] inline std::optional<recognition> classify_logits(std::span<const float> logits,
+                                                                std::size_t classes) noexcept {
+    return detail::classify_by(logits, classes,
+                               [](double logit, double largest) { return std::exp(logit - largest); });
+}
+/// As many classes as names, which must outlive the result.
+template <lasting_names Names>
+[[nodiscard]] std::optional<recognition> classify_logits(std::span<const float> logits,
+                                                         Names&& names) noexcept {
+    return detail::with_name(classify_logits(logits, names.size()), names);
 }
 
-/// The same for a network that ends in a softmax: the class with the largest probability, and its share of
-/// what all classes have together. Nothing where that is zero, too.
-[[nodiscard]] inline std::optional<recognition> most_probable(std::span<const float> probabilities) noexcept {
-    return detail::recognise_by(probabilities, [](double probability, double) { return probability; });
+/// The class with the largest of the first `classes` probabilities, as of a network that ends in a softmax,
+/// and its share of their sum. std::nullopt as classify_logits, and if all are zero.
+[[nodiscard]] inline std::optional<recognition> classify_probabilities(std::span<const float> probabilities,
+                                                                       std::size_t classes) noexcept {
+    return detail::classify_by(probabilities, classes,
+                               [](double probability, double) { return probability; });
 }
-/// The same with the class's name.
-template <class Names>
-    requires lasting_names<Names>
-[[nodiscard]] std::optional<recognition> most_probable(std::span<const float> probabilities,
-                                                       Names&& names) noexcept {
-    return detail::recognise_named(probabilities, names,
-                                   [](std::span<const float> known) { return most_probable(known); });
+/// As many classes as names, which must outlive the result.
+template <lasting_names Names>
+[[nodiscard]] std::optional<recognition> classify_probabilities(std::span<const float> probabilities,
+                                                                Names&& names) noexcept {
+    return detail::with_name(classify_probabilities(probabilities, names.size()), names);
 }
 
 } // namespace TACTNET_ARCH

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/deployment/deployed_model.hpp>
 #include <tactnet/deployment/eight_bit/layout_of.hpp>
 #include <tactnet/quantisation/calibrated_network.hpp>
 #include <tactnet/quantisation/graph_of.hpp>
@@ -43,11 +42,10 @@ public:
     /// [channel][row][column]; of more than `most_images`, images in even distances are taken. Throws
     /// std::invalid_argument unless there is at least one whole image, and if a form cannot be made of the
     /// network or an image is broken.
-    template <class Count>
     [[gnu::cold]] eight_bit_calibration(const Network& network,
                                         std::span<const float, input_shape.size()> mean, float scale,
-                                        std::span<const Count> frames)
-        : found_(calibration_graph_of<view>(), folded_of(network, mean), scale, chosen(frames), recognise) {
+                                        const frames_ref<input_shape>& frames)
+        : found_(calibration_graph_of<view>(), folded_of(network, mean), scale, chosen(frames), infer) {
         round_weights(folded_layout_of<view>(), found_.folded());
     }
     /// Of `deployed`, with these ranges; weights are whole multiples of their scales.
@@ -70,26 +68,28 @@ private:
                    folded.data() + view::steps_folded);
         return folded;
     }
-    template <class Count>
-    [[gnu::cold]] static std::vector<float> chosen(std::span<const Count> frames) {
+    [[gnu::cold]] static std::vector<float> chosen(const frames_ref<input_shape>& frames) {
         constexpr std::size_t size = input_shape.size();
-        const std::size_t count = frames.size() / size, used = std::min(count, most_images);
-        if (count == 0 || count * size != frames.size())
+        const std::size_t count = frames.size(), used = std::min(count, most_images);
+        if (count == 0 || count * size != frames.elements())
             throw std::invalid_argument("deploy: expected one or more calibration images of " +
                                         std::to_string(size) + " counts, found " +
-                                        std::to_string(frames.size()) + " counts");
+                                        std::to_string(frames.elements()) + " counts");
         std::vector<float> images(used * size);
         for (std::size_t i = 0; i < used; ++i)
-            for (std::size_t e = 0; e < size; ++e)
-                images[i * size + e] = static_cast<float>(frames[i * count / used * size + e]);
+            frames[i * count / used].visit([&](auto frame) {
+                for (std::size_t e = 0; e < size; ++e)
+                    images[i * size + e] = static_cast<float>(frame.data()[e]);
+            });
         return images;
     }
-    static bool recognise(std::span<const float> folded, std::span<const float> images, std::span<float> to) {
+    static bool infer(std::span<const float> folded, std::span<const float> images, std::span<float> to) {
         const bytes network(folded.template first<view::folded_elements>());
         const std::unique_ptr<typename bytes::workspace> memory(new typename bytes::workspace); // not zeroed
-        for (std::size_t i = 0; i < images.size() / input_shape.size(); ++i)
-            if (network(tensor_view<const float, input_shape>(images.data() + i * input_shape.size()),
-                        to.subspan(i * outputs).template first<outputs>(), *memory) != frame_status::ok)
+        const frames_ref<input_shape> frames(images);
+        for (std::size_t i = 0; i < frames.size(); ++i)
+            if (network.infer(frames[i], to.subspan(i * outputs).template first<outputs>(), *memory) !=
+                frame_status::ok)
                 return false;
         return true;
     }
@@ -97,28 +97,29 @@ private:
     detail::calibrated_network found_;
 };
 
-/// A trained network in 8 bits, for inputs (count − mean) × scale. `images` are training images one behind
-/// the other, [channel][row][column], bytes or floats: they tell which numbers its maps hold. Throws
-/// std::invalid_argument as eight_bit_calibration.
-template <class Format, class Network, class Count>
+/// A trained network in 8 bits, for inputs (count − mean) × scale. `images` are training images, from which
+/// the ranges of its maps are measured. Throws std::invalid_argument as eight_bit_calibration.
+template <class Format, class Network>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] deployed<Network, eight_bit> deploy(const Network& network,
                                                   std::span<const float, Network::input_shape.size()> mean,
-                                                  float scale, std::span<const Count> images) {
+                                                  float scale,
+                                                  const frames_ref<Network::input_shape>& images) {
     return deployed<Network, eight_bit>(
         eight_bit_calibration<Network>(network, mean, scale, images).folded());
 }
 
-/// The same of a model, which names its classes:
+/// A trained network in 8 bits, with the names of its classes:
 ///
-///     const auto recognise = deploy<eight_bit>(model, training_images);
-template <class Format, class Network, class Count>
+///     const auto network = deploy<eight_bit>(model, training_images);
+template <class Format, class Network>
     requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] deployed_model<Network, eight_bit> deploy(const model<Network>& trained,
-                                                        std::span<const Count> images) {
-    return {deploy<eight_bit>(trained.network, trained.normalise.mean.view().elements(),
-                              trained.normalise.scale, images),
-            trained.classes};
+[[nodiscard]] deployed<Network, eight_bit> deploy(const model<Network>& trained,
+                                                  const frames_ref<Network::input_shape>& images) {
+    auto network = deploy<eight_bit>(trained.network, trained.normalise.mean.view().elements(),
+                                     trained.normalise.scale, images);
+    network.set_classes(trained.classes);
+    return network;
 }
 
 } // namespace TACTNET_ARCH

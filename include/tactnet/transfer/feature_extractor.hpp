@@ -114,7 +114,7 @@ private:
                  std::span<float> to) const {
         to_photograph(tensor_view<const std::uint8_t, Grey>(image), form_, own.picture.view());
         const tensor_view<const float, photograph> picture(own.picture.view());
-        if (trunk_(picture, own.last.view().elements(), own.workspace) != frame_status::ok)
+        if (trunk_.infer(picture, own.last.view().elements(), own.workspace) != frame_status::ok)
             throw std::runtime_error("feature_extractor: expected finite features of image " +
                                      std::to_string(index) + ", found some that are not");
         pool_features(pooling_, own.last.view().elements(), map, to);

@@ -26,14 +26,14 @@ int main() {
             values[3] = values[6 + 5] =
                 1; // the first output is the lower left window, the second the lower right
     });
-    const auto recognise = tactnet::deploy(network);
+    const auto deployed = tactnet::deploy(network);
 
     std::array<float, 4 * 6> frame{};
     frame[2 * 6 + 1] = 3; // the largest of its window of 2 × 2
     frame[3 * 6 + 0] = 1;
     frame[3 * 6 + 5] = 0.5F;
     std::array<float, 2> outputs{};
-    if (recognise(frame, outputs) != tactnet::frame_status::ok || outputs[0] != 6 || outputs[1] != 1) {
+    if (deployed.infer(frame, outputs) != tactnet::frame_status::ok || outputs[0] != 6 || outputs[1] != 1) {
         std::printf("expected 6 and 1, found %g and %g\n", static_cast<double>(outputs[0]),
                     static_cast<double>(outputs[1]));
         return 1;

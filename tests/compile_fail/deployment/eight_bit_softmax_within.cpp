@@ -9,5 +9,5 @@ using net =
 tactnet::frame_status recognise(const tactnet::deployed<net, tactnet::eight_bit>& deployed,
                                 tactnet::tensor_view<const float, net::input_shape> frame,
                                 std::span<float, net::outputs> logits) {
-    return deployed(frame, logits);
+    return deployed.infer(frame, logits);
 }

@@ -8,5 +8,5 @@ using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
 bool recognise(const tactnet::deployed<net>& fast,
                const tactnet::tensor<float, tactnet::shape{50, 28}>& frame, std::span<float, 22> outputs,
                tactnet::deployed<net>::workspace& memory) {
-    return fast(frame, outputs, memory) == tactnet::frame_status::ok;
+    return fast.infer(frame, outputs, memory) == tactnet::frame_status::ok;
 }

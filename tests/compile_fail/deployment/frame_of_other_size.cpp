@@ -7,8 +7,8 @@
 
 using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
 
-std::size_t recognise(const tactnet::deployed_model<net>& model) {
+std::size_t recognise(const tactnet::deployed<net>& model) {
     const std::array<std::uint8_t, 1399> frame{};
-    const auto found = model(frame);
+    const auto found = model.classify(frame);
     return found ? found->index : 0;
 }

@@ -9,5 +9,5 @@ using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
 
 bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint16_t, 28 * 50>& frame,
                std::span<float, 22> outputs) {
-    return fast.view()(frame, outputs) == tactnet::frame_status::ok;
+    return fast.view().infer(frame, outputs) == tactnet::frame_status::ok;
 }

@@ -5,8 +5,8 @@
 
 using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
 
-std::size_t recognise(const tactnet::deployed_model<net>& model, const tactnet::frame_view& frame) {
-    if (const auto found = model(frame))
+std::size_t recognise(const tactnet::deployed<net>& model, const tactnet::frame_view& frame) {
+    if (const auto found = model.classify(frame))
         return found->index;
     return 0;
 }

@@ -9,5 +9,5 @@ using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
 
 bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint8_t, 28 * 50>& frame) {
     std::array<double, 22> outputs{};
-    return fast(frame, outputs) == tactnet::frame_status::ok;
+    return fast.infer(frame, outputs) == tactnet::frame_status::ok;
 }

@@ -7,5 +7,5 @@ using net = tactnet::network<tactnet::shape{200, 200}, tactnet::conv2d<16, 1>, t
 
 bool recognise(const tactnet::deployed<net>& fast, tactnet::tensor_view<const float, net::input_shape> frame,
                std::span<float, 1> to) {
-    return fast(frame, to) == tactnet::frame_status::ok;
+    return fast.infer(frame, to) == tactnet::frame_status::ok;
 }

@@ -30,12 +30,12 @@ using float_frame = tensor_view<const float, net::input_shape>;
 using byte_frame = tensor_view<const std::uint8_t, net::input_shape>;
 using logits = std::array<float, outputs>;
 
-static_assert(noexcept(std::declval<const bytes_net&>()(std::declval<float_frame>(),
-                                                        std::declval<std::span<float, outputs>>())));
-static_assert(noexcept(std::declval<const bytes_net&>()(std::declval<byte_frame>(),
-                                                        std::declval<std::span<float, outputs>>(),
-                                                        std::declval<bytes_net::workspace&>())));
-static_assert(noexcept(std::declval<const bytes_net::view_type&>()(
+static_assert(noexcept(std::declval<const bytes_net&>().infer(std::declval<float_frame>(),
+                                                              std::declval<std::span<float, outputs>>())));
+static_assert(noexcept(std::declval<const bytes_net&>().infer(std::declval<byte_frame>(),
+                                                              std::declval<std::span<float, outputs>>(),
+                                                              std::declval<bytes_net::workspace&>())));
+static_assert(noexcept(std::declval<const bytes_net::view_type&>().infer(
     std::declval<byte_frame>(), std::declval<std::span<float, outputs>>())));
 // Little memory is what 8 bits are for. Where no instruction multiplies bytes, weights lie in words of 16;
 // and tiles, which may pay in 8 bits where they do not in floats, take memory on the way.
@@ -57,24 +57,24 @@ std::vector<float> as_floats(const std::vector<std::uint8_t>& counts) {
 logits of(const std::vector<std::uint8_t>& counts) {
     logits out;
     out.fill(-1);
-    CHECK(fast()(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
+    CHECK(fast().infer(byte_frame(counts.data()), std::span(out)) == frame_status::ok);
     return out;
 }
 bool told(const std::vector<float>& frame) {
     logits out;
-    return fast()(float_frame(frame.data()), std::span(out)) == frame_status::not_finite;
+    return fast().infer(float_frame(frame.data()), std::span(out)) == frame_status::not_finite;
 }
 
 /// Batches of all sizes, beside each frame alone.
 template <class Deployed>
-void check_batches(const Deployed& recognise) {
+void check_batches(const Deployed& fast_net) {
     constexpr std::size_t most = 9, size = Deployed::input_shape.size(), numbers = Deployed::outputs;
     std::vector<std::uint8_t> frames;
     std::vector<float> expected(most * numbers, -1);
     for (std::size_t i = 0; i < most; ++i) {
         const std::vector<std::uint8_t> counts = support::make_frame(size, i);
-        CHECK(recognise(tensor_view<const std::uint8_t, Deployed::input_shape>(counts.data()),
-                        std::span<float, numbers>(expected.data() + i * numbers, numbers)) ==
+        CHECK(fast_net.infer(tensor_view<const std::uint8_t, Deployed::input_shape>(counts.data()),
+                             std::span<float, numbers>(expected.data() + i * numbers, numbers)) ==
               frame_status::ok);
         frames.insert(frames.end(), counts.begin(), counts.end());
     }
@@ -86,17 +86,17 @@ void check_batches(const Deployed& recognise) {
             CAPTURE(batch);
             std::vector<float> out(batch * numbers, NAN);
             const std::span<const float> right(expected.data(), out.size());
-            CHECK(recognise(threads, std::span<const std::uint8_t>(frames).first(batch * size), out) ==
+            CHECK(fast_net.infer(std::span<const std::uint8_t>(frames).first(batch * size), out, threads) ==
                   frame_status::ok);
             CHECK(same_bits(out, right));
             std::fill(out.begin(), out.end(), NAN);
-            CHECK(recognise(threads, std::span<const float>(float_frames).first(batch * size), out) ==
+            CHECK(fast_net.infer(std::span<const float>(float_frames).first(batch * size), out, threads) ==
                   frame_status::ok);
             CHECK(same_bits(out, right));
         }
         std::vector<float> broken = float_frames, out(most * numbers);
         broken[5 * size + 3] = std::numeric_limits<float>::quiet_NaN();
-        CHECK(recognise(threads, std::span<const float>(broken), out) == frame_status::not_finite);
+        CHECK(fast_net.infer(std::span<const float>(broken), out, threads) == frame_status::not_finite);
     }
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("eight_bit: counts in bytes give the bits of counts in floats") {
         const std::vector<std::uint8_t> counts = support::make_frame(pixels, seed);
         const std::vector<float> frame = as_floats(counts);
         logits out;
-        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::ok);
+        CHECK(fast().infer(float_frame(frame.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, of(counts)));
     }
 }
@@ -122,7 +122,7 @@ TEST_CASE("eight_bit: counts between whole ones, and beside those of 8 bits, giv
                 x = std::round(x * 256) / 256; // ties of steps
         }
         logits out;
-        CHECK(fast()(float_frame(frame.data()), std::span(out)) == frame_status::ok);
+        CHECK(fast().infer(float_frame(frame.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, support::reference_outputs<bytes_net::view_type>(
                                  fast().folded(), std::span<const float>(frame))));
     }
@@ -189,11 +189,11 @@ TEST_CASE("eight_bit: the same bits wherever the frame and the outputs lie, with
         const std::span<float, outputs> to(out.data() + offset + 1, outputs);
         std::memset(static_cast<void*>(memory.get()), offset == 0 ? 0xff : static_cast<int>(offset * 37),
                     sizeof(*memory));
-        CHECK(fast()(byte_frame(moved.data() + offset), to, *memory) == frame_status::ok);
+        CHECK(fast().infer(byte_frame(moved.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         std::memset(static_cast<void*>(memory.get()), 0x7f, sizeof(*memory));
         std::fill(to.begin(), to.end(), NAN);
-        CHECK(fast()(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::ok);
+        CHECK(fast().infer(float_frame(moved_floats.data() + offset), to, *memory) == frame_status::ok);
         CHECK(same_bits(to, expected));
         for (std::size_t i = 0; i < out.size(); ++i)
             if (i <= offset || i > offset + outputs)
@@ -218,7 +218,7 @@ TEST_CASE("eight_bit: copies give the same bits, and so do four threads on one o
                 const std::size_t which = (i + t) % frames.size();
                 const bytes_net& network = t % 2 == 0 ? copy : again;
                 logits out;
-                const auto status = network(byte_frame(frames[which].data()), std::span(out));
+                const auto status = network.infer(byte_frame(frames[which].data()), std::span(out));
                 wrong[t] += status != frame_status::ok || !same_bits(out, expected[which]);
             }
         });
@@ -235,10 +235,10 @@ TEST_CASE("eight_bit: nothing is asked of the heap") {
     logits out;
     const bytes_net& network = fast();
     const std::size_t before = support::allocations();
-    const auto a = network(byte_frame(counts.data()), std::span(out));
-    const auto b = network(float_frame(frame.data()), std::span(out));
-    const auto c = network(byte_frame(counts.data()), std::span(out), *memory);
-    const auto d = network.view()(float_frame(frame.data()), std::span(out), *memory);
+    const auto a = network.infer(byte_frame(counts.data()), std::span(out));
+    const auto b = network.infer(float_frame(frame.data()), std::span(out));
+    const auto c = network.infer(byte_frame(counts.data()), std::span(out), *memory);
+    const auto d = network.view().infer(float_frame(frame.data()), std::span(out), *memory);
     const std::size_t after = support::allocations();
     CHECK(after == before);
     for (const auto status : {a, b, c, d})

@@ -121,7 +121,7 @@ std::vector<std::byte> file_of(const byte_network<Network>& network, std::size_t
     return writer.to_bytes();
 }
 template <class Network>
-tactnet::deployed_model<Network, tactnet::eight_bit> from_file(std::vector<std::byte> bytes) {
+tactnet::deployed<Network, tactnet::eight_bit> from_file(std::vector<std::byte> bytes) {
     return tactnet::load_deployed<Network, tactnet::eight_bit>(
         tactnet::safetensors::parse(std::move(bytes), "net.safetensors"));
 }
@@ -143,8 +143,8 @@ std::size_t frames_that_differ(std::uint64_t seed, std::size_t frames, std::size
         const std::span<const std::uint8_t> frame(counts);
         std::vector<float> out(Network::outputs, NAN);
         const auto status =
-            network(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
-                    std::span<float, Network::outputs>(out), *memory);
+            network.infer(tactnet::tensor_view<const std::uint8_t, Network::input_shape>(counts.data()),
+                          std::span<float, Network::outputs>(out), *memory);
         const auto of_loaded = tactnet::detail::logits_of(loaded, frame, Network::outputs);
         const std::vector<float> expected =
             reference_outputs<typename byte_network<Network>::view_type>(calibration.folded(), frame);

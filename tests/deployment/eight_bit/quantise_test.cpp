@@ -207,9 +207,9 @@ TEST_CASE("deployed_view: what is packed when compiling gives the bits of what i
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const std::vector<std::uint8_t> counts = support::make_frame(16, seed);
         std::array<float, 2> a{}, b{1, 1};
-        CHECK(running(tensor_view<const std::uint8_t, tiny::input_shape>(counts.data()), a) ==
+        CHECK(running.infer(tensor_view<const std::uint8_t, tiny::input_shape>(counts.data()), a) ==
               frame_status::ok);
-        CHECK(compiled(tensor_view<const std::uint8_t, tiny::input_shape>(counts.data()), b) ==
+        CHECK(compiled.infer(tensor_view<const std::uint8_t, tiny::input_shape>(counts.data()), b) ==
               frame_status::ok);
         CHECK(a == b);
     }

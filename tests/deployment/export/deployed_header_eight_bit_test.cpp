@@ -33,8 +33,8 @@ std::size_t frames_that_differ(const Recogniser& recogniser, const Packed& packe
         const auto frame = frame_of<Network>(i);
         const tactnet::tensor_view<const std::uint8_t, Network::input_shape> counts(frame);
         std::array<float, Recogniser::outputs> expected, found;
-        REQUIRE(original(counts, expected) == tactnet::frame_status::ok);
-        REQUIRE(recogniser(counts, found) == tactnet::frame_status::ok);
+        REQUIRE(original.infer(counts, expected) == tactnet::frame_status::ok);
+        REQUIRE(recogniser.infer(counts, found) == tactnet::frame_status::ok);
         different += !std::ranges::equal(expected, found, [](float a, float b) {
             return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
         });

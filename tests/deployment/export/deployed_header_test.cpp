@@ -34,8 +34,8 @@ void same_as(const Recogniser& recogniser, const Packed& packed) {
         const auto frame = frame_of<Network>(i);
         const tactnet::tensor_view<const std::uint8_t, Network::input_shape> counts(frame);
         std::array<float, Recogniser::outputs> expected, found;
-        REQUIRE(original(counts, expected) == tactnet::frame_status::ok);
-        REQUIRE(recogniser(counts, found) == tactnet::frame_status::ok);
+        REQUIRE(original.infer(counts, expected) == tactnet::frame_status::ok);
+        REQUIRE(recogniser.infer(counts, found) == tactnet::frame_status::ok);
         CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
     }
 }
@@ -67,8 +67,8 @@ TEST_CASE("deployed_header: a network that no stack holds takes its memory from 
         const auto frame = frame_of<large_network>(i);
         const tactnet::tensor_view<const std::uint8_t, large_network::input_shape> counts(frame);
         std::array<float, original_type::outputs> expected, found;
-        REQUIRE(original(counts, expected, *memory) == tactnet::frame_status::ok);
-        REQUIRE(large::recogniser(counts, found, *memory) == tactnet::frame_status::ok);
+        REQUIRE(original.infer(counts, expected, *memory) == tactnet::frame_status::ok);
+        REQUIRE(large::recogniser.infer(counts, found, *memory) == tactnet::frame_status::ok);
         CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
     }
 }

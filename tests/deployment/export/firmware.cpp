@@ -24,7 +24,7 @@ namespace {
 template <class Recogniser, class Frame, class Outputs>
 bool right(const Recogniser& recogniser, const Frame& frame, const Outputs& expected) {
     Outputs found{};
-    if (recogniser(tactnet::tensor_view<const std::uint8_t, Recogniser::input_shape>(frame), found) !=
+    if (recogniser.infer(tactnet::tensor_view<const std::uint8_t, Recogniser::input_shape>(frame), found) !=
         tactnet::frame_status::ok)
         return false;
     float largest = 0, error = 0;

@@ -35,7 +35,7 @@ volatile std::uint32_t& device(std::uint32_t address) {
 std::array<float, gripper::recogniser_type::outputs> outputs;
 
 bool recognise() {
-    return gripper::recogniser(gripper::selftest_frame, outputs) == tactnet::frame_status::ok;
+    return gripper::recogniser.infer(gripper::selftest_frame, outputs) == tactnet::frame_status::ok;
 }
 
 #ifdef TEST_REPORT

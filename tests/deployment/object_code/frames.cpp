@@ -18,8 +18,8 @@ using view_of = typename deployed<Network, Format>::view_type;
 template <class View, class Count>
 frame_status recognise(const typename View::packed_weights& weights, const Count* counts, float* logits,
                        typename View::workspace& memory) noexcept {
-    return View(weights)(tensor_view<const Count, View::input_shape>(counts),
-                         std::span<float, View::outputs>(logits, View::outputs), memory);
+    return View(weights).infer(tensor_view<const Count, View::input_shape>(counts),
+                               std::span<float, View::outputs>(logits, View::outputs), memory);
 }
 
 using tactnet4_in_8_bits = view_of<tactnet4<shape{14, 25}, 22>, eight_bit>;

@@ -10,7 +10,7 @@
 
 int main() {
     std::array<float, rooted::recogniser_type::outputs> found{};
-    if (rooted::recogniser(rooted::selftest_frame, found) != tactnet::frame_status::ok ||
+    if (rooted::recogniser.infer(rooted::selftest_frame, found) != tactnet::frame_status::ok ||
         !rooted::passes_selftest())
         return 2;
     float sum = 0;

@@ -217,8 +217,8 @@ void check_folded(const std::string& name, float mean, float variance, double ep
     support::numbers draw(5);
     for (float& value : frame)
         value = draw.next(-1, 1);
-    CHECK(fast(tensor_view<const float, folding::input_shape>(frame.data()),
-               std::span<float, folding::outputs>(out)) == frame_status::ok);
+    CHECK(fast.infer(tensor_view<const float, folding::input_shape>(frame.data()),
+                     std::span<float, folding::outputs>(out)) == frame_status::ok);
     const auto expected = support::bounded_outputs(layers, parameters, support::bounded_input(frame, {}, 1));
     const auto plain = hard_cases::plain_outputs(layers, parameters, frame);
     std::vector<outcome> all;

@@ -70,8 +70,8 @@ void check_frames(const std::string& name) {
         const std::string title = name + ", " + kind + ", 8 bits";
         const std::vector<float> plain = plain_of(counts);
         std::vector<float> out(Network::outputs, NAN);
-        const auto status =
-            fast(tensor_view<const float, image>(counts.data()), std::span<float, Network::outputs>(out));
+        const auto status = fast.infer(tensor_view<const float, image>(counts.data()),
+                                       std::span<float, Network::outputs>(out));
         if (std::abs(counts[0]) > 1e6f) { // beyond what words of 16 bits hold
             hard_cases::tell("frames in 8 bits", title, static_cast<double>(plain[0]),
                              status == frame_status::not_finite, "not_finite");
@@ -98,8 +98,8 @@ void check_frames(const std::string& name) {
         double plain = 0;
         for (const std::vector<float>& counts : hard_cases::broken_frames(image, broken.value)) {
             std::vector<float> out(Network::outputs);
-            told &= fast(tensor_view<const float, image>(counts.data()),
-                         std::span<float, Network::outputs>(out)) == frame_status::not_finite;
+            told &= fast.infer(tensor_view<const float, image>(counts.data()),
+                               std::span<float, Network::outputs>(out)) == frame_status::not_finite;
             plain = static_cast<double>(plain_of(counts)[0]);
         }
         hard_cases::tell("frames in 8 bits", name + ", " + broken.name + ", 8 bits", plain, told,

@@ -51,8 +51,8 @@ void check_frames(const std::string& name) {
             "frames", title + ", batch", hard_cases::unit::absolute,
             outcomes_of(support::bounded_outputs(unfolded, parameters, in), plain, trained.in_batch(counts)));
         std::vector<float> out(Network::outputs, NAN);
-        const auto status =
-            fast(tensor_view<const float, image>(counts.data()), std::span<float, Network::outputs>(out));
+        const auto status = fast.infer(tensor_view<const float, image>(counts.data()),
+                                       std::span<float, Network::outputs>(out));
         // Where a sum might leave the range of single precision, a deployed network says so.
         if (status == frame_status::not_finite && counts[0] == -1e30f)
             return hard_cases::tell("frames", title + ", deployed", static_cast<double>(plain[0]), true,
@@ -71,8 +71,8 @@ void check_frames(const std::string& name) {
         double plain = 0;
         for (const std::vector<float>& counts : hard_cases::broken_frames(image, broken.value)) {
             std::vector<float> out(Network::outputs);
-            told &= fast(tensor_view<const float, image>(counts.data()),
-                         std::span<float, Network::outputs>(out)) == frame_status::not_finite;
+            told &= fast.infer(tensor_view<const float, image>(counts.data()),
+                               std::span<float, Network::outputs>(out)) == frame_status::not_finite;
             const std::vector<float> logits = trained.in_batch(counts);
             seen &= !std::all_of(logits.begin(), logits.end(), [](float x) { return std::isfinite(x); });
             plain = static_cast<double>(

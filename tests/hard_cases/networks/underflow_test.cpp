@@ -86,8 +86,8 @@ void check_network(const std::string& name, float weights, float size, bool flus
     const auto fast = deploy(n);
     {
         const auto run = [&] {
-            CHECK(fast(tensor_view<const float, net::input_shape>(frame.data()),
-                       std::span<float, net::outputs>(out)) == frame_status::ok);
+            CHECK(fast.infer(tensor_view<const float, net::input_shape>(frame.data()),
+                             std::span<float, net::outputs>(out)) == frame_status::ok);
             plain = hard_cases::plain_outputs(layers, support::parameters_of(n), frame);
         };
         if (flushed) {
@@ -141,8 +141,8 @@ TEST_CASE("deployed: the time that denormal activations take") {
     const auto time_of = [&](const std::vector<float>& frame) {
         std::vector<float> out(net::outputs);
         return fastest([&] {
-            static_cast<void>(fast(tensor_view<const float, net::input_shape>(frame.data()),
-                                   std::span<float, net::outputs>(out)));
+            static_cast<void>(fast.infer(tensor_view<const float, net::input_shape>(frame.data()),
+                                         std::span<float, net::outputs>(out)));
         });
     };
     const double usual = time_of(frame_of(1)), denormal = time_of(frame_of(1e-39f));

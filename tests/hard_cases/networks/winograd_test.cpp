@@ -55,8 +55,8 @@ double check_tiles(const std::string& name, hardness kind) {
         value = draw.next(-1, 1) + (kind == hardness::offset || kind == hardness::cancelling ? 1e4f : 0.0f);
     const auto fast = deploy(net);
     const auto memory = std::make_unique<typename decltype(fast)::workspace>();
-    CHECK(fast(tensor_view<const float, Network::input_shape>(frame.data()),
-               std::span<float, Network::outputs>(out), *memory) == frame_status::ok);
+    CHECK(fast.infer(tensor_view<const float, Network::input_shape>(frame.data()),
+                     std::span<float, Network::outputs>(out), *memory) == frame_status::ok);
     const auto expected =
         support::bounded_outputs(layers, support::parameters_of(net), support::bounded_input(frame, {}, 1));
     const auto plain = hard_cases::plain_outputs(layers, support::parameters_of(net), frame);

@@ -15,12 +15,12 @@ TEST_CASE("resnet: 50 layers, deployed, give torchvision's logits") {
     using net = resnet50<shape{64, 64, 3}, 10>;
     const auto network = std::make_unique<net>();
     support::fill_by_name(*network);
-    const auto recognise = deploy(*network);
+    const auto fast = deploy(*network);
     std::vector<float> image(net::input_shape.size()), logits(net::outputs);
     support::draw_by_name("input", image);
     const auto memory = std::make_unique<deployed<net>::workspace>(); // more than a stack should hold
-    const auto status = recognise(tensor_view<const float, net::input_shape>(image.data()),
-                                  std::span<float, net::outputs>(logits), *memory);
+    const auto status = fast.infer(tensor_view<const float, net::input_shape>(image.data()),
+                                   std::span<float, net::outputs>(logits), *memory);
     CHECK(status == frame_status::ok);
     support::golden_stages golden("resnet50");
     golden.compare("fc", net::outputs, [&](std::size_t e) { return logits[e]; });

@@ -41,7 +41,7 @@ int main() {
     const tactnet::model<net> model{training.best(), training.input_normalisation(), {"small", "large"}};
     const std::filesystem::path file = "warnings.safetensors";
     tactnet::save_model(file, model, {{"network", "own"}});
-    const auto recognise = tactnet::deploy(tactnet::load_model<net>(file));
+    const auto network = tactnet::deploy(tactnet::load_model<net>(file));
 
     std::array<std::uint8_t, 7 * 13> counts;
     std::copy_n(pixels.begin(), counts.size(), counts.begin());
@@ -51,5 +51,5 @@ int main() {
     const auto trained =
         tactnet::train_kernel_machine(tactnet::feature_rows<7 * 13>(features), labels, options, threads);
     const auto predicted = trained.machine.predict(tactnet::feature_rows<7 * 13>(features), threads);
-    return recognise(counts) && predicted.size() == labels.size() ? 0 : 1;
+    return network.classify(counts) && predicted.size() == labels.size() ? 0 : 1;
 }

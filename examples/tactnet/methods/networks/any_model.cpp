@@ -74,12 +74,13 @@ void refuse_logits() {
     throw std::runtime_error("expected finite logits, found some that are not: the weights are broken");
 }
 
-std::vector<scored_class> likeliest_of(std::span<const float> rows, std::size_t outputs, std::size_t classes,
-                                       bool are_probabilities) {
+std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
+                                          std::size_t classes, bool are_probabilities) {
     std::vector<scored_class> result;
     for (std::size_t first = 0; first < rows.size(); first += outputs) {
-        const auto row = rows.subspan(first, classes);
-        const auto found = are_probabilities ? tactnet::most_probable(row) : tactnet::likeliest(row);
+        const auto row = rows.subspan(first, outputs);
+        const auto found = are_probabilities ? tactnet::classify_probabilities(row, classes)
+                                             : tactnet::classify_logits(row, classes);
         if (!found)
             refuse_logits();
         result.push_back({found->index, found->probability});

@@ -45,8 +45,8 @@ std::vector<float> logits_of(const any_model& model, std::size_t count,
 
 /// Of rows of `outputs` logits or probabilities, of which those of `classes` count. Throws
 /// std::runtime_error for some that are not finite.
-std::vector<scored_class> likeliest_of(std::span<const float> rows, std::size_t outputs, std::size_t classes,
-                                       bool are_probabilities = false);
+std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
+                                          std::size_t classes, bool are_probabilities = false);
 
 /// The costs of a network for a number of classes, from those with all its outputs and with one alone:
 /// outputs that stand for no class are no part of the network, and each costs the same.

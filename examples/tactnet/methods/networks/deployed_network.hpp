@@ -18,7 +18,7 @@ public:
 
     bool recognise(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
                    std::span<float> outputs) const override {
-        return own_(threads, frames, outputs) == tactnet::frame_status::ok;
+        return own_.infer(frames, outputs, threads) == tactnet::frame_status::ok;
     }
     bool gives_probabilities() const override { return Network::ends_in_softmax; }
     std::string header(const tactnet::header_description& says,

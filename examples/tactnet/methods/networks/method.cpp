@@ -85,7 +85,7 @@ public:
         std::vector<float> outputs(count * code_.outputs);
         if (!deployed->recognise(threads, images, outputs))
             refuse_logits();
-        return likeliest_of(outputs, code_.outputs, classes().size(), deployed->gives_probabilities());
+        return classes_of_rows(outputs, code_.outputs, classes().size(), deployed->gives_probabilities());
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {

@@ -56,7 +56,7 @@ public:
                  model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
                      const auto some = images.subspan(first * image_.area(), count * image_.area());
                      for (const scored_class& found :
-                          likeliest_of(logits(some, threads), classes().size(), classes().size()))
+                          classes_of_rows(logits(some, threads), classes().size(), classes().size()))
                          result.push_back(found);
                  });
         return result;

@@ -26,7 +26,7 @@ public:
 
     bool run(tactnet::thread_pool& threads, std::span<const float> photographs,
              std::span<float> maps) const override {
-        return own_(threads, photographs, maps) == tactnet::frame_status::ok;
+        return own_.infer(photographs, maps, threads) == tactnet::frame_status::ok;
     }
 
 private:

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/deployment/frame.hpp>
 #include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/integer/counts.hpp>
 

@@ -23,7 +23,7 @@ inline namespace TACTNET_ARCH {
 
 /// The text of a header that holds a deployed network: includes deployed_view.hpp, compiles without
 /// exceptions and run-time type information. In the chosen namespace it defines
-///   recogniser      the network, to be called as a deployed_view
+///   recogniser      the network, a deployed_view
 ///   classes         names of its first outputs, in order; outputs behind them stand for nothing
 ///   passes_selftest whether `frame`, some counts, still gives the outputs that it gives here, to 1e-4 of the
 ///                   largest
@@ -46,7 +46,7 @@ template <class Network, class Format>
                                     std::to_string(says.classes.size()));
     std::array<float, deployed_type::outputs> outputs;
     const auto memory = std::make_unique<typename view::workspace>(); // may be more than a stack holds
-    if (network(tensor_view<const std::uint8_t, input>(frame), outputs, *memory) != frame_status::ok)
+    if (network.infer(frame, outputs, *memory) != frame_status::ok)
         throw std::invalid_argument("deployed_header: expected a frame that gives finite outputs for the "
                                     "self-test, found one that does not");
 
@@ -78,6 +78,7 @@ template <class Network, class Format>
          {"channels", std::to_string(input.channels)},
          {"chain", chain},
          {"class count", std::to_string(says.classes.size())},
+         {"known", says.classes.empty() ? "" : ", classes.size()"},
          {"classes", classes},
          {"numbers", detail::number_lines<float>(network.folded(), detail::float_literal)},
          {"count", std::to_string(view::folded_elements)},

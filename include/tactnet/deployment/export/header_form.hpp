@@ -15,8 +15,8 @@ inline constexpr std::string_view header_form =
     R"(// @network@ for frames of @size@ (rows × columns × channels), @outputs@ outputs,
 // @parameters@ parameters, of which @folded@ numbers remain once batch norms are folded in. Generated: do not edit.
 //
-// recogniser(counts, outputs@memory@) recognises a frame. It needs no files, no heap, no exceptions and no run-time
-// type information.
+// recogniser.classify(counts@memory@) returns the class of a frame, recogniser.infer(counts, outputs@memory@) writes
+// its outputs. They need no files, no heap, no exceptions and no run-time type information.
 #pragma once
 
 #include <tactnet/deployment/deployed_view.hpp>
@@ -42,7 +42,7 @@ inline constexpr std::array<float, recogniser_type::folded_elements> folded{
 static_assert(folded.size() == @count@, "this header does not fit this version of tactnet");
 
 @packed@
-inline constexpr recogniser_type recogniser(packed);
+inline constexpr recogniser_type recogniser(packed@known@);
 
 /// A frame and what it gives.
 inline constexpr std::array<std::uint8_t, recogniser_type::input_shape.size()> selftest_frame{
@@ -53,7 +53,7 @@ inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{
 /// Whether compiler and processor still make of the frame what they should.
 inline bool passes_selftest(@memory parameter@) noexcept {
     std::array<float, recogniser_type::outputs> outputs;
-    if (recogniser(selftest_frame, outputs@memory@) != tactnet::frame_status::ok)
+    if (recogniser.infer(selftest_frame, outputs@memory@) != tactnet::frame_status::ok)
         return false;
     float largest = 0, difference = 0;
     for (std::size_t i = 0; i < outputs.size(); ++i) {

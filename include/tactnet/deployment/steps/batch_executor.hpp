@@ -12,12 +12,28 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Frames that pass the steps together, on the threads of a pool: `Pool` is a thread_pool. Maps of frames lie
-/// one behind the other, each in whole cache lines, and memory for as many frames or threads as there are. No
-/// bit depends on either number.
+/// Runs everything on the calling thread, for at most so many frames: the place of a thread_pool.
+template <std::size_t MostFrames>
+struct inline_executor {
+    static constexpr std::size_t most_frames = MostFrames;
+    static constexpr std::size_t threads() { return 1; }
+    template <class Body>
+    void on_each_thread(const Body& body) const {
+        body(work_share{0, 1});
+    }
+    template <class Body>
+    void for_each(std::size_t count, const Body& body) const {
+        for (std::size_t i = 0; i < count; ++i)
+            body(i);
+    }
+};
+
+/// Runs steps layer by layer over several frames, on the threads of a pool: a thread_pool or an
+/// inline_executor. The maps of the frames lie one after the other, each in whole cache lines. There is
+/// memory for as many frames or threads as there are, whichever are more. No bit depends on either number.
 ///
-/// A step may say how it is shared: `run_share`, what one thread does of it, or `run_batch`, of steps
-/// inside it, or of several frames that it takes at once. Others are run frame by frame.
+/// A step with `run_share` says what one thread does of it; one with `run_batch` takes several frames at
+/// once, or has steps inside it. Others run frame by frame.
 template <class Pool>
 struct batch_executor {
     Pool& pool;

@@ -53,6 +53,7 @@ struct step_chain {
     static constexpr std::size_t workspace_elements =
         buffers * buffer + std::max({Steps::workspace_elements...});
 
+    static constexpr bool gives_probabilities = detail::gives_probabilities<at<size - 1>>;
     static constexpr bool large = (detail::is_large<Steps> || ...);
 
     static constexpr void pack(const float* from, packed_number* to) {

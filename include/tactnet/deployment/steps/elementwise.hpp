@@ -129,6 +129,8 @@ struct step_description<softmax_step<Format, Map, Stride>> {
 
 template <shape Map, std::size_t Stride>
 struct softmax_step<single_precision, Map, Stride> : step_without_parameters<single_precision, Map, Stride> {
+    static constexpr bool gives_probabilities = true;
+
     static void run(const float*, const float* in, float* out, float*) noexcept {
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride) {
             kernels::softmax_of<float>(std::span(in + pixel, Map.channels),
@@ -143,6 +145,7 @@ struct softmax_step<single_precision, Map, Stride> : step_without_parameters<sin
 template <class Step>
 struct step_with_softmax : Step {
     using activation = typename Step::format::activation;
+    static constexpr bool gives_probabilities = true;
 
     static void run(const typename Step::format::packed* packed, const activation* in, activation* out,
                     activation* memory) noexcept {

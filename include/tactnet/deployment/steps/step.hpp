@@ -24,8 +24,9 @@
 //   fills_map               false if it writes only some channels of a map that others write to as well
 //   run_share               the share of one thread in frames that pass together
 //   run_batch            how frames pass it together, or the steps inside it, on the threads of a executor
+//   gives_probabilities     whether its outputs are probabilities
 //   number_elements         elements of the map that a number of its output takes, if not one
-// A step that says neither run_share nor run_batch takes such frames one by one (executor.hpp).
+// A step that says neither run_share nor run_batch takes such frames one by one (batch_executor.hpp).
 // Lanes behind the last channel of a pixel hold zeros in every map.
 //
 // The headers in this folder need neither exceptions nor run-time type information nor files.
@@ -44,6 +45,13 @@ struct single_precision {
     using output_format = single_precision;          ///< of the step that writes the outputs
     static constexpr bool has_output_format = false; ///< whether that step is written otherwise than others
 };
+
+/// How a frame comes into a deployed network, and how its outputs leave it, specialised for each number
+/// format.
+template <class Format, shape Input>
+struct input_stage;
+template <class Format, shape Output, std::size_t Stride>
+struct output_stage;
 
 namespace detail {
 
@@ -95,6 +103,15 @@ inline constexpr bool fills_map = [] {
         return Step::fills_map;
     else
         return true;
+}();
+
+/// Whether the outputs of a step are probabilities, as those of a softmax.
+template <class Step>
+inline constexpr bool gives_probabilities = [] {
+    if constexpr (requires { Step::gives_probabilities; })
+        return Step::gives_probabilities;
+    else
+        return false;
 }();
 
 /// For [output][weights of one], then biases: the largest |bias| + input · Σ |weight|.

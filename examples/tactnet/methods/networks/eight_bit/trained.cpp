@@ -41,8 +41,8 @@ public:
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         tactnet::thread_pool& threads) const override {
-        return likeliest_of(outputs(images, threads), code_.outputs, classes_.size(),
-                            deployed_->gives_probabilities());
+        return classes_of_rows(outputs(images, threads), code_.outputs, classes_.size(),
+                               deployed_->gives_probabilities());
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {

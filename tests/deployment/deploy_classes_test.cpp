@@ -1,6 +1,6 @@
 #include "deployed_network.hpp"
 
-#include <tactnet/deployment/deployed_model.hpp>
+#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 
 #include <doctest/doctest.h>
@@ -22,18 +22,18 @@ namespace {
 constexpr shape size{9, 11};
 using net = network<size, conv2d<4, 3>, batch_norm, relu, max_pool<2>, dense<5>>;
 using ending = network<size, conv2d<4, 3>, batch_norm, relu, max_pool<2>, dense<5>, softmax>;
-using fast_model = deployed_model<net>;
+using fast_model = deployed<net>;
 using byte_frame = tensor_view<const std::uint8_t, size>;
 using float_frame = tensor_view<const float, size>;
 
-static_assert(noexcept(std::declval<const fast_model&>()(std::declval<byte_frame>())));
-static_assert(noexcept(std::declval<const fast_model&>()(std::declval<float_frame>(),
-                                                         std::declval<fast_model::workspace&>())));
+static_assert(noexcept(std::declval<const fast_model&>().classify(std::declval<byte_frame>())));
+static_assert(noexcept(std::declval<const fast_model&>().classify(std::declval<float_frame>(),
+                                                                  std::declval<fast_model::workspace&>())));
 
 /// The name would be gone: a model that ends with the expression recognises nothing.
 template <class Model>
 concept recognises_bytes = requires(Model m, byte_frame counts) {
-    std::forward<Model>(m)(counts);
+    std::forward<Model>(m).classify(counts);
 };
 static_assert(recognises_bytes<const fast_model&> && !recognises_bytes<fast_model>);
 
@@ -58,60 +58,60 @@ std::array<std::uint8_t, size.size()> frame(std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("deployed_model: the class of the logits that it gives, and those of the bare network") {
+TEST_CASE("deployed: the class of the logits that it gives, and those of the bare network") {
     const auto m = trained<net>(5);
-    const auto recognise = deploy(m);
+    const auto network = deploy(m);
     const auto bare = deploy(m.network, m.normalise.mean.view().elements(), m.normalise.scale);
     const auto memory = std::make_unique<fast_model::workspace>();
     std::array<std::size_t, 5> seen{};
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         const auto counts = frame(seed);
         std::array<float, net::outputs> logits{}, expected{};
-        REQUIRE(recognise(counts, logits) == frame_status::ok);
-        REQUIRE(bare(counts, expected) == frame_status::ok);
+        REQUIRE(network.infer(counts, logits) == frame_status::ok);
+        REQUIRE(bare.infer(counts, expected) == frame_status::ok);
         CHECK(std::memcmp(logits.data(), expected.data(), sizeof(logits)) == 0);
 
-        const auto right = likeliest(logits, m.classes);
+        const auto right = classify_logits(logits, m.classes);
         std::array<float, size.size()> numbers;
         std::copy(counts.begin(), counts.end(), numbers.begin());
-        for (const auto& found : {recognise(counts), recognise(counts, *memory), recognise(numbers),
-                                  recognise(numbers, *memory)}) {
+        for (const auto& found : {network.classify(counts), network.classify(counts, *memory),
+                                  network.classify(numbers), network.classify(numbers, *memory)}) {
             REQUIRE(found);
             CHECK(found->index == right->index);
             CHECK(found->probability == right->probability);
             CHECK(found->name == m.classes[right->index]);
-            CHECK(found->name.data() == recognise.classes()[right->index].data());
+            CHECK(found->name.data() == network.classes()[right->index].data());
         }
         ++seen[right->index];
     }
     CHECK(std::count(seen.begin(), seen.end(), 40u) == 0); // not one class whatever the frame
 }
 
-TEST_CASE("deployed_model: a broken frame is no class") {
-    const auto recognise = deploy(trained<net>(5));
+TEST_CASE("deployed: a broken frame is no class") {
+    const auto network = deploy(trained<net>(5));
     std::array<float, size.size()> numbers{};
-    CHECK(recognise(numbers));
+    CHECK(network.classify(numbers));
     for (const float bad :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e38f}) {
         numbers[50] = bad;
         std::array<float, net::outputs> logits{};
-        CHECK(recognise(numbers, logits) == frame_status::not_finite);
-        CHECK_FALSE(recognise(numbers));
+        CHECK(network.infer(numbers, logits) == frame_status::not_finite);
+        CHECK_FALSE(network.classify(numbers));
     }
 }
 
-TEST_CASE("deployed_model: outputs behind the classes are never recognised") {
+TEST_CASE("deployed: outputs behind the classes are never recognised") {
     auto m = trained<net>(2);
     m.network.for_each_parameter([](const parameter& p, std::span<float> values) {
         if (p.name == "fc.bias")
             values[2] = values[3] = values[4] = 1000;
     });
-    const auto recognise = deploy(m);
+    const auto network = deploy(m);
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const auto counts = frame(seed);
         std::array<float, net::outputs> logits{};
-        REQUIRE(recognise(counts, logits) == frame_status::ok);
-        const auto found = recognise(counts);
+        REQUIRE(network.infer(counts, logits) == frame_status::ok);
+        const auto found = network.classify(counts);
         REQUIRE(found);
         CHECK(found->index == (logits[1] > logits[0]));
         CHECK(found->probability ==
@@ -119,7 +119,7 @@ TEST_CASE("deployed_model: outputs behind the classes are never recognised") {
     }
 }
 
-TEST_CASE("deployed_model: of equal logits the first class") {
+TEST_CASE("deployed: of equal logits the first class") {
     auto m = trained<net>(5);
     m.network.for_each_parameter([](const parameter& p, std::span<float> values) {
         if (p.name == "fc.weight")
@@ -127,21 +127,21 @@ TEST_CASE("deployed_model: of equal logits the first class") {
         if (p.name == "fc.bias")
             std::fill(values.begin(), values.end(), 2.0f), values[0] = -1;
     });
-    const auto recognise = deploy(m);
-    const auto found = recognise(frame(1));
+    const auto network = deploy(m);
+    const auto found = network.classify(frame(1));
     REQUIRE(found);
     CHECK(found->index == 1);
     CHECK(found->probability == 1 / (4 + std::exp(-3.0)));
 }
 
-TEST_CASE("deployed_model: a softmax at the end is not taken twice") {
+TEST_CASE("deployed: a softmax at the end is not taken twice") {
     const auto logits = trained<net>(3);
     const auto probabilities = trained<ending>(3);
-    const auto recognise = deploy(logits);
+    const auto network = deploy(logits);
     const auto as_probabilities = deploy(probabilities);
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const auto counts = frame(seed);
-        const auto expected = recognise(counts), found = as_probabilities(counts);
+        const auto expected = network.classify(counts), found = as_probabilities.classify(counts);
         REQUIRE(expected);
         REQUIRE(found);
         CHECK(found->index == expected->index);
@@ -150,7 +150,7 @@ TEST_CASE("deployed_model: a softmax at the end is not taken twice") {
     }
 }
 
-TEST_CASE("deployed_model: names without an output and outputs without a name") {
+TEST_CASE("deployed: names without an output and outputs without a name") {
     CHECK_THROWS_WITH_AS(static_cast<void>(deploy(trained<net>(6))),
                          "deploy: expected a model that names 1 to 5 classes, found 6 names",
                          std::invalid_argument);
@@ -159,27 +159,27 @@ TEST_CASE("deployed_model: names without an output and outputs without a name") 
                          std::invalid_argument);
 }
 
-TEST_CASE("deployed_model: it is a deployed network wherever one is asked for") {
+TEST_CASE("deployed: it is a deployed network wherever one is asked for") {
     const auto m = trained<net>(5);
-    const auto recognise = deploy(m);
-    const fast_model::view_type view = recognise;
+    const auto network = deploy(m);
+    const fast_model::view_type view = network;
     std::array<float, net::outputs> out{}, expected{};
-    REQUIRE(view(frame(3), out) == frame_status::ok);
-    REQUIRE(recognise(frame(3), expected) == frame_status::ok);
+    REQUIRE(view.infer(frame(3), out) == frame_status::ok);
+    REQUIRE(network.infer(frame(3), expected) == frame_status::ok);
     CHECK(out == expected);
     const header_description says{.network = "net", .namespace_name = "own", .classes = m.classes};
-    CHECK(deployed_header(recognise, says, frame(3)).find("namespace own") != std::string::npos);
+    CHECK(deployed_header(network, says, frame(3)).find("namespace own") != std::string::npos);
 }
 
-TEST_CASE("deployed_model: no heap, and names that outlive a move") {
+TEST_CASE("deployed: no heap, and names that outlive a move") {
     auto first = deploy(trained<net>(5));
     const auto counts = frame(2);
     const std::size_t before = support::allocations();
-    const auto found = first(counts);
+    const auto found = first.classify(counts);
     const std::size_t after = support::allocations();
     CHECK(after == before);
     REQUIRE(found);
     const fast_model second = std::move(first);
     CHECK(found->name == second.classes()[found->index]);
-    CHECK(second(counts)->probability == found->probability);
+    CHECK(second.classify(counts)->probability == found->probability);
 }
