@@ -109,8 +109,8 @@ private:
                         operation::kind::average);
     }
     template <tactnet::shape Map, std::size_t Stride>
-    std::size_t add(tactnet::relu_step<tactnet::single_precision, Map, Stride>, const float*,
-                    std::size_t from) {
+    std::size_t add(tactnet::activation_step<tactnet::single_precision, tactnet::relu_function, Map, Stride>,
+                    const float*, std::size_t from) {
         const std::size_t to = new_map(Map);
         operations_.push_back(
             {.what = operation::kind::relu, .input = from, .output = to, .from = Map, .to = Map});

@@ -5,7 +5,6 @@
 //
 // The images are drawn here: bars that lie, bars that stand, and crosses.
 
-#include "leaky_relu_deployed.hpp"
 #include "network.hpp"
 
 #include <tactnet/deployment.hpp>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/layers/activation.hpp>
 #include <tactnet/layers/average_pool.hpp>
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>

@@ -6,8 +6,8 @@
 #include <array>
 #include <bars.hpp>
 #include <deployment/deployed_network.hpp>
+#include <deployment/eight_bit/networks.hpp>
 #include <filesystem>
-#include <own_layer/leaky_relu_deployed.hpp>
 #include <own_layer/network.hpp>
 #include <support/layers/conformance.hpp>
 #include <utility>
@@ -94,6 +94,10 @@ TEST_CASE("own_layer: deployed within the derived bound") {
                                  own::leaky_relu<1>, tactnet::relu, tactnet::batch_norm, own::leaky_relu<1>,
                                  tactnet::dense<4>, own::leaky_relu<7>>;
     CHECK(support::errors_of<net>(42, 5).good());
+}
+
+TEST_CASE("own_layer: in 8 bits the bits of the plain reference") {
+    CHECK(support::frames_that_differ<own::network>(44, 10) == 0);
 }
 
 TEST_CASE("own_layer: the program's weight file and header are the same network") {

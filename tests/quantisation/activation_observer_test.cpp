@@ -25,7 +25,7 @@ detail::calibration_graph description() {
                       outputs = net.add_map({1, 1, 2}, detail::calibration_graph::none);
     detail::graph_node first{.window = {{1, 2}, extent2d(1, 2), 1}, .filters = 2, .input = frame};
     first.output = sums, first.from = {1, 2}, first.to = {1, 1, 2}, first.folded = 4;
-    detail::graph_node second{.reference = detail::reference_relu, .input = sums};
+    detail::graph_node second{.reference = detail::reference_activation<relu_function>, .input = sums};
     second.output = rectified, second.from = second.to = {1, 1, 2};
     detail::graph_node third{.window = {{1, 1, 2}, extent2d(1, 1), 1}, .filters = 2, .input = rectified};
     third.output = outputs, third.from = third.to = {1, 1, 2}, third.folded = 12;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/elementwise.hpp>
+#include <tactnet/layers/activation_function.hpp>
 #include <tactnet/layers/layer.hpp>
 
 namespace tactnet {
@@ -8,6 +9,7 @@ inline namespace TACTNET_ARCH {
 
 /// Rectified linear unit: max(x, 0). In place.
 struct relu {
+    using function = relu_function; ///< for deployment
     static constexpr std::string_view name = "relu";
     static constexpr bool numbered = true;
 

@@ -30,10 +30,14 @@ public:
         step_description<Step>::visit(
             [&]<class... Arguments>(const char*, const char*, const Arguments&... arguments) {
                 constexpr bool composed = (is_inner_step<Arguments> || ...);
-                if constexpr (!composed && requires { &Step::reference; })
-                    output = add_own<Step>(input, into);
-                else
+                if constexpr (!composed && requires { &Step::reference; }) {
+                    constexpr bool own_range = requires {
+                        Step::ranges;
+                    };
+                    output = add_operator<Step, own_range>(reference_own_step<Step>, input, into);
+                } else {
                     output = add<Step>(input, into, arguments...);
+                }
             });
         return output;
     }
@@ -130,21 +134,20 @@ private:
         return add_node<Step>({.reference = reference_max_pool, .window = window, .input = input},
                               net_.add_map(Step::output, net_.maps[input].range));
     }
-    /// A ReLU.
-    template <class Step, class Format>
-    std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>, const shape&, input_stride) {
-        return add_node<Step>({.reference = reference_relu, .input = input},
-                              net_.add_map(Step::output, net_.maps[input].range));
+    template <class Step, class Format, activation_function Function>
+    std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
+                    std::type_identity<Function>, const shape&, input_stride) {
+        return add_operator<Step, (Step::ranges > 1)>(reference_activation<Function>, input, into);
     }
 
-    /// A step with a function `reference` of its own.
-    template <class Step>
-    std::size_t add_own(std::size_t input, std::size_t into) {
-        const graph_node node{.reference = reference_own_step<Step>, .input = input};
-        if constexpr (requires { Step::ranges; })
-            return add_parameters<Step>(node, into);
+    /// A step whose output has a range of its own, or the range of its input.
+    template <class Step, bool OwnRange>
+    std::size_t add_operator(graph_node::function reference, std::size_t input, std::size_t into) {
+        if constexpr (OwnRange)
+            return add_parameters<Step>({.reference = reference, .input = input}, into);
         else
-            return add_node<Step>(node, net_.add_map(Step::output, net_.maps[input].range));
+            return add_node<Step>({.reference = reference, .input = input},
+                                  net_.add_map(Step::output, net_.maps[input].range));
     }
     /// One whose output has a range of its own, or is the network's.
     template <class Step>

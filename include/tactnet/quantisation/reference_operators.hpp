@@ -40,9 +40,10 @@ namespace detail {
             out[e] = std::max(out[e], 0.0f);
     }
 }
-[[gnu::cold]] inline void reference_relu(const graph_node& step, const float*, const float* in, float* out) {
+template <class Function>
+[[gnu::cold]] void reference_activation(const graph_node& step, const float*, const float* in, float* out) {
     for (std::size_t e = 0; e < step.from.size(); ++e)
-        out[e] = std::max(in[e], 0.0f);
+        out[e] = Function::value(in[e]);
 }
 [[gnu::cold]] inline void reference_square_root(const graph_node& step, const float*, const float* in,
                                                 float* out) {

@@ -234,11 +234,21 @@ struct reference_step<
     }
 };
 
-template <tactnet::shape Map, std::size_t Stride, class Products>
-struct reference_step<tactnet::relu_step<tactnet::eight_bit, Map, Stride>, Products> {
+template <class Function, tactnet::shape Map, std::size_t Stride, class Products>
+struct reference_step<tactnet::activation_step<tactnet::eight_bit, Function, Map, Stride>, Products> {
     static whole_map run(const float* folded, whole_map map, const whole_map&) {
-        for (std::int64_t& byte : map.whole)
-            byte = std::max(byte, static_cast<std::int64_t>(folded[1]));
+        const reference_range input = reference_range::next(folded);
+        if constexpr (std::is_same_v<Function, tactnet::relu_function>) {
+            for (std::int64_t& byte : map.whole)
+                byte = std::max(byte, input.zero);
+        } else {
+            const reference_range output = reference_range::next(folded);
+            for (std::int64_t& byte : map.whole) {
+                const double value = Function::value(static_cast<double>(byte - input.zero) * input.scale);
+                byte = std::clamp<std::int64_t>(
+                    static_cast<std::int64_t>(std::nearbyint(value / output.scale)) + output.zero, 0, 255);
+            }
+        }
         return map;
     }
 };

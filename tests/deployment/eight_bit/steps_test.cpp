@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
+
 // Steps in 8 bits that the networks for tactile images have not, against plain loops in whole numbers: every
 // bit of small networks.
 
@@ -23,6 +25,36 @@ TEST_CASE("eight_bit: pools and ReLUs by themselves give the bits of the plain r
                           conv2d<20, 3>, batch_norm, max_pool<3, 1, padding::valid>, relu,
                           average_pool<extent2d(2, 3), 2, pad(1)>, conv2d<4, 1>, dense<5>>;
     CHECK(frames_that_differ<pools>(13, 20) == 0);
+}
+
+namespace {
+
+/// An activation that no layer of the library has: x ÷ (1 + |x|) + Shift ÷ 100.
+template <unsigned Shift>
+struct shifted_softsign {
+    static constexpr const char *name = "softsign", *title = "Softsign", *type = "shifted_softsign";
+    static constexpr std::array arguments{Shift};
+    static constexpr bool moves_zero = Shift > 0;
+    template <class T>
+    static constexpr T shift = static_cast<T>(Shift) / 100;
+    template <class T>
+    static constexpr T value(T x) {
+        return x / (1 + (x < 0 ? -x : x)) + shift<T>;
+    }
+    template <class T>
+    static constexpr T backward(T y, T gradient) {
+        const T rest = 1 - (y < shift<T> ? shift<T> - y : y - shift<T>);
+        return gradient * rest * rest;
+    }
+};
+
+} // namespace
+
+TEST_CASE("eight_bit: activations by a table give the bits of the plain reference") {
+    using activations =
+        network<shape{7, 9, 2}, conv2d<5, 3>, activation<shifted_softsign<0>>, conv2d<6, 3>, batch_norm,
+                activation<shifted_softsign<25>>, max_pool<2>, conv2d<3, 2>, relu, dense<4>>;
+    CHECK(frames_that_differ<activations>(35, 20) == 0);
 }
 
 TEST_CASE("eight_bit: batch norms that no convolution takes up give the bits of the plain reference") {

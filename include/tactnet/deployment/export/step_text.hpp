@@ -110,6 +110,18 @@ template <std::size_t Size, class Alpha, class Beta, class K>
            text_of(std::type_identity<K>{}) + ">";
 }
 
+template <activation_function Function>
+[[nodiscard]] std::string text_of(std::type_identity<Function>) {
+    std::string text = Function::type;
+    if constexpr (requires { Function::arguments; }) {
+        const char* before = "<";
+        for (const unsigned argument : Function::arguments)
+            text += before + std::to_string(argument), before = ", ";
+        text += ">";
+    }
+    return text;
+}
+
 /// What an argument adds to the title of its step, for people.
 template <class Argument>
 [[nodiscard]] std::string details_of(const Argument&) {
@@ -188,6 +200,12 @@ private:
         template <class Value>
         std::string text(const Value& value) {
             return detail::text_of(value);
+        }
+        template <class Type>
+        std::string text(std::type_identity<Type> type_argument) {
+            if constexpr (requires { Type::header; })
+                all.include(Type::header);
+            return detail::text_of(type_argument);
         }
         std::string text(input_stride) { return stride; }
         std::string text(const kernels::frame_convolution& c) { return detail::text_of(c, stride); }

@@ -4,6 +4,7 @@
 #include <tactnet/deployment/steps/dense.hpp>
 #include <tactnet/deployment/steps/elementwise.hpp>
 #include <tactnet/deployment/steps/pooling.hpp>
+#include <tactnet/layers/activation.hpp>
 #include <tactnet/layers/average_pool.hpp>
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/composition/named.hpp>
@@ -81,11 +82,14 @@ struct lowering<batch_norm> {
     using at = lowered_norm<Place>;
 };
 
-template <>
-struct lowering<relu> {
-    static constexpr bool rectifies = true;
+/// A layer that names its activation function.
+template <class Spec>
+    requires activation_function<typename Spec::function>
+struct lowering<Spec> {
+    static constexpr bool rectifies = detail::clamps_below_zero<typename Spec::function>;
     template <class Place>
-    using at = lowered_to<relu_step<typename Place::format, Place::layer::output, Place::input_stride>>;
+    using at = lowered_to<activation_step<typename Place::format, typename Spec::function,
+                                          Place::layer::output, Place::input_stride>>;
 };
 
 template <class Offset>

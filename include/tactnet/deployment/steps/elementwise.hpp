@@ -6,6 +6,7 @@
 #include <tactnet/kernels/frame/local_response.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/layers/activation_function.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -52,21 +53,29 @@ struct norm_step<single_precision, Map, Stride, Rectified> {
     }
 };
 
-/// A ReLU that follows neither a convolution nor a batch norm.
-template <class Format, shape Map, std::size_t Stride>
-struct relu_step;
-template <class Format, shape Map, std::size_t Stride>
-struct step_description<relu_step<Format, Map, Stride>> {
+/// An elementwise activation that no convolution or batch norm has fused.
+template <class Format, class Function, shape Map, std::size_t Stride>
+struct activation_step;
+template <class Format, class Function, shape Map, std::size_t Stride>
+struct step_description<activation_step<Format, Function, Map, Stride>> {
     static constexpr void visit(auto&& to) {
-        to("tactnet::relu_step", "ReLU", std::type_identity<Format>{}, Map, input_stride{});
+        to("tactnet::activation_step", Function::title, std::type_identity<Format>{},
+           std::type_identity<Function>{}, Map, input_stride{});
     }
 };
 
-template <shape Map, std::size_t Stride>
-struct relu_step<single_precision, Map, Stride> : step_without_parameters<single_precision, Map, Stride> {
+template <class Function, shape Map, std::size_t Stride>
+struct activation_step<single_precision, Function, Map, Stride>
+    : step_without_parameters<single_precision, Map, Stride> {
+    static double output_bound(const float*, double input) {
+        return std::max({input, std::abs(Function::value(input)), std::abs(Function::value(-input))});
+    }
     static void run(const float*, const float* in, float* out, float*) noexcept {
         for (std::size_t e = 0; e < Map.area() * Stride; ++e)
-            out[e] = in[e] < 0 ? 0 : in[e];
+            out[e] = Function::value(in[e]);
+        if constexpr (detail::moves_zero<Function> && Map.channels < Stride)
+            for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
+                std::fill(out + pixel + Map.channels, out + pixel + Stride, 0.0f);
     }
 };
 

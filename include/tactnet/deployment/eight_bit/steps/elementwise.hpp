@@ -12,27 +12,53 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A ReLU by itself in 8 bits: no byte below the one that stands for zero.
-template <shape Map, std::size_t Stride>
-struct relu_step<eight_bit, Map, Stride> {
+/// An elementwise activation in 8 bits: a clamp of bytes where it clamps below zero, otherwise a table with
+/// an output for each byte.
+template <class Function, shape Map, std::size_t Stride>
+struct activation_step<eight_bit, Function, Map, Stride> {
     using format = eight_bit;
     static constexpr shape output = Map;
     static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t ranges = 1;
-    static constexpr folded_arrays arrays{range_array("input")};
-    static constexpr std::size_t folded = arrays.numbers(), packed = whole_lines<std::int8_t>(1),
-                                 workspace_elements = 0;
+    static constexpr bool clamps = detail::clamps_below_zero<Function>;
+    static constexpr std::size_t ranges = clamps ? 1 : 2; ///< a clamp keeps the range of its input
+    static constexpr folded_arrays arrays{range_array("input"), range_array("output", !clamps)};
+    static constexpr std::size_t folded = arrays.numbers(), workspace_elements = 0;
+    static constexpr std::size_t packed = whole_lines<std::int8_t>(clamps ? 1 : 256);
 
-    static constexpr void set_ranges(float* to, const step_ranges& values) { values.input.write(to); }
-    static constexpr void pack(const float* from, std::int8_t* to) {
-        *to = static_cast<std::int8_t>(static_cast<std::uint8_t>(map_range::read(from).zero));
+    static constexpr void set_ranges(float* to, const step_ranges& values) {
+        values.input.write(to);
+        if constexpr (!clamps)
+            values.output.write(to + map_range::numbers);
     }
-    static double output_bound(const float*, double input) { return input; }
-    static void run(const std::int8_t* zero, const std::uint8_t* in, std::uint8_t* out,
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const map_range input = map_range::read(from);
+        const auto as_byte = [](double value) {
+            return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
+        };
+        if constexpr (clamps) {
+            *to = as_byte(static_cast<double>(input.zero));
+        } else {
+            const map_range result = map_range::read(from + map_range::numbers);
+            for (int byte = 0; byte < 256; ++byte) {
+                const double value = Function::value((byte - static_cast<double>(input.zero)) *
+                                                     static_cast<double>(input.scale));
+                const double steps = std::clamp(value / static_cast<double>(result.scale), -512.0, 512.0);
+                to[byte] = as_byte(std::clamp(static_cast<double>(detail::nearest_even(steps)) +
+                                                  static_cast<double>(result.zero),
+                                              0.0, 255.0));
+            }
+        }
+    }
+    static double output_bound(const float*, double input) {
+        return activation_step<single_precision, Function, Map, Stride>::output_bound(nullptr, input);
+    }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
-        const auto least = static_cast<std::uint8_t>(*zero);
         for (std::size_t e = 0; e < Map.area() * Stride; ++e)
-            out[e] = std::max(in[e], least);
+            if constexpr (clamps)
+                out[e] = std::max(in[e], static_cast<std::uint8_t>(*packed_values));
+            else
+                out[e] = static_cast<std::uint8_t>(packed_values[in[e]]);
     }
 };
 

@@ -27,9 +27,9 @@ template <sliding_window Window, std::size_t Stride>
 struct pool_step<eight_bit::input_format, Window, Stride> : pool_step<eight_bit, Window, Stride>,
                                                             detail::cannot_read_the_frame<Stride> {};
 
-template <shape Map, std::size_t Stride>
-struct relu_step<eight_bit::input_format, Map, Stride> : relu_step<eight_bit, Map, Stride>,
-                                                         detail::cannot_read_the_frame<Stride> {};
+template <class Function, shape Map, std::size_t Stride>
+struct activation_step<eight_bit::input_format, Function, Map, Stride>
+    : activation_step<eight_bit, Function, Map, Stride>, detail::cannot_read_the_frame<Stride> {};
 
 template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>
