@@ -10,39 +10,38 @@
 #include <cstdint>
 #include <limits>
 
-// What an effect of a scene is. An effect is described without sizes, as a plain struct of parameters in SI
-// units; bound to the shape of what reaches it, it may carry a state: what the sensor was made with, what it
-// remembers of earlier frames.
+// Effects of a scene. An effect is a struct of parameters in SI units, without sizes. Its class template
+// `bound<shape>` may have a state: the properties of one sensor, and a memory of earlier frames.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
-inline constexpr random_purpose sensor{7}; ///< what a simulated sensor was made with
-inline constexpr random_purpose frame{8};  ///< what befalls one simulated frame
+inline constexpr random_purpose sensor{7}; ///< properties of one simulated sensor
+inline constexpr random_purpose frame{8};  ///< random effects in one simulated frame
 } // namespace random_purposes
 
 namespace simulation {
 
-/// Where on the way from the object to the file an effect happens, in the order of physics. A scene lists its
-/// effects in this order; within one stage any order is right.
+/// The stages from the object to the file, in the order of physics. A scene lists its effects in this order;
+/// within a stage, any order is valid.
 enum class stage : std::uint8_t {
     contact,   ///< heights of the object become pressures on the surface
     pad,       ///< pressures on the surface become pressures on the film
-    tactel,    ///< pressures on the film become one pressure a tactel
-    film,      ///< how the film answers: gain, linearity, memory, temperature
-    circuit,   ///< how it is read: crosstalk, broken lines, noise, threshold, saturation
+    tactel,    ///< pressures on the film become one pressure per tactel
+    film,      ///< response of the film: gain, linearity, memory, temperature
+    circuit,   ///< readout: crosstalk, broken lines, noise, threshold, saturation
     converter, ///< pascals become counts
-    storage,   ///< what is done with counts: resolution, compression
+    storage,   ///< changes of counts: resolution, compression
 };
 
-/// Whose random numbers: each effect draws from streams of its own, so that a scene with one effect more
-/// draws the same numbers for all others. An effect declares its purpose itself, your own by a name:
+/// The purpose of random numbers. Each effect draws from streams of its own, so that adding an effect to a
+/// scene changes no numbers of the others. Your own effect declares its purpose by a name:
 ///
 ///     static constexpr auto purpose = effect_purpose::named("my_gripper/slip");
 using effect_purpose = numbered_purpose<struct sensor_unit>;
 
-/// One sensor of a make: what varies from one to the next is drawn from its number.
+/// One sensor of a make, whose individual properties are drawn from its number.
 struct sensor_unit {
     std::uint64_t number = 1;
 
@@ -51,17 +50,17 @@ struct sensor_unit {
     }
 };
 
-/// Where an effect is put: on which sensor, on a grid of what cells.
+/// The sensor and the grid that an effect is bound to.
 struct mounting {
     double cell = tekscan_6077::pitch; ///< metres from cell to cell
     sensor_unit unit{};
 };
 
-/// When and under what conditions one frame is taken.
+/// The time and conditions of one frame.
 struct moment {
     std::uint64_t seed = 1;  ///< of the random numbers
-    std::uint32_t frame = 0; ///< frames of one seed have different numbers
-    double seconds = 0;      ///< since the touch began
+    std::uint32_t frame = 0; ///< number, different for each frame of a seed
+    double seconds = 0;      ///< since the start of the touch
     double celsius = 22;     ///< of the sensor
 
     [[nodiscard]] constexpr random_stream random(effect_purpose purpose) const {
@@ -69,21 +68,21 @@ struct moment {
     }
 };
 
-// Beside `apply` an effect bound to a shape may have `void reset()`, to forget earlier frames. An effect that
-// is long in the making and makes nothing of its sensor_unit says `same_in_every_sensor = true`: scene::use
-// then leaves it in place.
+// In addition to `apply`, a bound effect may have `void reset()`, to forget earlier frames. An effect that
+// does not depend on the sensor_unit may declare `same_in_every_sensor = true`, so that scene::use does not
+// construct it again.
 
-/// Values that an effect may change in place: pascals, or counts from the converter on.
+/// Values that an effect changes in place: pascals, or counts after the converter.
 template <shape Shape>
 using signal = tensor_view<float, Shape>;
 
-/// What an effect bound to a shape does to one frame.
+/// A bound effect that changes a frame in place.
 template <class Bound, shape Shape>
 concept in_place_effect = requires(Bound bound, signal<Shape> values, const moment& now) {
     { bound.apply(values, now) }
     noexcept;
 };
-/// The same for one whose result has another shape.
+/// A bound effect whose result has another shape.
 template <class Bound, shape From, shape To>
 concept reshaping_effect = requires(Bound bound, tensor_view<const float, From> from, signal<To> to,
                                     const moment& now) {
@@ -91,20 +90,22 @@ concept reshaping_effect = requires(Bound bound, tensor_view<const float, From> 
     noexcept;
 };
 
-/// What every effect has: a stage, and a form bound to a shape.
+/// An effect declares its stage.
 template <class Effect>
 concept placed_effect = requires {
     { Effect::place } -> std::convertible_to<stage>;
 };
+/// An effect has a class template `bound<shape>`.
 template <class Effect>
 concept bindable_effect = std::copyable<Effect> && requires {
     typename Effect::template bound<shape{2, 2}>;
 };
+/// An effect has a stage and a class template `bound<shape>`.
 template <class Effect>
 concept effect = placed_effect<Effect> && bindable_effect<Effect>;
 
-/// The shape of what an effect makes of a shape: `Effect::output<Shape>` if it says so, else the same. (In
-/// `apply` give that shape a name of its own, as tactel_average does: signal<output<Shape>> crashes GCC 12.)
+/// The output shape of an effect: `Effect::output<Shape>` if declared, else the input shape. (In `apply`,
+/// name that shape as tactel_average does: signal<output<Shape>> crashes GCC 12.)
 template <class Effect, shape Shape>
 [[nodiscard]] consteval shape output_shape() {
     if constexpr (requires { Effect::template output<Shape>; })

@@ -14,8 +14,8 @@
 #include <type_traits>
 #include <utility>
 
-// A scene is a type: an array, a contact, and the effects that matter. What is not in the list is not there:
-// it takes no time, no memory and no code.
+// A scene is a type: an array, a contact, and the effects that matter. Effects that are not listed take no
+// time, no memory and no code.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -23,7 +23,7 @@ namespace simulation {
 
 namespace detail {
 
-/// Whether each effect comes no earlier on the way from object to file than the one before it.
+/// Whether effects are in the order of their stages.
 [[nodiscard]] consteval bool in_order(std::initializer_list<stage> places) {
     return std::is_sorted(places.begin(), places.end());
 }
@@ -31,7 +31,7 @@ namespace detail {
     return places.size() > 0 && *places.begin() == stage::contact &&
            std::count(places.begin(), places.end(), stage::contact) == 1;
 }
-/// How many cells a side of a tactel has: the product of what the effects ask for.
+/// The number of cells per side of a tactel that an effect asks for.
 template <class Effect>
 [[nodiscard]] consteval std::size_t cells_a_side() {
     if constexpr (requires { Effect::refinement; })
@@ -40,7 +40,7 @@ template <class Effect>
         return 1;
 }
 
-/// Whether a type in the list is an effect. If not, a sentence says what it lacks, and nothing else is said.
+/// Whether a type in the list is an effect. If not, one sentence says what it lacks.
 template <class Listed>
 [[nodiscard]] consteval bool is_effect() {
     static_assert(placed_effect<Listed>,
@@ -61,7 +61,7 @@ template <class Listed>
         return stage::storage;
 }
 
-/// The shape after each effect; the first is the surface's.
+/// The shapes after each effect, beginning with that of the surface.
 template <shape Surface, class... Effects>
 struct shapes_along;
 template <shape Surface>
@@ -80,18 +80,17 @@ struct shapes_along<Surface, Effect, Rest...> {
 
 } // namespace detail
 
-/// What an object's touch looks like through an array and the effects listed, of which the first is the
-/// contact:
+/// Simulates touches of an array with the effects listed, of which the first is the contact:
 ///
 ///     using namespace tactnet::simulation;
 ///     scene<array<28, 50>, contact<winkler>, saturation, quantisation<8>> touch;
 ///
-/// A frame is computed without heap memory, unless an effect says otherwise; its grids lie on the stack, 4
-/// bytes a cell of the surface. One scene serves one thread.
+/// A frame uses no heap, unless an effect documents otherwise, and 4 bytes of stack per cell of the surface.
+/// Each thread needs a scene of its own.
 template <class Array, class... Effects>
 class scene {
     static constexpr std::size_t count = sizeof...(Effects);
-    // Not as a constraint of the list, of which compilers say no more than that it is not satisfied.
+    // An assertion gives a better message than a constraint.
     static constexpr bool are_effects = (... && detail::is_effect<Effects>());
     static_assert(!are_effects || detail::begins_with_its_contact({detail::place_of<Effects>()...}),
                   "scene: the first effect, and no other, must be a contact<...>");
@@ -104,12 +103,12 @@ class scene {
     static constexpr auto shapes =
         detail::shapes_along<shape{Array::extents.rows * refinement, Array::extents.columns* refinement},
                              Effects...>::all;
-    // The first effect that is no longer mechanics: what reaches it is the clean frame.
+    // The first effect after mechanics, whose input is the clean frame.
     static constexpr std::size_t first_unclean =
         (std::size_t{0} + ... + std::size_t{detail::place_of<Effects>() <= stage::tactel});
 
 public:
-    /// Cells on which object and contact are computed: the tactels, or a finer grid if tactel_average asks.
+    /// The grid of object and contact: the tactels, or a finer grid with tactel_average.
     static constexpr shape surface = shapes.front();
     static constexpr shape tactels = shapes[first_unclean];
     static constexpr shape output = shapes.back();
@@ -117,14 +116,14 @@ public:
                   "scene: the mechanical effects must end with one value a tactel");
 
     struct frames {
-        tensor<float, tactels> clean;   ///< pascals on the film of each tactel, before film and electronics
-        tensor<float, output> measured; ///< after all effects: counts if there is a converter, else pascals
+        tensor<float, tactels> clean;   ///< pascals on each tactel, before film and electronics
+        tensor<float, output> measured; ///< after all effects: counts with a converter, else pascals
         contact_report contact;
     };
 
-    /// All parameters are the defaults.
+    /// Uses the default parameters.
     scene() : scene(Array{}, sensor_unit{}) {}
-    /// Effects of the list whose parameters are not the defaults, in any order:
+    /// Takes effects of the list with other parameters, in any order:
     ///
     ///     scene<…> touch({}, {.number = 7}, saturation{.limit = 20e3}, contact<winkler>{{.thickness =
     ///     1e-3}});
@@ -134,25 +133,25 @@ public:
           parameters_(chosen(given...)),
           effects_(bind(array, unit, parameters_, std::index_sequence_for<Effects...>{})) {}
 
-    /// Metres from cell to cell of the surface.
+    /// Metres between cells of the surface.
     [[nodiscard]] double cell() const { return array_.pitch / static_cast<double>(refinement); }
     [[nodiscard]] const Array& sensor() const { return array_; }
 
-    /// One frame of an object whose underside is `heights` metres above any plane parallel to the array;
-    /// where a height is infinite or NaN there is no object. Effects with a memory go on from the frame
-    /// before.
+    /// Simulates a frame of an object with its underside at `heights`, in metres above any plane parallel to
+    /// the array; infinite or NaN where there is no object. Effects with a memory continue from the last
+    /// frame.
     void touch(tensor_view<const float, surface> heights, const pressing& press, const moment& now,
                frames& result) noexcept {
         tensor<float, surface> pressures;
         result.contact = std::get<0>(effects_).apply(heights, press, pressures.view());
         run<1>(pressures.view(), now, result);
     }
-    /// Forgets earlier frames: the next is the first of a new touch.
+    /// Starts a new touch: forgets earlier frames.
     void reset() noexcept {
         std::apply([](auto&... bound) { (forget(bound), ...); }, effects_);
     }
-    /// Goes on with another sensor of the make, and a new touch. Faster than a new scene: effects that are
-    /// the same in every sensor stay.
+    /// Starts a new touch on another sensor. Faster than a new scene, since effects that do not depend on the
+    /// sensor are kept.
     void use(sensor_unit unit) {
         [&]<std::size_t... Index>(std::index_sequence<Index...>) {
             (change<Index>(unit), ...);
@@ -176,7 +175,7 @@ private:
                       "scene: parameters were given for an effect that is not listed, "
                       "or is listed twice");
         std::tuple<Effects...> effects;
-        if constexpr ((... && listed_once<Given>)) // else the sentence above is enough
+        if constexpr ((... && listed_once<Given>)) // avoids further errors
             ((std::get<Given>(effects) = given), ...);
         return effects;
     }

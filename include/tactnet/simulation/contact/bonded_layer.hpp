@@ -14,30 +14,30 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// How cells on a bonded layer act on one another: as on a half space, Love's exact sum, less what the rigid
-/// base holds back, which is smooth on the scale of the thickness. At a distance r from a point force F it is
+/// The influence of cells on a bonded layer: that of a half space, Love's exact sum, minus the restraint by
+/// the rigid base, which is smooth on the scale of the thickness. At a distance r from a point force F the
+/// restraint is
 ///
 ///     F / (π E* h) ∫₀^∞ (1 − M(x)) J₀(x r / h) dx.
 class layer_influence {
 public:
-    /// Thickness in metres, zero or more. What is thinner than a hundredth of a cell counts as that.
+    /// Takes a thickness in metres, zero or more; at least a hundredth of a cell is used.
     layer_influence(double thickness, double poisson, double cell)
         : cell_(cell),
           thickness_(thickness > 1e-2 * cell ? thickness / cell : 1e-2),
           held_back_([=](double x) { return layer_stiffening(x, poisson); }, 16) {}
 
-    /// Metres under 1 Pa on a cell so many cells away, for E / (1 − ν²) = 1 Pa.
+    /// The deflection in metres under 1 Pa on a cell that many cells away, for E / (1 − ν²) = 1 Pa.
     [[nodiscard]] double operator()(std::size_t rows, std::size_t columns) const {
         const double x = static_cast<double>(columns), y = static_cast<double>(rows);
         if (std::hypot(x, y) > radial_kernel::support * thickness_ + 1)
-            return 0; // and not the difference of two rounded numbers
+            return 0; // not the difference of two rounded numbers
         const rectangle square{x - 0.5, x + 0.5, y - 0.5, y + 0.5};
         const double held = integrate(square, 2 * thickness_, [&](double across, double along) {
             return held_back_(std::hypot(across, along) / thickness_);
         });
-        // An incompressible layer thin beside a cell gives by less than the difference is rounded to. A
-        // cell's own share must be more than that, or the solver would find pressures that pull the surface
-        // down.
+        // A thin incompressible layer yields less than the rounding of the difference. A cell's influence on
+        // itself must be larger, or the solver would find pressures that lift the surface.
         const double least = rows + columns == 0 ? 1e-6 * std::min(thickness_, 1.0) : 0;
         return cell_ * ((love_integral(x, y) - held / thickness_) / std::numbers::pi + least);
     }
@@ -47,10 +47,10 @@ private:
     radial_kernel held_back_;
 };
 
-/// A soft layer on a rigid sensor, bonded to it: most sensors. By default 3 mm of soft rubber foam.
+/// A soft layer bonded to a rigid sensor, as on most sensors. By default 3 mm of soft rubber foam.
 ///
-/// Cells should be no larger than about twice the thickness if ν is close to ½: such a layer gives way by
-/// flowing sideways, and hardly at all in the middle of a cell that is pressed evenly.
+/// If ν is close to ½, use cells of at most about twice the thickness: such a layer yields sideways, hardly
+/// at all in the middle of a uniformly pressed cell.
 struct bonded_layer {
     double young = 1e5;      ///< E in pascals
     double poisson = 0.3;    ///< ν, more than −1 and at most ½

@@ -11,21 +11,21 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// How an object is pressed on the array: to a force, or to a depth.
+/// Presses an object on the array to a force or to a depth.
 struct pressing {
     enum class goal : bool { force, depth };
 
     goal until = goal::force;
     double amount = 10; ///< newtons, or metres below the first touch; 0 or less is no touch
-    /// Of the object: E / (1 − ν²) in pascals, above 0. Infinite for a rigid one.
+    /// E / (1 − ν²) of the object in pascals, above 0; infinite if it is rigid.
     double object_modulus = std::numeric_limits<double>::infinity();
-    double object_thickness = 0.02; ///< metres of it that deform, where a model takes it for a layer
+    double object_thickness = 0.02; ///< metres that deform, in models of the object as a layer
 
-    /// One over the modulus: none for a rigid object, and for what is no modulus.
+    /// One over the modulus; 0 for rigid objects and invalid moduli.
     [[nodiscard]] constexpr double object_softness() const {
         return object_modulus > 1e-30 ? 1 / object_modulus : 0;
     }
-    /// Whether these are numbers that an object can have: a model is asked for no other.
+    /// Whether the parameters are physically possible. Models only get such ones.
     [[nodiscard]] constexpr bool possible() const {
         return amount == amount && object_modulus > 0 && object_thickness >= 0 &&
                object_thickness / object_modulus < std::numeric_limits<double>::infinity();
@@ -35,18 +35,18 @@ struct pressing {
     [[nodiscard]] static constexpr pressing to_depth(double metres) { return {goal::depth, metres}; }
 };
 
-/// How a contact was found.
+/// The result of solving a contact.
 struct contact_report {
-    bool converged = true; ///< within the tolerance of its model; else the best that was found
+    bool converged = true; ///< within the tolerance of the model, else the best found
     std::size_t iterations = 0;
     double force = 0;      ///< newtons
     double depth = 0;      ///< metres below the first touch
-    std::size_t cells = 0; ///< of the surface grid, with pressure on them
+    std::size_t cells = 0; ///< number of surface cells with pressure
 };
 
-/// A model of contact bound to a grid of square cells: pressures in pascals, none negative, from heights of
-/// the object's underside in metres. A height that is infinite or NaN is no object. Its `solve` must end
-/// after a bounded number of steps whatever the heights are.
+/// A contact model bound to a grid of square cells. `solve` computes nonnegative pressures in pascals from
+/// heights of the underside of the object in metres; infinite or NaN where there is no object. It ends after
+/// a bounded number of steps for any heights.
 template <class Bound, shape Shape>
 concept bound_contact_model = requires(Bound bound, tensor_view<const float, Shape> heights,
                                        const pressing& press, signal<Shape> pressures) {
@@ -54,16 +54,16 @@ concept bound_contact_model = requires(Bound bound, tensor_view<const float, Sha
     noexcept->std::same_as<contact_report>;
 };
 
-/// What every model has: a form bound to a shape.
+/// A contact model has a class template `bound<shape>`.
 template <class Model>
 concept contact_model = std::copyable<Model> && requires {
     typename Model::template bound<shape{2, 2}>;
 };
 
-/// The first effect of each scene: the object meets the surface. `Model` is winkler, elastic_half_space or
-/// bonded_layer, or one of your own: a struct of parameters with a form `bound<Shape>` that is made of the
-/// model and the size of a cell in metres. A pressing that is not possible leaves no pressure, and a report
-/// that says so.
+/// The first effect of each scene: the contact of object and surface. `Model` is winkler, elastic_half_space,
+/// bonded_layer or your own: a struct of parameters with a class template `bound<Shape>`, constructed from
+/// the model and the size of a cell in metres. An impossible pressing gives no pressure, and has not
+/// converged.
 template <class Model>
 struct contact {
     static_assert(contact_model<Model>,

@@ -10,9 +10,9 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// ∬ 1 / √(x² + y²) over the square of side one whose centre is so many sides away: what Love found for the
-/// sinking of a half space under an even pressure on a rectangle (Phil. Trans. A 228, 1929, 377-420; Johnson,
-/// Contact Mechanics, 1985, equation 3.25).
+/// ∬ 1 / √(x² + y²) over the unit square with its centre at (x, y): Love's deflection of a half space under a
+/// uniform pressure on a rectangle (Phil. Trans. A 228, 1929, 377-420; Johnson, Contact Mechanics, 1985,
+/// equation 3.25).
 [[nodiscard]] inline double love_integral(double x, double y) {
     const auto corner = [](double a, double b) {
         return a * std::asinh(b / std::abs(a)) + b * std::asinh(a / std::abs(b));
@@ -21,14 +21,14 @@ namespace simulation {
     return corner(right, top) - corner(left, top) - corner(right, bottom) + corner(left, bottom);
 }
 
-/// How far in metres a half space of E / (1 − ν²) = 1 Pa sinks in the middle of a cell, when 1 Pa presses on
-/// the cell so many rows and columns away.
+/// The deflection in metres of a half space of E / (1 − ν²) = 1 Pa in the middle of a cell, under 1 Pa on the
+/// cell that many rows and columns away.
 [[nodiscard]] inline double half_space_influence(std::size_t rows, std::size_t columns, double cell) {
     return cell / std::numbers::pi * love_integral(static_cast<double>(columns), static_cast<double>(rows));
 }
 
 /// A surface that is soft to a depth much larger than the contact, as a block of rubber. Exact for pressures
-/// that are even over each cell.
+/// that are uniform over each cell.
 struct elastic_half_space {
     double young = 1e6;   ///< E in pascals
     double poisson = 0.5; ///< ν

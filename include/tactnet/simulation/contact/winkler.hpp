@@ -7,9 +7,8 @@
 #include <cstddef>
 #include <limits>
 
-// The cheap model of contact: springs side by side that know nothing of each other. It is the limit of an
-// elastic layer on a rigid base that is compressible and thin beside the contact (Johnson, Contact Mechanics,
-// 1985, section 4.3).
+// The fast contact model: independent springs. It is the limit of a compressible elastic layer on a rigid
+// base that is thin compared with the contact (Johnson, Contact Mechanics, 1985, section 4.3).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -17,7 +16,7 @@ namespace simulation {
 
 /// A foundation of springs: pressure = modulus × depth / thickness. By default 3 mm of soft rubber foam.
 struct winkler {
-    double modulus = 1.35e5; ///< pascals, of a layer that cannot widen: (1 − ν) E / ((1 + ν)(1 − 2ν))
+    double modulus = 1.35e5; ///< pascals, of a laterally confined layer: (1 − ν) E / ((1 + ν)(1 − 2ν))
     double thickness = 3e-3; ///< metres
 
     template <shape Shape>
@@ -26,7 +25,7 @@ struct winkler {
         bound(const winkler& model, double cell)
             : modulus_(model.modulus), thickness_(model.thickness), area_(cell * cell) {}
 
-        /// Exact but for rounding. A deformable object counts as a second layer of springs.
+        /// Solves exactly, up to rounding. A deformable object is a second layer of springs.
         contact_report solve(tensor_view<const float, Shape> heights, const pressing& press,
                              signal<Shape> pressures) const noexcept {
             const double stiffness =
@@ -34,7 +33,7 @@ struct winkler {
             const double lowest = lowest_of(heights);
             contact_report report;
             if (!(lowest < no_object) || !(press.amount < no_object))
-                report.converged = !(press.amount > 0); // nothing there to press, or no end to it
+                report.converged = !(press.amount > 0); // no object, or an infinite amount
             else if (press.until == pressing::goal::depth)
                 report.depth = std::max(press.amount, 0.0);
             else
@@ -46,7 +45,7 @@ struct winkler {
 
     private:
         static constexpr double no_object = std::numeric_limits<float>::max();
-        static constexpr std::size_t lanes = 8; // sums of their own, so that they can be added side by side
+        static constexpr std::size_t lanes = 8; // independent sums, for vectors
 
         static double lowest_of(tensor_view<const float, Shape> heights) {
             std::array<float, lanes> lowest;
@@ -59,10 +58,9 @@ struct winkler {
             return static_cast<double>(*std::min_element(lowest.begin(), lowest.end()));
         }
 
-        /// How deep the lowest point lies when all depths add up to `sum`; above that point, not above where
-        /// heights are told from, a faint touch keeps its digits. The springs that touch at a level are no
-        /// fewer than those that touch at the answer, so that each step drops some of them until none is
-        /// dropped.
+        /// The depth of the lowest point at which all depths add up to `sum`. Heights are relative to the
+        /// lowest point, so that faint touches keep their digits. Each level has at least the springs of the
+        /// solution, so that each step drops some springs until none is dropped.
         static double depth_for(tensor_view<const float, Shape> heights, double lowest, double sum,
                                 contact_report& report) {
             double level = no_object - lowest;

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-// An elastic layer of thickness h, bonded to a rigid base and pressed on its free surface by a pressure
-// p cos kx without friction. Every wave of a map is such a state of plane strain along its own direction, so
-// that k is the length of the wave vector.
+// An elastic layer of thickness h, bonded to a rigid base, under a frictionless pressure p cos kx on its
+// surface. Each Fourier component of a map is such a state of plane strain, where k is the length of the wave
+// vector.
 //
-// Derived here from Airy's stress function f(z) cos kx with z from the base up,
+// Derived from Airy's stress function f(z) cos kx, with z upwards from the base,
 //
 //     f = (A + B kz) cosh kz + (C + D kz) sinh kz,    σzz = −k² f cos kx,    σxz = k f' sin kx.
 //
@@ -22,17 +22,17 @@
 // −f'''(h) / (E* k²), E* = E / (1 − ν²): with 2m² − κ = (κ² + 1) / 2 the two formulas below. See Johnson,
 // Contact Mechanics, 1985, section 5.8, on layered solids.
 //
-// For −1 < ν ≤ ½ both are finite for all x from 0 to infinity: numerator and denominator are divided by what
-// grows in them.
+// For −1 < ν ≤ ½ both are finite for all x from 0 to infinity, since numerator and denominator are divided by
+// their growing factors.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
 namespace detail {
-inline constexpr double endless_wave = 300; ///< beyond this x, e⁻²ˣ is no longer to be seen beside one
+inline constexpr double endless_wave = 300; ///< beyond this x, e⁻²ˣ is negligible
 
-/// sinh y − y for y ≥ 0, to the last digits for small y too.
+/// sinh y − y for y ≥ 0, also accurate for small y.
 [[nodiscard]] inline double sinh_beyond_linear(double y) {
     if (y > 1)
         return std::sinh(y) - y;
@@ -44,13 +44,13 @@ inline constexpr double endless_wave = 300; ///< beyond this x, e⁻²ˣ is no l
 }
 } // namespace detail
 
-/// How much less the layer yields than a half space of the same material: the surface sinks by
+/// The compliance of the layer relative to a half space of the same material: the deflection is
 /// û = 2 / (E* k) · M(kh) · p̂,
 ///
 ///     M(x) = (κ sinh 2x − 2x) / (κ cosh 2x + 2x² + (κ² + 1) / 2).
 ///
-/// A thick layer is a half space, M → 1. A thin one is a bed of springs, M → x (1 − 2ν) / (2 (1 − ν)²), which
-/// is û = h p̂ (1 + ν) (1 − 2ν) / ((1 − ν) E); or, as it cannot be squeezed at ν = ½, M → ⅔ x³.
+/// A thick layer is a half space, M → 1. A thin one is a bed of springs, M → x (1 − 2ν) / (2 (1 − ν)²), that
+/// is û = h p̂ (1 + ν) (1 − 2ν) / ((1 − ν) E); at ν = ½ it is incompressible, and M → ⅔ x³.
 [[nodiscard]] inline double layer_compliance(double x, double poisson) {
     if (!(x < detail::endless_wave))
         return 1;
@@ -61,7 +61,7 @@ inline constexpr double endless_wave = 300; ///< beyond this x, e⁻²ˣ is no l
     return numerator / (kappa * (1 + decay * decay) + (4 * x * x + kappa * kappa + 1) * decay);
 }
 
-/// 1 − M(x), without cancellation for large x, where it goes like 4x² e⁻²ˣ / κ. It is 1 for x = 0.
+/// 1 − M(x), without cancellation. It is 1 for x = 0, and ~ 4x² e⁻²ˣ / κ for large x.
 [[nodiscard]] inline double layer_stiffening(double x, double poisson) {
     if (!(x < detail::endless_wave))
         return 0;
@@ -70,11 +70,11 @@ inline constexpr double endless_wave = 300; ///< beyond this x, e⁻²ˣ is no l
     return decay * (common + 4 * x + 2 * kappa * decay) / (kappa * (1 + decay * decay) + common * decay);
 }
 
-/// What of a pressure on the surface reaches the base: p̂_base / p̂ =
+/// The ratio of the pressures on base and surface, p̂_base / p̂ =
 ///
 ///     m (m cosh x + x sinh x) / (x² + m² + κ sinh² x),    m = 2 (1 − ν).
 ///
-/// It is 1 for x = 0, as no force is lost, goes like 2 (m/κ) x e⁻ˣ for large x, and is never negative.
+/// It is 1 for x = 0, since no force is lost, ~ 2 (m/κ) x e⁻ˣ for large x, and never negative.
 [[nodiscard]] inline double layer_transfer(double x, double poisson) {
     if (!(x < detail::endless_wave))
         return 0;

@@ -12,23 +12,22 @@
 #include <limits>
 #include <numeric>
 
-// The contact of a rigid shape with an elastic surface, each cell of which sinks by what all cells press:
-// pressures p ≥ 0 and gaps g ≥ 0 of which one is zero everywhere. Conjugate gradients on the cells in
-// contact, which change as pressures fall to zero and gaps close (Polonsky and Keer, Wear 231, 1999,
-// 206-219).
+// The contact of a shape with an elastic surface whose cells influence each other: pressures p ≥ 0 and gaps g
+// ≥ 0, one of which is zero in each cell. Conjugate gradients on the cells in contact, which change as
+// pressures fall to zero and gaps close (Polonsky and Keer, Wear 231, 1999, 206-219).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// When a contact is found.
+/// When the iteration stops.
 struct contact_accuracy {
-    /// Gaps where there is pressure, and overlaps where there is none, as a share of the depth.
+    /// The largest gap under pressure, or overlap without, as a fraction of the depth.
     double tolerance = 1e-6;
     std::size_t most_iterations = 500;
 };
 
-/// The solver of all models in which cells act on one another. Memory is taken when it is made.
+/// The solver of all models whose cells influence each other. Allocates only when constructed.
 template <shape Shape>
 class polonsky_keer {
     using v = kernels::vector<double>;
@@ -37,9 +36,9 @@ class polonsky_keer {
     static constexpr std::size_t stride = convolution::stride, size = convolution::size;
 
 public:
-    /// `surface(rows, columns)` and `object(rows, columns)`: how far in metres a cell so many cells away
-    /// sinks under 1 Pa on a cell, of the surface and of an object whose E / (1 − ν²) is 1 Pa. `cell` in
-    /// metres.
+    /// `surface(rows, columns)` and `object(rows, columns)` are the deflections in metres of a cell that many
+    /// cells away under 1 Pa on a cell, of the surface and of an object with E / (1 − ν²) = 1 Pa. `cell` is
+    /// in metres.
     template <class Surface, class Object>
     polonsky_keer(const Surface& surface, const Object& object, double cell, contact_accuracy accuracy)
         : surface_(convolve_.spectrum_of(surface)),
@@ -54,14 +53,14 @@ public:
                 nearby_ += surface(y, x) * (y > 0 ? 2 : 1) * (x > 0 ? 2 : 1);
     }
 
-    /// Force and pressures belong together to the last digits; gaps are closed to the accuracy.
+    /// Force and pressures agree to the last digits; gaps are closed to the accuracy.
     contact_report solve(tensor_view<const float, Shape> heights, const pressing& press,
                          signal<Shape> pressures) noexcept {
         contact_report report;
         std::fill(pressures.elements().begin(), pressures.elements().end(), 0.0f);
         const bool touches = take(heights), pressed = press.amount > 0;
         if (!touches || !pressed || !(press.amount < no_end)) {
-            report.converged = !pressed; // else nothing is there to be pressed, or there is no end to it
+            report.converged = !pressed; // no object, or an infinite amount
             return report;
         }
         soften(press.object_softness());
@@ -78,11 +77,11 @@ public:
     }
 
 private:
-    static constexpr double no_end = std::numeric_limits<float>::max(); ///< of forces and depths
-    /// Higher than any object sinks in, and low enough to be reckoned with.
+    static constexpr double no_end = std::numeric_limits<float>::max(); ///< limit of forces and depths
+    /// A height above any depth, with which arithmetic does not overflow.
     static constexpr double no_object = 1e200;
 
-    /// body(i) for the first element i of each vector of a field.
+    /// Calls body(i) for the first element i of each vector of a field.
     template <class Body>
     static void each(const Body& body) {
         for (std::size_t i = 0; i < size; i += kernels::lanes<double>)
@@ -99,7 +98,7 @@ private:
         return kernels::choose<double>(condition, values, v(0.0));
     }
 
-    /// Heights above the lowest. Where there is no object they are so high that nothing ever reaches them.
+    /// Stores heights above the lowest, `no_object` where there is none. Returns whether there is an object.
     bool take(tensor_view<const float, Shape> heights) {
         constexpr float highest = std::numeric_limits<float>::max();
         float lowest = highest;
@@ -114,7 +113,7 @@ private:
             }
         return lowest < highest;
     }
-    /// Surface and object yield together.
+    /// Adds the influences of surface and object.
     void soften(double object_softness) {
         softness_ = object_softness;
         for (std::size_t i = 0; softness_ > 0 && i < both_.size(); i += kernels::lanes<double>)
@@ -124,7 +123,7 @@ private:
         convolve_(softness_ > 0 ? both_ : surface_, under.data(), result.data());
     }
 
-    /// To begin with, springs that yield as much as a patch of cells does.
+    /// The initial guess: springs that yield as a patch of cells does.
     void guess(tensor_view<const float, Shape> heights, const pressing& press, signal<Shape> springs) {
         typename winkler::template bound<Shape>({.modulus = 1, .thickness = nearby_}, std::sqrt(area_))
             .solve(heights, {press.until, press.amount}, springs);
@@ -134,9 +133,9 @@ private:
     }
 
     struct state {
-        double level;   ///< how deep the object's lowest point lies
-        double squares; ///< of the gaps in contact
-        double worst;   ///< of gaps in contact and overlaps elsewhere
+        double level;   ///< depth of the lowest point
+        double squares; ///< sum over the gaps in contact
+        double worst;   ///< largest gap in contact or overlap elsewhere
     };
 
     void find(const pressing& press, contact_report& report) {
@@ -145,7 +144,7 @@ private:
         if (to_force)
             scale_to(load);
         sink(pressure_, sunk_);
-        double before = 0; // squares, if the search can go on from the last direction
+        double before = 0; // squares, or 0 to restart the search
         for (;;) {
             const state now = gaps(to_force ? level() : press.amount);
             report.depth = now.level;
@@ -168,7 +167,7 @@ private:
         }
     }
 
-    /// The level at which the gaps in contact are zero in the mean.
+    /// The level at which the mean gap in contact is zero.
     double level() const {
         v sum(0.0), count(0.0);
         each([&](std::size_t i) {
@@ -198,12 +197,12 @@ private:
             put(step_, i, only(contact, kernels::multiply_add<double>(v(share), at(step_, i), at(gap_, i))));
         });
     }
-    /// How far along the step the gaps are least. Polonsky and Keer take the mean out of the answer, where
-    /// the level is free; but with gaps that are zero in the mean so are the steps, and it has no part in
-    /// this. Where nothing can be told, as with a contact of one cell, as far as a cell would go alone.
+    /// The length of the step that minimises the gaps. Polonsky and Keer subtract the mean of the response if
+    /// the level is free; since gaps and steps have zero mean, it has no influence. If the length is
+    /// undetermined, as for a contact of one cell, returns that of a cell alone.
     double step_length() const {
         v fall(0.0), rise(0.0);
-        each([&](std::size_t i) { // no step outside the contact
+        each([&](std::size_t i) { // steps outside of the contact are zero
             fall += at(gap_, i) * at(step_, i);
             rise += at(answer_, i) * at(step_, i);
         });
@@ -212,8 +211,8 @@ private:
     }
 
     struct moved {
-        bool cells_changed; ///< some lost contact or came into it
-        bool grown;         ///< some came into contact
+        bool cells_changed; ///< some cell lost or gained contact
+        bool grown;         ///< some cell gained contact
     };
     moved move(double length) {
         v lost(0.0), won(0.0);
@@ -229,8 +228,8 @@ private:
         const bool grown = total(won) > 0;
         return {grown || total(lost) > 0, grown};
     }
-    /// Makes the pressures add up to the load, and returns by what they were multiplied. If none is left, the
-    /// lowest point takes it all, and 0 is returned.
+    /// Scales the pressures so that their sum is the load, and returns the factor. If all are zero, puts the
+    /// load on the lowest point and returns 0.
     double scale_to(double load) {
         v sum(0.0);
         each([&](std::size_t i) { sum += at(pressure_, i); });
@@ -247,7 +246,7 @@ private:
 
     convolution convolve_;
     typename convolution::spectrum surface_, object_, both_;
-    // Of the padding between rows: no object, no pressure.
+    // The padding between rows has no object and no pressure.
     field heights_ = field(size, no_object), pressure_ = field(size, 0.0), sunk_ = field(size, 0.0),
           gap_ = field(size, 0.0), step_ = field(size, 0.0), answer_ = field(size, 0.0);
     double area_, own_, own_of_object_, nearby_ = 0, softness_ = 0;

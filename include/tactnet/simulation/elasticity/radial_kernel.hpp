@@ -9,15 +9,15 @@
 #include <numbers>
 #include <vector>
 
-// From the answer of an elastic layer to waves to the answer of one square cell to another: the transform of
-// Hankel gives the answer at a distance, and quadrature the mean over a cell.
+// From the response of an elastic layer to waves to the influence between square cells: the Hankel transform
+// gives the response at a distance, quadrature the mean over a cell.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Bessel's function of order zero for z ≥ 0, within 1e-11: the power series below 13, where its terms are
-/// not yet too large, and Hankel's asymptotic series beyond (Abramowitz and Stegun, 9.1.10 and 9.2.5).
+/// The Bessel function J₀ for z ≥ 0, within 1e-11: the power series below 13, and Hankel's asymptotic series
+/// beyond (Abramowitz and Stegun, 9.1.10 and 9.2.5).
 [[nodiscard]] inline double bessel_zero(double z) {
     if (z < 13) {
         const double quarter = -z * z / 4;
@@ -37,7 +37,7 @@ namespace simulation {
     return std::sqrt(2 / (std::numbers::pi * z)) * (even * std::cos(phase) - odd * std::sin(phase));
 }
 
-/// Nodes and weights of Gauss and Legendre for [−1, 1].
+/// A node and its weight of Gauss-Legendre quadrature on [−1, 1].
 struct gauss_point {
     double place, weight;
 };
@@ -50,8 +50,8 @@ struct rectangle {
     double left, right, bottom, top;
 };
 
-/// ∬ f(x, y) over a rectangle, of an f that is smooth on the scale of the distance from the origin or of
-/// `smooth`, whichever is larger: where that is small beside the rectangle, it is quartered.
+/// ∬ f(x, y) over a rectangle, where f is smooth on the scale of `smooth` or of the distance from the origin,
+/// whichever is larger. Rectangles large compared with that are quartered.
 template <class Function>
 [[nodiscard]] double integrate(const rectangle& over, double smooth, const Function& f) {
     const double width = over.right - over.left, height = over.top - over.bottom;
@@ -70,16 +70,16 @@ template <class Function>
     return sum * width * height / 4;
 }
 
-/// f(s) = ∫₀^∞ g(x) J₀(xs) dx as a table, for a g that is smooth on the scale of one and has vanished at
-/// `end`. Beyond the table it is g(0) / s: the rest falls like e⁻ᵃˢ, where a, the distance of the nearest
-/// pole of g from the real axis, is 0.739 or more for the layers of layer_compliance.hpp.
+/// f(s) = ∫₀^∞ g(x) J₀(xs) dx as a table, for a g that is smooth on the scale of one and vanishes at `end`.
+/// Beyond the table f is g(0) / s: the rest decays like e⁻ᵃˢ, where a, the distance of the nearest pole of g
+/// from the real axis, is at least 0.739 for the layers of layer_compliance.hpp.
 class radial_kernel {
 public:
     template <class Function>
     radial_kernel(const Function& g, double end) : tail_(g(0.0)), values_(points) {
         for (std::size_t i = 0; i < points; ++i) {
             const double s = std::sinh((static_cast<double>(i) - 1) * step);
-            // Half a period of the Bessel function for each four points.
+            // Half a period of the Bessel function per four points.
             const auto pieces = static_cast<std::size_t>(end * std::max(std::abs(s), 10.0) / 2) + 1;
             const double half = end / static_cast<double>(2 * pieces);
             double sum = 0;
@@ -99,15 +99,15 @@ public:
         const auto first = static_cast<std::size_t>(place);
         const double t = place - static_cast<double>(first);
         const double* const v = values_.data() + first; // at −1, 0, 1 and 2
-        // Lagrange's cubic through the four.
+        // Lagrange's cubic.
         return v[0] * t * (t - 1) * (2 - t) / 6 + v[1] * (t + 1) * (t - 1) * (t - 2) / 2 +
                v[2] * (t + 1) * t * (2 - t) / 2 + v[3] * (t + 1) * t * (t - 1) / 6;
     }
-    /// Beyond this s nothing but the tail is left.
+    /// Beyond this s, only the tail remains.
     static constexpr double support = 34;
 
 private:
-    // Even steps in asinh s: close where f is round, wide where it only falls.
+    // Uniform steps in asinh s: dense near zero, wide in the tail.
     static constexpr double step = 0.02;
     static constexpr std::size_t points = 216; // to s = sinh 4.24 = 34.7
 

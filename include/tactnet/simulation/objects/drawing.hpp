@@ -11,8 +11,7 @@
 #include <string_view>
 #include <vector>
 
-// What the families of objects are drawn with. In them all lengths are written in millimetres and all angles
-// in degrees, as one would measure the things on a desk.
+// Random objects and poses. Families of objects write lengths in millimetres and angles in degrees.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -21,21 +20,21 @@ namespace simulation {
 inline constexpr double mm = 1e-3;
 inline constexpr double degrees = std::numbers::pi / 180;
 
-/// Where touches of a family lie: around a place, with any angle of a range.
+/// The range of random poses: around a place, with any angle of a range.
 struct pose_range {
     point middle;
-    point reach; ///< to both sides, along x and y
+    point reach; ///< largest distance from the middle, along x and y
     double from_angle = 0, to_angle = 2 * std::numbers::pi;
-    double slope = 2e-3; ///< standard deviation of the tilt, in metres a metre
+    double slope = 2e-3; ///< standard deviation of the tilt, in metres per metre
 };
 
-/// Random numbers in the terms of objects.
+/// Draws random properties of objects, from separate streams for shape, pose and force.
 class drawing {
 public:
     drawing(random_stream shape, random_stream where, random_stream force)
         : shape_(shape), where_(where), force_(force) {}
 
-    /// Of the object's shape.
+    /// Draws uniformly between `low` and `high`, for the shape, as the members below do.
     [[nodiscard]] double within(double low, double high) { return shape_.uniform(low, high); }
     [[nodiscard]] double around(double middle, double spread) { return middle + spread * within(-1, 1); }
     [[nodiscard]] bool chance(double probability) { return shape_.uniform() < probability; }
@@ -47,7 +46,7 @@ public:
         return {amplitude, wavelength, shape_.bits()};
     }
 
-    /// A pose of the range, in which `middle` is the point of the object that lies there.
+    /// Draws a pose of the range for the point `middle` of the object.
     [[nodiscard]] pose somewhere(const pose_range& range, point middle = {}) {
         pose at;
         at.position = range.middle +
@@ -57,7 +56,7 @@ public:
         at.position = at.position - middle.turned(at.angle);
         return at;
     }
-    /// Newtons, log-uniform.
+    /// Draws a force, log-uniform in newtons.
     [[nodiscard]] pressing pressed(double least, double most) {
         return pressing::to_force(least * std::pow(most / least, force_.uniform()));
     }
@@ -66,19 +65,20 @@ private:
     random_stream shape_, where_, force_;
 };
 
-/// The same of an object that deforms: `modulus` in pascals as in pressing, `thickness` of what gives way.
+/// Makes the object of a pressing soft, with a modulus in pascals and a thickness in metres.
 [[nodiscard]] inline pressing soft(pressing press, double modulus, double thickness) {
     press.object_modulus = modulus;
     press.object_thickness = thickness;
     return press;
 }
 
-/// A bent bar: rods from point to point, whose radius and lift may differ.
+/// A point of a bent bar.
 struct bend {
     point at;
     double radius;
     double lift = 0;
 };
+/// Adds a bent bar: rods from point to point.
 inline void add_bar(std::vector<part>& parts, std::span<const bend> bends) {
     for (std::size_t i = 1; i < bends.size(); ++i) {
         const bend &a = bends[i - 1], &b = bends[i];
@@ -86,7 +86,7 @@ inline void add_bar(std::vector<part>& parts, std::span<const bend> bends) {
     }
 }
 
-/// Longer than any array: what ends outside of the picture.
+/// A length beyond any array, for parts that end outside of it.
 inline constexpr double beyond = 150 * mm;
 
 /// A kind of object. Each draw is another object of the kind, in another pose, pressed with another force.

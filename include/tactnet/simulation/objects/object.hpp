@@ -16,15 +16,15 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
-inline constexpr random_purpose touch{9}; ///< what touches a simulated sensor, and how
+inline constexpr random_purpose touch{9}; ///< the object and pose of a simulated touch
 } // namespace random_purposes
 
 namespace simulation {
 
-/// Bumps of a surface: random heights at the points of a grid, smooth between.
+/// Roughness of a surface: random heights at the points of a grid, with smooth interpolation.
 struct roughness {
-    double amplitude = 0;     ///< metres, of the highest bump; 0 or less is smooth
-    double wavelength = 4e-3; ///< metres from bump to bump; 0 is smooth
+    double amplitude = 0;     ///< metres, the largest height; 0 or less is smooth
+    double wavelength = 4e-3; ///< metres between points; 0 is smooth
     std::uint32_t seed = 0;
 
     [[nodiscard]] double height(point place) const {
@@ -47,18 +47,17 @@ struct roughness {
     }
 
 private:
-    static constexpr double countable = 0x1p53; // beyond this the points of the grid have no whole numbers
+    static constexpr double countable = 0x1p53; // beyond this, grid points have no exact integers
 };
 
-/// Where an object lies: turned about its origin, then moved. The origin of places is the middle of the
-/// array.
+/// The pose of an object: rotated about its origin, then moved from the middle of the array.
 struct pose {
     point position{};
     double angle = 0;
-    point slope{}; ///< rise of the object along x and y, in metres a metre
+    point slope{}; ///< rise of the object along x and y, in metres per metre
 };
 
-/// The underside of an object: whatever of its parts is lowest.
+/// An object: at each place its lowest part counts.
 struct object {
     std::vector<part> parts{};
     roughness surface{};
@@ -78,7 +77,8 @@ struct touch {
     pressing press{};
 };
 
-/// The heights of an object over the cells of an array, whose middle is the origin. `cell` is in metres.
+/// Computes the heights of an object over the cells of an array, whose middle is the origin. `cell` is in
+/// metres.
 template <shape Shape>
 void lay(const object& body, const pose& at, double cell, signal<Shape> heights) {
     for (std::size_t row = 0; row < Shape.rows; ++row)

@@ -13,8 +13,8 @@
 #include <variant>
 #include <vector>
 
-// What objects are made of: simple bodies that lie on a plane. Only their undersides matter: how far each
-// point of them is above the plane. All lengths are metres, all angles radians.
+// Objects are made of simple bodies that lie on a plane. Only their undersides matter: the height of each
+// point above the plane. Lengths are in metres, angles in radians.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -30,19 +30,19 @@ struct point {
     [[nodiscard]] static point at_angle(double angle) { return {std::cos(angle), std::sin(angle)}; }
     [[nodiscard]] constexpr double dot(point other) const { return x * other.x + y * other.y; }
     [[nodiscard]] double length() const { return std::sqrt(dot(*this)); }
-    /// Turned about the origin, from x towards y.
+    /// Rotates about the origin, from x towards y.
     [[nodiscard]] point turned(double angle) const {
         const point axis = at_angle(angle);
         return {axis.x * x - axis.y * y, axis.y * x + axis.x * y};
     }
 };
 
-/// No object there.
+/// The height where there is no object.
 inline constexpr double nothing = std::numeric_limits<double>::infinity();
 
 namespace detail {
 
-/// The underside of a round section of a radius whose lowest point is at zero.
+/// The underside of a round section with its lowest point at zero.
 [[nodiscard]] inline double round_section(double radius, double distance) {
     return distance < radius
                ? distance * distance / (radius + std::sqrt(radius * radius - distance * distance))
@@ -51,8 +51,8 @@ namespace detail {
 
 } // namespace detail
 
-/// A round bar with round ends between two points: a cylinder, with different radii a cone, of no length a
-/// sphere. Its lowest line runs from one lift to the other.
+/// A round bar with round ends between two points: a cylinder, a cone if the radii differ, a sphere if the
+/// points are equal. Its lowest line runs from one lift to the other.
 struct rod {
     point from, to;
     double from_radius, to_radius;
@@ -71,8 +71,8 @@ struct rod {
     }
 };
 
-/// A round bar bent to a circle or a part of one, from one angle to the other in the direction of x towards
-/// y: from 350° to 10° it is short. Angles a turn or more apart are the whole circle, equal ones a ball.
+/// A round bar bent to a circular arc, from one angle to the other in the direction of x towards y: from 350°
+/// to 10° it is short. Angles a turn or more apart are the whole circle, equal angles a ball.
 struct arc {
     point centre;
     double radius;    ///< of the circle
@@ -99,16 +99,16 @@ private:
     static double within_a_turn(double angle) { return angle - turn * std::floor(angle / turn); }
 };
 
-/// A flat face with rounded corners: a box, a disc where the corners take all of it. Its rim may be rounded
-/// off, and its inside hollow.
+/// A flat face with rounded corners: a box, or a disc if the corners cover it. The rim may be rounded, and
+/// the inside hollow.
 struct plate {
     point centre;
     double half_length, half_width;
-    double angle = 0;        ///< of its length against x
-    double corner = 0;       ///< radius in the plane; at most the smaller half size counts
+    double angle = 0;        ///< from x to its length
+    double corner = 0;       ///< radius in the plane, at most the smaller half size
     double rim = 0;          ///< radius of its lower edge
-    double hollow = 0;       ///< how far the inside is above the edge
-    double hollow_width = 1; ///< how far from the edge the inside begins
+    double hollow = 0;       ///< height of the inside above the edge
+    double hollow_width = 1; ///< distance of the inside from the edge
     double lift = 0;
 
     [[nodiscard]] static plate disc(point centre, double radius, double rim = 0, double lift = 0) {
@@ -124,7 +124,7 @@ struct plate {
         const double round = std::min(corner, std::min(half_length, half_width));
         const point beyond{std::abs(own.x) - (half_length - round), std::abs(own.y) - (half_width - round)};
         const point outside{std::max(beyond.x, 0.0), std::max(beyond.y, 0.0)};
-        // How far inside the outline.
+        // The distance from the outline.
         const double depth = round - outside.length() - std::min(std::max(beyond.x, beyond.y), 0.0);
         if (!(depth > 0))
             return nothing;
@@ -134,17 +134,17 @@ struct plate {
     }
 };
 
-/// A height map, for example from an image: rows × columns of heights, `cell` apart, bilinear between. Each
-/// height stands for a cell, so that the outermost ones reach half a cell further, and a single row is a
-/// strip.
+/// A height map, for example from an image: rows × columns of heights, `cell` apart, with bilinear
+/// interpolation. Each height represents a cell, so that the outermost ones extend half a cell further, and a
+/// single row is a strip.
 struct relief {
     point centre;
     std::size_t rows, columns;
     double cell;
-    std::vector<float> heights; ///< row by row; infinite where there is nothing
+    std::vector<float> heights; ///< row by row; infinite where there is no object
     double lift = 0;
 
-    /// Throws std::invalid_argument where there are not as many heights as rows × columns.
+    /// Throws std::invalid_argument if the number of heights is not rows × columns.
     [[nodiscard]] double height(point place) const {
         if (heights.size() != rows * columns)
             throw std::invalid_argument("relief: expected " + std::to_string(rows) + " x " +
@@ -162,7 +162,7 @@ struct relief {
             return static_cast<double>(heights[r * columns + c]);
         };
         const double down = row - static_cast<double>(top), along = column - static_cast<double>(left);
-        // Not std::lerp: a neighbour that is not there counts for nothing if it has no weight, else for all.
+        // Unlike std::lerp, an infinite height has no influence at a weight of zero.
         const auto mix = [](double a, double b, double share) {
             if (!(share > 0))
                 return a;
@@ -173,8 +173,10 @@ struct relief {
     }
 };
 
+/// A part of an object.
 using part = std::variant<rod, arc, plate, relief>;
 
+/// The height of a part at a place.
 [[nodiscard]] inline double height(const part& body, point place) {
     return std::visit([&](const auto& some) { return some.height(place); }, body);
 }

@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-// Long things: bars, bent bars, cables.
+// Long objects: bars, bent bars, cables.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation::objects {
 
-/// The mouth of a tube of adhesive: a hairpin whose legs leave the picture.
+/// The mouth of a tube of adhesive: a hairpin with legs beyond the array.
 [[nodiscard]] inline touch adhesive(drawing& draw) {
     const double opening = draw.within(20, 44) * degrees / 2, bow = draw.within(4, 8) * mm;
     const double radius = draw.within(3, 4.5) * mm, leg = draw.within(50, 70) * mm;
@@ -108,7 +108,7 @@ namespace simulation::objects {
 
 namespace detail {
 
-/// A straight bar right across the picture, more often than not along the shorter side.
+/// A straight bar across the whole array.
 [[nodiscard]] inline touch straight(drawing& draw, double radius, double slope, pressing press) {
     object shape{{rod{{-beyond, 0}, {beyond, 0}, radius, radius}}, {}};
     return {std::move(shape), draw.somewhere({{0, 0}, {34 * mm, 10 * mm}, 0, 180 * degrees, slope}), press};

@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-// Parts of the human body: soft, so that they touch broadly and faintly. Their moduli are of the order that
-// is measured for the soft tissue of arms (10 to 50 kPa).
+// Parts of the human body, which are soft, with wide and faint contacts. Their moduli are of the order
+// measured for the soft tissue of arms (10 to 50 kPa).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -20,7 +20,7 @@ namespace simulation::objects {
             soft(draw.pressed(7, 12), 15e3, 25 * mm)};
 }
 
-/// Some fingers beside each other, each of three limbs.
+/// Two to four fingers side by side, each of three limbs.
 [[nodiscard]] inline touch finger(drawing& draw) {
     object shape;
     const std::size_t fingers = draw.count(2, 4);
@@ -44,7 +44,7 @@ namespace simulation::objects {
             soft(draw.pressed(2.6, 5), 15e3, 8 * mm)};
 }
 
-/// A palm: what bears is a ring of muscles around its hollow.
+/// A palm: a ring of muscles around a hollow.
 [[nodiscard]] inline touch hand(drawing& draw) {
     object shape;
     const double radius = draw.within(32, 42) * mm, opening = draw.within(0, 120) * degrees;

@@ -41,9 +41,9 @@ inline constexpr std::array<object_family, 22> paper_objects{{
     {"tube", objects::tube},
 }};
 
-/// Touch `number` of a class, which is an index of paper_objects: the same wherever it is drawn.
+/// Draws touch `number` of a class, an index of paper_objects. Bit-identical wherever it runs.
 [[nodiscard]] inline touch draw_touch(std::size_t label, std::uint64_t seed, std::uint32_t number) {
-    enum what : std::uint32_t { shape = 4, pose = 5, force = 6 }; // of 64 for each class
+    enum what : std::uint32_t { shape = 4, pose = 5, force = 6 }; // of 64 per class
     const auto stream = [&](what drawn) {
         return random_stream(seed, random_purposes::touch, number,
                              static_cast<std::uint32_t>(label) * 64 + drawn);

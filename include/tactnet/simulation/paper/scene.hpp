@@ -15,26 +15,25 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// The array that the paper's images were taken with.
+/// The array of the paper's images.
 using paper_array = array<tekscan_6077::extents.rows, tekscan_6077::extents.columns>;
 
-/// What the paper's images call for, and no more: the effects without which simulated images are told from
-/// them at a glance. On the paper's array, as 8-bit counts that went through a JPEG file.
+/// The effects that make simulated images resemble the paper's: on its array, as 8-bit counts from a JPEG
+/// file. Without one of them, simulated images are easy to distinguish.
 using paper_scene = scene<paper_array, contact<winkler>, elastic_pad, film_texture, saturation,
                           quantisation<8>, jpeg_storage>;
 
-/// With the accurate model of contact, which lets neighbours sink with what presses beside them: for touches
-/// of which the pressures themselves matter. Takes hundreds of times as long.
+/// The same effects with an accurate contact model, in which cells influence each other. Takes hundreds of
+/// times as long.
 using layered_scene = scene<paper_array, contact<bonded_layer>, elastic_pad, film_texture, saturation,
                             quantisation<8>, jpeg_storage>;
 
-/// On a sensor whose give is known: the layer is all that is soft, from the skin to what is behind the film.
-/// rigid_sensor, semi_rigid_sensor and flexible_sensor (simulation/contact/bonded_layer.hpp) are such
-/// layers: compliant_scene({}, {}, contact<bonded_layer>{flexible_sensor}).
+/// A sensor of known compliance: the layer includes all that is soft, from the skin to the backing of the
+/// film. For example compliant_scene({}, {}, contact<bonded_layer>{flexible_sensor}).
 using compliant_scene =
     scene<paper_array, contact<bonded_layer>, film_texture, saturation, quantisation<8>, jpeg_storage>;
 
-/// The same touches as an ideal array would show them.
+/// An ideal array.
 using ideal_scene = scene<paper_array, contact<winkler>, saturation, quantisation<8>>;
 
 } // namespace simulation

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 
-// Compact things: balls, boxes, bottles, rocks.
+// Compact objects: balls, boxes, bottles, rocks.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -41,7 +41,7 @@ namespace simulation::objects {
             draw.pressed(11, 17.5)};
 }
 
-/// A carton: its edges bear, its side gives way.
+/// A carton: its edges are stiff, its sides yield.
 [[nodiscard]] inline touch box(drawing& draw) {
     const double half_width = draw.within(10.5, 14) * mm, length = draw.within(50, 110) * mm;
     object shape;
@@ -57,7 +57,7 @@ namespace simulation::objects {
             draw.pressed(7, 15.5)};
 }
 
-/// What of a stone sticks out: a few blobs.
+/// The protruding bumps of a stone.
 [[nodiscard]] inline touch rock(drawing& draw) {
     object shape;
     const std::size_t blobs = draw.count(3, 6);

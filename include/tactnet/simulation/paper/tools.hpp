@@ -7,13 +7,13 @@
 #include <numbers>
 #include <vector>
 
-// Things from the desk and the workshop.
+// Tools and stationery.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation::objects {
 
-/// The jaws of a caliper, sharp, and its beam, which lies higher.
+/// The sharp jaws of a caliper, and its beam, which is higher.
 [[nodiscard]] inline touch caliper(drawing& draw) {
     object shape;
     const double side = draw.sign();
@@ -41,7 +41,7 @@ namespace simulation::objects {
             draw.pressed(7, 12.5)};
 }
 
-/// A flat barrel with one end in the picture.
+/// A flat barrel with one end on the array.
 [[nodiscard]] inline touch highlighter(drawing& draw) {
     const double half_width = draw.within(7, 10.5) * mm, length = draw.within(34, 100) * mm;
     object shape;
@@ -75,7 +75,7 @@ namespace simulation::objects {
             draw.pressed(4.4, 12.5)};
 }
 
-/// Two curved handles that meet at the joint, and beyond it the jaws, which lie higher.
+/// Two curved handles that meet at the joint, and the jaws, which are higher.
 [[nodiscard]] inline touch pliers(drawing& draw) {
     object shape;
     const double opening = draw.within(22, 38), curve = draw.within(-14, 26),
@@ -108,7 +108,7 @@ namespace simulation::objects {
             draw.pressed(6.2, 11.3)};
 }
 
-/// The two finger holes, egg-shaped, side by side.
+/// The two egg-shaped finger holes, side by side.
 [[nodiscard]] inline touch scissors(drawing& draw) {
     object shape;
     const double longer = draw.within(24, 34) * mm, shorter = draw.within(11, 15) * mm,

@@ -10,15 +10,14 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// The cheap model of crosstalk: each tactel also reads a share of its neighbours along its row line and its
-/// column line. For what a whole matrix does, see resistive_network.
+/// The fast model of crosstalk: each tactel also reads a fraction of its neighbours along its row and column
+/// lines. For a whole matrix of resistors, see resistive_network.
 struct crosstalk {
     static constexpr stage place = stage::circuit;
 
-    // Shares are 0 … ¼: less counts as 0 and is none, more as ¼, with which a tactel would read no more of
-    // its own than of its neighbours.
-    double along_row = 0.02;    ///< share of each neighbour to the left and right; chosen
-    double along_column = 0.02; ///< share of each neighbour above and below
+    // Fractions are clamped to 0 … ¼, at which a tactel reads as much of its neighbours as of itself.
+    double along_row = 0.02;    ///< fraction of each neighbour to the left and right; chosen
+    double along_column = 0.02; ///< fraction of each neighbour above and below
 
     template <shape Shape>
     class bound {
@@ -28,7 +27,7 @@ struct crosstalk {
         void apply(signal<Shape> pressures, const moment&) const noexcept {
             if (along_row_ == 0 && along_column_ == 0)
                 return;
-            // With a border of nothing, so that all tactels are alike.
+            // With a border of zeros, so that all tactels are alike.
             constexpr std::size_t stride = Shape.columns + 2;
             std::array<float, (Shape.rows + 2) * stride> from{};
             for (std::size_t row = 0; row < Shape.rows; ++row)

@@ -12,8 +12,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Tactels, rows and columns that always read zero: given ones, and others by chance, which stay with the
-/// sensor. What is dead at one probability is also dead at a greater one.
+/// Tactels, rows and columns that always read zero: given ones, and random ones per sensor. What is dead at a
+/// probability is also dead at a greater one.
 struct dead_tactels {
     static constexpr stage place = stage::circuit;
     static constexpr effect_purpose purpose{1};
@@ -29,7 +29,7 @@ struct dead_tactels {
     template <shape Shape>
     class bound {
     public:
-        /// Throws std::invalid_argument if a given one is outside of the array. May use heap memory.
+        /// Throws std::invalid_argument if a given one is outside of the array. May use the heap.
         bound(const dead_tactels& effect, const mounting& where) {
             alive_.fill(true);
             for (const tactel& each : effect.tactels)

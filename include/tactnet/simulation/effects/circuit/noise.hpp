@@ -14,11 +14,11 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Normal noise of the circuit, each tactel's and each frame's its own: of the standard deviation
-/// √(additive² + (relative · pressure)²). A reading may fall below zero; threshold and converter mend that.
+/// Independent normal noise per tactel and frame, of the standard deviation √(additive² + (relative ·
+/// pressure)²). Readings may be negative before threshold and converter.
 ///
-/// The numbers are those of (moment.seed, moment.frame), and the noise is bit-exact with every
-/// instruction set: as in kernels/simd/normal_numbers.hpp, nothing is added to a rounded product.
+/// The noise depends on (moment.seed, moment.frame), and is bit-identical with every instruction set: as in
+/// kernels/simd/normal_numbers.hpp, nothing is added to a rounded product.
 struct noise {
     static constexpr stage place = stage::circuit;
     static constexpr effect_purpose purpose{2};
@@ -26,19 +26,19 @@ struct noise {
     /// Pascals; half a count of the paper's converter. Chosen: its images are single frames, which do not
     /// show how much the same touch varies.
     double additive = 67;
-    /// Share of the pressure: the repeatability that the maker states for single sensors of the same kind
+    /// Fraction of the pressure: the repeatability that the maker states for single sensors of the same kind
     /// (Tekscan, FlexiForce A201, data sheet: ±2.5 %), taken as a standard deviation.
     double relative = 0.025;
 
     template <shape Shape>
     class bound {
     public:
-        /// A deviation below zero or NaN is none.
+        /// Negative and NaN deviations count as zero.
         bound(const noise& effect, const mounting&) {
             const double fixed = kept(effect.additive, most), share = kept(effect.relative, most_relative);
             none_ = fixed == 0 && share == 0;
             variance_ = static_cast<float>(fixed * fixed);
-            // By a division, which no compiler fuses with a sum; infinite for none.
+            // For a division, which no compiler fuses with a sum.
             inverse_ =
                 share > 0 ? static_cast<float>(1 / (share * share)) : std::numeric_limits<float>::infinity();
         }
@@ -61,7 +61,7 @@ struct noise {
         }
 
     private:
-        // Deviations and pressures beyond this count as this, so that no square overflows.
+        // Limits of deviations and pressures, so that no square overflows.
         static constexpr double most = 1e15, most_relative = 1e3;
 
         static double kept(double deviation, double limit) {

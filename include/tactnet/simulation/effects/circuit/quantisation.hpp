@@ -11,15 +11,14 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// The converter: pressures become whole counts 0 … Levels − 1, rounded to the nearest; below zero is 0, and
-/// above full scale is the last.
+/// The converter: pressures are rounded to counts and clamped to 0 … Levels − 1.
 template <std::size_t Levels>
 struct quantisation_levels {
     static_assert(Levels >= 2 && Levels <= 65536,
                   "quantisation: there must be 2 to 65536 levels, 1 to 16 bits");
     static constexpr stage place = stage::converter;
 
-    double full_scale = tekscan_6077::saturation_pressure; ///< pascals that the last count stands for
+    double full_scale = tekscan_6077::saturation_pressure; ///< pascals at the last count
 
     template <shape Shape>
     class bound {
@@ -40,7 +39,7 @@ struct quantisation_levels {
     };
 };
 
-/// A converter of so many bits, 1 to 16, as quantisation<8>.
+/// A converter of 1 to 16 bits, as quantisation<8>.
 template <std::size_t Bits>
 using quantisation = quantisation_levels<(std::size_t{1} << std::min(Bits, std::size_t{17}))>;
 

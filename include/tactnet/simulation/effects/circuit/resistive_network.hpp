@@ -13,23 +13,23 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Crosstalk of a matrix of resistors between row and column lines, all of it. To read a tactel its row line
-/// is put to a voltage and the current out of its column line, held at zero, is measured; all other lines
-/// hang free but for a conductance to ground, so that current also takes detours over other tactels. Three
+/// The complete crosstalk of a matrix of resistors between row and column lines. To read a tactel, a voltage
+/// is applied to its row line, and the current out of its column line, held at zero, is measured. All other
+/// lines float except for a conductance to ground, so that current also flows through other tactels: three
 /// pressed corners of a rectangle show a ghost at the fourth.
 ///
 /// With K the nodal matrix of all lines and Z = K⁻¹, the tactel of row line i and column line j reads
-/// Zᵢⱼ / (Zᵢᵢ Zⱼⱼ − Zᵢⱼ²): two injected currents that make these two voltages. So one inversion gives all
-/// readings of a frame. As no two row lines meet, K is solved by its Schur complement on the rows.
+/// Zᵢⱼ / (Zᵢᵢ Zⱼⱼ − Zᵢⱼ²), so that one inversion gives all readings of a frame. Since row lines are only
+/// connected through column lines, K is solved by its Schur complement on the rows.
 struct resistive_network {
     static constexpr stage place = stage::circuit;
 
-    /// Siemens of a tactel for each pascal on it, above zero; conductance is proportional to pressure in such
-    /// films. Chosen: 10 kΩ where the paper's sensor saturates.
+    /// Siemens of a tactel per pascal, above zero: the conductance of such films is proportional to pressure.
+    /// Chosen: 10 kΩ where the paper's sensor saturates.
     double sensitivity = 1e-4 / tekscan_6077::saturation_pressure;
-    /// Siemens from each line that is not being read to ground: 0 where lines hang free, which is the worst,
-    /// and infinite where all are grounded, which has no crosstalk. Below 10⁻⁹ of the best conducting line it
-    /// counts as that. Chosen: each line is grounded through the 100 Ω of an analogue switch.
+    /// Siemens from each line that is not read to ground: 0 for floating lines, the worst case, infinite for
+    /// grounded lines, without crosstalk. At least 10⁻⁹ of the best conducting line is used. Chosen: each
+    /// line is grounded through the 100 Ω of an analogue switch.
     double grounding = 1e-2;
 
     template <shape Shape>
@@ -54,13 +54,13 @@ struct resistive_network {
         }
 
     private:
-        static constexpr double most = 1e15; // a tactel conducts no better than this; of pascals, as all here
+        static constexpr double most = 1e15; // the highest conductance of a tactel, in pascals as all here
 
-        /// The lines in the units of their best conductance.
+        /// The lines, in units of the highest conductance of a line.
         class network {
         public:
             network(signal<Shape> pressures, double grounding) {
-                // A pressure below zero, which noise may have made, and NaN conduct nothing.
+                // Negative pressures, from noise, and NaN do not conduct.
                 for (std::size_t i = 0; i < Shape.size(); ++i) {
                     const auto pressure = static_cast<double>(pressures.data()[i]);
                     tactels_[i] = pressure > 0 ? std::min(pressure, most) : 0;
@@ -102,8 +102,8 @@ struct resistive_network {
             [[nodiscard]] double weight(std::size_t row, std::size_t column) const {
                 return tactels_[row * Shape.columns + column] / columns_[column];
             }
-            /// The Schur complement: what is left of the network when the column lines are taken out. A sum
-            /// of positive numbers throughout, so that free lines cost no digits.
+            /// Computes the Schur complement, in which the column lines are eliminated. All sums are of
+            /// positive numbers, so that floating lines lose no digits.
             void eliminate_columns() {
                 for (std::size_t row = 0; row < Shape.rows; ++row)
                     for (std::size_t other = 0; other < row; ++other) {
@@ -130,7 +130,7 @@ struct resistive_network {
             double unit_ = 0, ground_ = 0;
         };
 
-        double grounding_; // in pascals of a tactel that conducts as much
+        double grounding_; // in pascals of a tactel with that conductance
     };
 };
 

@@ -10,7 +10,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// The circuit shows no pressure above its limit. By default that of the paper's sensor.
+/// Clamps pressures at the limit of the circuit, by default that of the paper's sensor.
 struct saturation {
     static constexpr stage place = stage::circuit;
 

@@ -9,8 +9,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// What is below the threshold reads zero: the readers of tactile arrays blank their noise, and the paper's
-/// images are exactly zero away from the object.
+/// Sets pressures below the threshold to zero, as the electronics of tactile arrays do to suppress noise: the
+/// paper's images are exactly zero away from the object.
 struct threshold {
     static constexpr stage place = stage::circuit;
 

@@ -8,15 +8,15 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Under a constant load the film reads more and more: 1 + rate · log₁₀(1 + t / time) times as much at the
-/// time t since the touch began (moment.seconds).
+/// Increases readings under a constant load, by the factor 1 + rate · log₁₀(1 + t / time) at the time t since
+/// the start of the touch (moment.seconds).
 struct creep {
     static constexpr stage place = stage::film;
 
-    /// Share for each decade of time; 0 is none. What the maker of the paper's sensor states as the most for
-    /// single sensors of the same kind (FlexiForce A201, data sheet: 5 % per decade).
+    /// Increase per decade of time. The maker of the paper's sensor states at most 5 % per decade for single
+    /// sensors of the same kind (FlexiForce A201, data sheet).
     double rate = 0.05;
-    double time = 1; ///< seconds after which decades count; chosen. 0 or less: no creep
+    double time = 1; ///< seconds, the start of the first decade; chosen. 0 or less: no creep
 
     template <shape Shape>
     class bound {

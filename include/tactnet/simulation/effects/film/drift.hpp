@@ -9,14 +9,13 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// The reading of a sensor that stays loaded changes evenly with time, at a rate that differs from one sensor
-/// to the next: 1 + rate · t times as much at the time t since the touch began (moment.seconds), with a rate
-/// that is normal over the sensors' numbers. Never below zero.
+/// Changes readings under load linearly with time, by the factor 1 + rate · t at the time t since the start
+/// of the touch (moment.seconds), clamped at zero. The rate is normally distributed over sensors.
 struct drift {
     static constexpr stage place = stage::film;
     static constexpr effect_purpose purpose{3};
 
-    /// Share per second, the standard deviation over sensors; 0 or less is none. Chosen: 5 % an hour.
+    /// Standard deviation of the rate over sensors, per second; 0 or less is none. Chosen: 5 % per hour.
     double deviation = 0.05 / 3600;
 
     template <shape Shape>
@@ -33,7 +32,7 @@ struct drift {
             if (now.seconds > 0)
                 scale<Shape>(pressures, 1 + rate_ * now.seconds);
         }
-        /// Of this sensor: share per second.
+        /// The rate of this sensor, per second.
         [[nodiscard]] double rate() const { return rate_; }
 
     private:

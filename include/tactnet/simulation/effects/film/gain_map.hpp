@@ -12,11 +12,10 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// No two tactels answer alike: each has a gain of its own, which stays with the sensor. Gains are log-normal
-/// of mean one and independent of each other. So the 1100 images of the paper's sensor show it: a fixed
-/// pattern (correlation of 0.95 between two halves of the images) of a relative standard deviation of 0.30,
-/// skewed (percentiles 1, 25, 50, 75 and 99 of gain − 1 at −0.59, −0.23, −0.07, 0.13 and 0.81), with next to
-/// no correlation of neighbours.
+/// A gain per tactel, which is a property of the sensor. Gains are independent and log-normal with mean one,
+/// as in the 1100 images of the paper's sensor: a fixed pattern (correlation of 0.95 between two halves of
+/// the images) with a relative standard deviation of 0.30, skewed (percentiles 1, 25, 50, 75 and 99 of gain −
+/// 1 at −0.59, −0.23, −0.07, 0.13 and 0.81), and almost no correlation of neighbours.
 struct gain_map {
     static constexpr stage place = stage::film;
     static constexpr effect_purpose purpose{0};
@@ -30,7 +29,7 @@ struct gain_map {
             gains_.fill(1);
             if (!(effect.deviation > 0))
                 return;
-            // Of the logarithm, so that the gain itself has this deviation and the mean one.
+            // The variance of the logarithm for which the gain has this deviation and mean one.
             const double variance = std::log1p(std::min(effect.deviation * effect.deviation, most_variance));
             kernels::normal_numbers(where.unit.random(purpose))
                 .each(Shape.size(), [&](std::size_t tactel, float number) {
@@ -42,7 +41,7 @@ struct gain_map {
             for (std::size_t i = 0; i < Shape.size(); ++i)
                 pressures.data()[i] *= gains_[i];
         }
-        /// What each tactel multiplies its pressure by.
+        /// The gain of each tactel.
         [[nodiscard]] tensor_view<const float, Shape> gains() const& { return gains_; }
         void gains() const&& = delete; // would dangle
 

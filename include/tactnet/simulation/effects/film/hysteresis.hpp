@@ -11,25 +11,24 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Reads less while pressure grows than while it falls: a sum of play operators (the model of Prandtl and
-/// Ishlinskii; Krasnosel'skii, Pokrovskii, Systems with Hysteresis, 1989). Each follows the pressure as a pin
-/// does in a slot of the half-width `threshold`:
+/// Lowers readings while pressure rises and raises them while it falls: a sum of play operators (the
+/// Prandtl-Ishlinskii model; Krasnosel'skii, Pokrovskii, Systems with Hysteresis, 1989):
 ///
 ///     play ← max(p − threshold, min(p + threshold, play)),  reading = p + Σ weight · (play − p).
 ///
-/// On the way up from rest the reading lags by Σ weight · threshold, on the way down it leads by as much.
-/// After a touch something remains. Has a memory: a scene's reset() is the sensor at rest.
+/// While rising from rest, the reading lags by Σ weight · threshold; while falling, it leads by as much.
+/// After a touch a residue remains until the scene is reset.
 struct hysteresis {
     static constexpr stage place = stage::film;
 
     struct play {
-        double threshold; ///< pascals; below zero counts as zero
-        double weight;    ///< share of the reading, 0 … 1; 0 or less is none
+        double threshold; ///< pascals; at least zero is used
+        double weight;    ///< fraction of the reading, 0 … 1; at least zero is used
     };
     static constexpr double step = tekscan_6077::saturation_pressure / 16;
-    /// By default the loop of a full cycle is 4.5 % of full scale wide at its middle, which the maker of the
-    /// paper's sensor states as the most for single sensors of the same kind (FlexiForce A201, data sheet).
-    /// That the four have the same weight at even distances is chosen.
+    /// By default the loop of a full cycle is 4.5 % of full scale wide at its middle, the maximum that the
+    /// maker of the paper's sensor states for single sensors of the same kind (FlexiForce A201, data sheet).
+    /// Equal weights and spacing are chosen.
     std::array<play, 4> plays{{{step, 0.036}, {2 * step, 0.036}, {3 * step, 0.036}, {4 * step, 0.036}}};
 
     template <shape Shape>
@@ -49,7 +48,7 @@ struct hysteresis {
                 const float pressure = pressures.data()[i];
                 float reading = pressure;
                 for (std::size_t k = 0; k < states_.size(); ++k) {
-                    // In this order NaN is forgotten, not remembered.
+                    // In this order, the state never becomes NaN.
                     float& play = states_[k][i];
                     const float highest = pressure + thresholds_[k], lowest = pressure - thresholds_[k];
                     play = highest < play ? highest : play;

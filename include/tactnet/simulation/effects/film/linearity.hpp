@@ -10,14 +10,13 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// The film's answer bends: x = p / full_scale becomes x · (1 + b) / (1 + b · x), which is right at zero and
-/// at full scale, and between them too high, as films saturate, or too low. Above full scale it is straight
-/// again.
+/// A nonlinear response: x = p / full_scale becomes x · (1 + b) / (1 + b · x), which is exact at zero and at
+/// full scale, and too high, as films saturate, or too low between. Above full scale it is linear.
 struct linearity {
     static constexpr stage place = stage::film;
 
-    /// Greatest distance from the straight line, as a share of full scale, −0.9 … 0.9; 0 is none. The maker
-    /// of the paper's sensor states ±3 % for single sensors of the same kind (FlexiForce A201, data sheet).
+    /// Largest deviation from linear, as a fraction of full scale, −0.9 … 0.9; 0 is none. The maker of the
+    /// paper's sensor states ±3 % for single sensors of the same kind (FlexiForce A201, data sheet).
     double error = 0.03;
     double full_scale = tekscan_6077::saturation_pressure; ///< pascals, above zero
 
@@ -25,8 +24,7 @@ struct linearity {
     class bound {
     public:
         bound(const linearity& effect, const mounting&) {
-            // The distance is greatest at x = 1 / (1 + √(1 + b)), where it is (√(1 + b) − 1) / (√(1 + b) +
-            // 1).
+            // The deviation is largest at x = 1 / (1 + √(1 + b)): (√(1 + b) − 1) / (√(1 + b) + 1).
             const double kept = effect.error == effect.error ? std::clamp(effect.error, -0.9, 0.9) : 0;
             const double root = (1 + kept) / (1 - kept);
             if (!(effect.full_scale > 0))

@@ -6,15 +6,15 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// A warmer film reads more: 1 + sensitivity · (T − calibrated) times as much at moment.celsius. Never below
-/// zero.
+/// Scales readings with temperature, by the factor 1 + sensitivity · (T − calibrated) at T = moment.celsius,
+/// clamped at zero.
 struct temperature {
     static constexpr stage place = stage::film;
 
-    /// Share per kelvin; 0 is none. Stated by the maker of the paper's sensor for single sensors of the same
-    /// kind (FlexiForce A201, data sheet).
+    /// Increase per kelvin; 0 is none. The maker of the paper's sensor states it for single sensors of the
+    /// same kind (FlexiForce A201, data sheet).
     double sensitivity = 0.0036;
-    double calibrated = 22; ///< degrees Celsius at which readings are right
+    double calibrated = 22; ///< degrees Celsius at which readings are exact
 
     template <shape Shape>
     class bound {

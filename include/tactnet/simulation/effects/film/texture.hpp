@@ -11,17 +11,17 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// A resistive film conducts through many tiny contacts between rough sides. Their number grows with the
-/// pressure, and varies by its square root: the reading of a pressure p has a standard deviation of
-/// texture × √p. One part of that is made with the sensor, the other differs from touch to touch. The
-/// defaults are fitted to the paper's images (over counts from 18 to 190 the fixed part is 1.75 √count, the
-/// other 2.0 √count).
+/// The granularity of a resistive film, which conducts through many tiny contacts between rough sides. Their
+/// number grows with the pressure, and varies by its square root: the standard deviation of the reading of a
+/// pressure p is texture × √p. One part is a property of the sensor, the other varies from touch to touch.
+/// The defaults are fitted to the paper's images (for counts from 18 to 190, 1.75 √count fixed and 2.0 √count
+/// varying).
 struct film_texture {
     static constexpr stage place = stage::film;
     static constexpr effect_purpose purpose{7};
 
-    double fixed = 20.2;   ///< √Pa, of one sensor
-    double varying = 23.1; ///< √Pa, from touch to touch
+    double fixed = 20.2;   ///< √Pa, per sensor
+    double varying = 23.1; ///< √Pa, per touch
 
     template <shape Shape>
     class bound {

@@ -15,19 +15,19 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// How much of the force on a cell reaches the film under a cell so many rows and columns away, through a
-/// bonded layer: the layer's transfer function as a function of distance, averaged over both cells. Over an
-/// endless array the shares add up to one.
+/// The fraction of the force on a cell that reaches the film under a cell that many rows and columns away
+/// through a bonded layer: the transfer function of the layer as a function of distance, averaged over both
+/// cells. On an infinite array the fractions add up to one.
 class pad_shares {
 public:
     /// `thickness` in cells.
     pad_shares(double thickness, double poisson)
         : thickness_(thickness), pressure_([=](double x) { return x * layer_transfer(x, poisson); }, 30) {}
 
-    /// Of a tactel so many rows and columns away.
+    /// The fraction for a cell that many rows and columns away.
     [[nodiscard]] double operator()(std::size_t rows, std::size_t columns) const {
         const double x = static_cast<double>(columns), y = static_cast<double>(rows);
-        // Two cells, of which one lies so far beside the other, overlap as a triangle does.
+        // The overlap of two cells is a triangular function of their distance.
         const auto share = [&](double across, double along) {
             return pressure_(std::hypot(across, along) / thickness_) * (1 - std::abs(across - x)) *
                    (1 - std::abs(along - y));
@@ -44,20 +44,18 @@ private:
     radial_kernel pressure_;
 };
 
-/// A soft pad between object and film, bonded to a stiff film: it spreads what presses on it. The pad goes on
-/// beyond the array: what reaches the film there is lost to the tactels. Shares of the last 0.2 % of a force,
-/// spread thin and far, are given to the nearer ones.
+/// A soft pad bonded to a stiff film, which spreads the pressure on it. The pad extends beyond the array,
+/// where force is lost to the tactels. The farthest 0.2 % of a force are distributed over the nearer cells.
 ///
-/// Under a contact<bonded_layer> the pad is that layer: it has the same thickness and ν.
+/// With a contact<bonded_layer>, give the pad the thickness and ν of that layer.
 ///
-/// A pad of ν below about ¼ would pull here and there beside what presses on it; the film shows no pull.
-/// A pad thinner than a millionth of a cell changes no bit; through an endlessly thick one nothing is felt.
-/// (Not `pad`: that is the padding of an image, in tensor/shape.hpp.)
+/// With ν below about ¼, the film would be pulled in some places; it shows no pull. A pad thinner than a
+/// millionth of a cell changes no bit; an infinitely thick one transmits nothing.
 struct elastic_pad {
     static constexpr stage place = stage::pad;
     static constexpr bool same_in_every_sensor = true;
 
-    double thickness = 1.6e-3; ///< metres; by default what makes imprints as wide as the paper's
+    double thickness = 1.6e-3; ///< metres; the default makes imprints as wide as the paper's
     double poisson = 0.48;     ///< ν of soft rubber, more than −1 and at most ½
 
     template <shape Shape>
@@ -85,7 +83,7 @@ struct elastic_pad {
             double sum = 0;
             bool whole = false;
             std::size_t radius = 0;
-            for (;; ++radius) { // square around square, until what is left is of no account
+            for (;; ++radius) { // ring by ring, until the rest is negligible
                 double ring = 0;
                 for (std::size_t near = 0; near <= radius; ++near) {
                     const double share = shares(near, radius);

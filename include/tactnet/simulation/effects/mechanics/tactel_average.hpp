@@ -8,8 +8,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Each tactel answers to the mean pressure on its square. A scene with this effect computes contact and pad
-/// on `Cells` × `Cells` cells a tactel; one without it on a cell a tactel.
+/// Averages the pressure on each tactel. A scene with this effect computes contact and pad on `Cells` ×
+/// `Cells` cells per tactel, else on one cell per tactel.
 template <std::size_t Cells>
 struct tactel_average {
     static_assert(Cells > 0, "tactel_average: there must be at least one cell a tactel");

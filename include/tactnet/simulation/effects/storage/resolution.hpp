@@ -10,8 +10,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Counts resized to another number of rows and columns, as the paper makes its smaller images: bicubic, then
-/// whole counts again. The same size changes nothing.
+/// Resizes counts as the paper makes its smaller images: bicubic, then rounded. The same size changes
+/// nothing.
 template <std::size_t Rows, std::size_t Columns, class Kernel = keys_cubic<>>
 struct resolution {
     static_assert(Rows > 0 && Columns > 0, "resolution: there must be at least one row and one column");
