@@ -16,11 +16,13 @@ void check_by_tiles() {
     constexpr auto window =
         sliding_window::over({Input.rows, Input.columns, Input.channels / Groups}, Kernel, 1, Padding);
     constexpr std::size_t filters = Filters / Groups, channels = Input.channels / Groups;
-    static_assert(best_group_tile(kernels::batch_convolution::forward(window, filters)) != extent2d(0) &&
-                  best_group_tile(kernels::batch_convolution::backward(window, filters)) != extent2d(0));
+    static_assert(best_tile(kernels::batch_convolution::forward(window, filters)) != extent2d(0) &&
+                  best_tile(kernels::batch_convolution::backward(window, filters)) != extent2d(0));
     constexpr std::size_t width = kernels::lanes<float>;
     constexpr bool fill = width > 1 && (channels % width == 0 || filters % width == 0);
-    static_assert(kernels::weight_gradient<window, filters, float>::tiled == fill);
+    static_assert(
+        (kernels::best_gradient_tile<kernels::batch_convolution::forward(window, filters), float>() !=
+         extent2d(0)) == fill);
     check_layer<conv2d<Filters, Kernel, 1, Padding, in_groups(Groups)>, Input>();
 }
 

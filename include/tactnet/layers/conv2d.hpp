@@ -1,8 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/batch/lane_convolution.hpp>
+#include <tactnet/kernels/batch/convolution_method.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
-#include <tactnet/kernels/batch/weight_gradient.hpp>
 #include <tactnet/layers/layer.hpp>
 
 namespace tactnet {
@@ -105,27 +104,20 @@ struct conv2d {
         }
 
         static void prepare(const execution_context&, const T* values, const T*, memory& m) {
-            m.forward_weights.resize(groups * ahead::weights);
-            for (std::size_t group = 0; group < groups; ++group)
-                ahead::pack(m.forward_weights.data() + group * ahead::weights, [&](auto filter, auto channel,
-                                                                                   auto row, auto column) {
-                    return values[group * group_weights +
-                                  ((filter * channels + channel) * Kernel.rows + row) * Kernel.columns +
-                                  column];
-                });
+            m.forward_weights.resize(ahead::packed_elements);
+            ahead::pack(m.forward_weights.data(), [&](auto filter, auto channel, auto row, auto column) {
+                return values[((filter * channels + channel) * Kernel.rows + row) * Kernel.columns + column];
+            });
         }
 
         static void infer(const execution_context& p, const T* values, const T*, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
-            reserve(m.scratch, p.threads.threads() * ahead::scratch);
+            reserve(m.scratch, p.threads.threads() * ahead::workspace_elements);
             p.threads.on_each_share(in.lane_blocks(), [&](thread_pool::share part) {
                 for (std::size_t g = part.begin(in.lane_blocks()); g < part.end(in.lane_blocks()); ++g)
-                    for (std::size_t group = 0; group < groups; ++group)
-                        ahead::run(in.lane_block(g) + group * group_input,
-                                   m.forward_weights.data() + group * ahead::weights,
-                                   has_bias ? values + weights + group * filters : nullptr,
-                                   out.lane_block(g) + group * group_output,
-                                   m.scratch.data() + part.index * ahead::scratch);
+                    ahead::run(m.forward_weights.data(), has_bias ? values + weights : nullptr,
+                               in.lane_block(g), out.lane_block(g),
+                               m.scratch.data() + part.index * ahead::workspace_elements);
             });
         }
         static void forward(const execution_context& p, const T* values, T* none, memory& m,
@@ -134,74 +126,58 @@ struct conv2d {
         }
 
         static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
-            m.totals.assign(groups * of_weights::totals + biases, 0.0);
-            m.backward_weights.resize(groups * back::weights);
-            for (std::size_t group = 0; group < groups; ++group)
-                back::pack(m.backward_weights.data() + group * back::weights, [&](auto channel, auto filter,
-                                                                                  auto row, auto column) {
-                    return values[group * group_weights +
-                                  ((filter * channels + channel) * Kernel.rows + (Kernel.rows - 1 - row)) *
-                                      Kernel.columns +
-                                  (Kernel.columns - 1 - column)];
-                });
+            m.totals.assign(of_weights::totals + biases, 0.0);
+            m.backward_weights.resize(back::packed_elements);
+            back::pack(m.backward_weights.data(), [&](auto channel, auto filter, auto row, auto column) {
+                const std::size_t group = channel / channels;
+                return values[(((group * filters + filter) * channels + channel % channels) * Kernel.rows +
+                               (Kernel.rows - 1 - row)) *
+                                  Kernel.columns +
+                              (Kernel.columns - 1 - column)];
+            });
         }
         static void backward(const execution_context& p, const T*, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
-            constexpr std::size_t needed = std::max(of_weights::scratch, back::scratch);
+            constexpr std::size_t needed = std::max(of_weights::workspace_elements, back::workspace_elements);
             reserve(m.scratch, p.threads.threads() * needed);
-            // Threads share the weights and the biases, each adding all groups in order, and the groups of
-            // the input's gradient; group by group, so that a group is fetched from memory once.
+            // Threads share the weights and the biases, each adding all lane blocks in order, and the lane
+            // blocks of the input gradient. Lane block by lane block, so that each is fetched from memory
+            // once.
             p.threads.on_each_thread([&](thread_pool::share part) {
                 T* const scratch = m.scratch.data() + part.index * needed;
                 for (std::size_t g = 0; g < in.lane_blocks(); ++g) {
-                    for (std::size_t group = 0; group < groups; ++group)
-                        of_weights::add(in.lane_block(g) + group * group_input,
-                                        out_gradient.lane_block(g) + group * group_output,
-                                        m.totals.data() + group * of_weights::totals, scratch,
-                                        part.begin(of_weights::pieces), part.end(of_weights::pieces));
+                    of_weights::add(in.lane_block(g), out_gradient.lane_block(g), m.totals.data(), scratch,
+                                    part.begin(of_weights::pieces), part.end(of_weights::pieces));
                     for (std::size_t f = part.begin(biases); f < part.end(biases); ++f) {
                         const T* from = out_gradient.lane_block(g) + f * output.area() * kernels::lanes<T>;
-                        m.totals[groups * of_weights::totals + f] +=
+                        m.totals[of_weights::totals + f] +=
                             kernels::sum_terms<1, T>(output.area(), [&](std::size_t i) {
                                 return std::array<kernels::vector<T>, 1>{
                                     kernels::load(from + i * kernels::lanes<T>)};
                             })[0];
                     }
-                    const bool mine = g >= part.begin(in.lane_blocks()) && g < part.end(in.lane_blocks());
-                    for (std::size_t group = 0; in_gradient.data() != nullptr && mine && group < groups;
-                         ++group)
-                        back::run(out_gradient.lane_block(g) + group * group_output,
-                                  m.backward_weights.data() + group * back::weights, nullptr,
-                                  in_gradient.lane_block(g) + group * group_input, scratch);
+                    if (in_gradient.data() != nullptr && g >= part.begin(in.lane_blocks()) &&
+                        g < part.end(in.lane_blocks()))
+                        back::run(m.backward_weights.data(), nullptr, out_gradient.lane_block(g),
+                                  in_gradient.lane_block(g), scratch);
                 }
             });
         }
         static void end_backward(memory& m, T* gradients) {
-            for (std::size_t group = 0; group < groups; ++group)
-                of_weights::finish(m.totals.data() + group * of_weights::totals,
-                                   gradients + group * group_weights);
+            of_weights::finish(m.totals.data(), gradients);
             for (std::size_t filter = 0; filter < biases; ++filter)
-                gradients[weights + filter] = static_cast<T>(m.totals[groups * of_weights::totals + filter]);
+                gradients[weights + filter] = static_cast<T>(m.totals[of_weights::totals + filter]);
         }
 
     private:
-        // Groups lie one behind the other: in maps, in weights and in their gradients.
-        static constexpr sliding_window group_window = [] {
-            sliding_window one = window;
-            one.input.channels = channels;
-            return one;
-        }();
         static constexpr std::size_t biases = has_bias ? Filters : 0;
-        static constexpr std::size_t group_weights = weights / groups,
-                                     group_input = Input.size() / groups * kernels::lanes<T>,
-                                     group_output = output.size() / groups * kernels::lanes<T>;
+        static constexpr auto description = kernels::batch_convolution::forward(window, Filters, groups);
 
-        using ahead =
-            kernels::lane_convolution<kernels::batch_convolution::forward(group_window, filters), T>;
+        using ahead = kernels::lane_convolution<description, T>;
         using back =
-            kernels::lane_convolution<kernels::batch_convolution::backward(group_window, filters), T>;
-        using of_weights = kernels::weight_gradient<group_window, filters, T>;
+            kernels::lane_convolution<kernels::batch_convolution::backward(window, Filters, groups), T>;
+        using of_weights = kernels::weight_gradient<description, T>;
 
         static void reserve(aligned_vector<T>& scratch, std::size_t elements) {
             if (scratch.size() < elements)

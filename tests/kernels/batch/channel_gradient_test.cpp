@@ -21,8 +21,8 @@ std::size_t weight(std::size_t filter, std::size_t channel, std::size_t tap) {
 /// Against plain loops, all pieces and then one after the other.
 template <class T, sliding_window W, std::size_t Filters>
 void compare() {
-    using plan = channel_gradient_plan<W, Filters, T>;
-    if constexpr (plan::fits) {
+    using method = channel_gradient<batch_convolution::forward(W, Filters), T>;
+    if constexpr (method::applicable) {
         constexpr std::size_t width = lanes<T>, plane = W.output_rows() * W.output_columns();
         const auto input = support::whole_numbers<T>(W.input.size() * width, 7919),
                    gradient = support::whole_numbers<T>(Filters * plane * width, 104729);
@@ -41,13 +41,11 @@ void compare() {
                                     gradient[(f * plane + o) * width + lane] *
                                     input[((c * W.input.rows + y) * W.input.columns + x) * width + lane]);
                     }
-        aligned_vector<T> scratch(plan::scratch);
-        add_channel_gradient<W, Filters>(input.data(), gradient.data(), found.data(), scratch.data(), 0,
-                                         plan::pieces);
+        aligned_vector<T> workspace(method::workspace_elements);
+        method::add(input.data(), gradient.data(), found.data(), workspace.data(), 0, method::pieces);
         CHECK(found == expected);
-        for (std::size_t piece = 0; piece < plan::pieces; ++piece)
-            add_channel_gradient<W, Filters>(input.data(), gradient.data(), by_pieces.data(), scratch.data(),
-                                             piece, piece + 1);
+        for (std::size_t piece = 0; piece < method::pieces; ++piece)
+            method::add(input.data(), gradient.data(), by_pieces.data(), workspace.data(), piece, piece + 1);
         CHECK(by_pieces == expected);
     }
 }
@@ -64,13 +62,13 @@ TEST_CASE_TEMPLATE("channel_gradient: against plain loops, piece by piece too", 
 TEST_CASE("channel_gradient: every weight has a place of its own") {
     constexpr std::size_t filters = 5;
     constexpr auto window = sliding_window::over({5, 3, 64}, extent2d{2, 3}, 2, padding::same);
-    using plan = channel_gradient_plan<window, filters, float>;
+    using method = channel_gradient<batch_convolution::forward(window, filters), float>;
     std::vector<int> used(filters * window.input.channels * window.kernel.area());
     for (std::size_t f = 0; f < filters; ++f)
         for (std::size_t c = 0; c < window.input.channels; ++c)
             for (std::size_t k = 0; k < window.kernel.area(); ++k) {
                 const std::size_t place =
-                    plan::place(f, c, k / window.kernel.columns, k % window.kernel.columns);
+                    method::place(f, c, k / window.kernel.columns, k % window.kernel.columns);
                 CHECK(place == weight<window>(f, c, k));
                 ++used.at(place);
             }
@@ -79,10 +77,14 @@ TEST_CASE("channel_gradient: every weight has a place of its own") {
 
 TEST_CASE("channel_gradient: many threads have work, and wide maps are left to the other way") {
     if constexpr (lanes < float >> 1) {
-        CHECK(channel_gradient_plan<sliding_window::over({2, 4, 64}, 3, 1, padding::same), 128,
-                                    float>::pieces >= 8);
-        CHECK_FALSE(
-            channel_gradient_plan<sliding_window::over({28, 5000, 64}, 3, 1, padding::same), 8, float>::fits);
+        CHECK(channel_gradient<batch_convolution::forward(
+                                   sliding_window::over({2, 4, 64}, 3, 1, padding::same), 128),
+                               float>::pieces >= 8);
+        CHECK_FALSE(channel_gradient<batch_convolution::forward(
+                                         sliding_window::over({28, 5000, 64}, 3, 1, padding::same), 8),
+                                     float>::applicable);
     }
-    CHECK_FALSE(channel_gradient_plan<sliding_window::over({4, 4, 1}, 3, 1, padding::same), 8, double>::fits);
+    CHECK_FALSE(
+        channel_gradient<batch_convolution::forward(sliding_window::over({4, 4, 1}, 3, 1, padding::same), 8),
+                         double>::applicable);
 }

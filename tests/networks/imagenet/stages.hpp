@@ -173,7 +173,7 @@ private:
         tactnet::sliding_window window = Convolution::window;
         window.input.channels = Convolution::channels;
         const auto c = tactnet::kernels::batch_convolution::forward(window, Convolution::filters);
-        const tactnet::extent2d tile = tactnet::kernels::best_group_tile(c);
+        const tactnet::extent2d tile = tactnet::kernels::best_tile(c);
         if (tile != tactnet::extent2d(0))
             factor_ = std::max(factor_, tile_deviation(Convolution::channels, window.kernel.rows,
                                                        {tile.rows, tile.columns}));

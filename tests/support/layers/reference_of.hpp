@@ -35,12 +35,12 @@ struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> 
         const auto ahead = batch_convolution::forward(window, filters),
                    back = batch_convolution::backward(window, filters);
         const auto tile_of = [](const batch_convolution& c) {
-            const tactnet::extent2d tile = tactnet::kernels::best_group_tile(c);
+            const tactnet::extent2d tile = tactnet::kernels::best_tile(c);
             return tile_size{tile.rows, tile.columns};
         };
         return reference_convolution(
             window_over(in, Kernel, Stride, Padding), Filters, Options.groups, Options.bias,
-            {tile_of(ahead), tile_of(back), tactnet::kernels::group_tile_possible(ahead, 2)});
+            {tile_of(ahead), tile_of(back), tactnet::kernels::winograd_possible(ahead, 2)});
     }
 };
 template <std::size_t Outputs>

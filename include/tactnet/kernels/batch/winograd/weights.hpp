@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/tiles/group_tiles.hpp>
+#include <tactnet/kernels/batch/winograd/tile_grid.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/alignment.hpp>
@@ -14,7 +14,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// to[i] = lane i, of the first `count` lanes.
+/// Converts and stores the first `count` lanes.
 template <class T>
 inline void put_lanes(T* to, const vector<double>& values, std::size_t count) {
     if constexpr (std::is_same_v<T, float>)
@@ -26,16 +26,15 @@ inline void put_lanes(T* to, const vector<double>& values, std::size_t count) {
         to[lane] = static_cast<T>(flat[lane]);
 }
 
-/// Kernels as G g Gᵀ in the order of use: blocks of output channels, then [element][input channel][channel of
-/// the block]. `weight(output, input, row, column)` tells each value. In double, several output channels at
-/// once: they are made anew after each step of a training.
+/// Transforms the kernels, G g Gᵀ, and packs blocks of output channels, each [element][input channel][channel
+/// of the block]. Computes in double, several output channels at once: training packs anew after each step.
 template <batch_convolution C, extent2d Outputs, class T, class Weight>
 [[gnu::flatten]] void pack_tile_weights(T* packed, Weight&& weight) {
-    constexpr extent2d side = group_tiles::of(C, Outputs).side;
+    constexpr extent2d side = tile_grid::of(C, Outputs).side;
     constexpr std::size_t kernel = C.kernel.rows, taps = kernel * kernel, width = lanes<double>,
                           block = (block_channels + width - 1) / width * width;
-    // Kernels that are collected before the first is used: vectors must not be read while their numbers are
-    // still on their way to the cache.
+    // Input channels that are collected before the first is read: a vector load cannot forward from several
+    // narrow stores that are still in flight.
     constexpr std::size_t inputs = 8;
     alignas(alignment) std::array<std::array<std::array<double, block>, taps>, inputs> collected{};
     for (std::size_t first = 0; first < C.output.channels; first += block_channels) {
@@ -52,11 +51,12 @@ template <batch_convolution C, extent2d Outputs, class T, class Weight>
                 std::array<std::array<vector<double>, kernel>, side.rows> half;
 #pragma GCC unroll 64
                 for (std::size_t column = 0; column < kernel; ++column) {
-                    std::array<vector<double>, kernel> numbers;
+                    std::array<vector<double>, kernel> taps_of_row;
 #pragma GCC unroll 64
                     for (std::size_t row = 0; row < kernel; ++row)
-                        numbers[row] = load(collected[input % inputs][row * kernel + column].data() + lane);
-                    const auto line = detail::tile_kernel_line<side.rows>(numbers);
+                        taps_of_row[row] =
+                            load(collected[input % inputs][row * kernel + column].data() + lane);
+                    const auto line = detail::tile_kernel_line<side.rows>(taps_of_row);
 #pragma GCC unroll 64
                     for (std::size_t row = 0; row < side.rows; ++row)
                         half[row][column] = line[row];

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/tiles/group_tiles.hpp>
+#include <tactnet/kernels/batch/winograd/tile_grid.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/alignment.hpp>
@@ -9,28 +9,26 @@
 #include <array>
 #include <cstddef>
 
-// Tiles of maps, transformed: of the input of a convolution and of the gradient of its outputs. A plane is
-// what is transformed alike: a channel of a group of samples, or, of a map that was turned, some channels of
-// one sample.
+// The transforms of input tiles and of tiles of the output gradient. A plane is a channel of a lane block or,
+// in a transposed map, some channels of one sample.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Where the planes of a map lie, and its pixels in each, in elements.
+/// How the planes of a map lie in memory.
 struct plane_layout {
-    std::size_t planes; ///< how many there are
-    std::size_t plane;  ///< from one to the next
-    std::size_t pixel;  ///< the same of pixels
+    std::size_t planes; ///< number of planes
+    std::size_t plane;  ///< elements from one plane to the next
+    std::size_t pixel;  ///< elements from one pixel to the next
 };
 
-/// The pixels of a tile, of which some may lie outside the map.
+/// The pixels of a tile, some of which may lie outside the map.
 template <extent2d Side>
 struct tile_pixels {
-    std::ptrdiff_t top, left;                                   ///< row and column of the first
-    std::size_t first_row, last_row, first_column, last_column; ///< of the tile, those in the map
+    std::ptrdiff_t top, left;                                   ///< row and column of the first pixel
+    std::size_t first_row, last_row, first_column, last_column; ///< the part of the tile inside the map
 
-    /// Of a map of so many rows and columns.
     static constexpr tile_pixels at(std::ptrdiff_t top, std::ptrdiff_t left, std::size_t rows,
                                     std::size_t columns) {
         const auto first = [](std::ptrdiff_t before) {
@@ -44,14 +42,13 @@ struct tile_pixels {
                 first(top),  last(top, Side.rows, rows),
                 first(left), last(left, Side.columns, columns)};
     }
-    /// Whether all are in the map.
     [[nodiscard]] constexpr bool inside() const {
         return first_row == 0 && last_row == Side.rows && first_column == 0 && last_column == Side.columns;
     }
 };
 
-/// body(plane, from, row distance, pixel distance) for every plane, where `from` is the first pixel of the
-/// tile; pixels outside the map are zeros. `columns` are those of the map.
+/// Calls body(plane, from, row distance, pixel distance) for each plane, where `from` is the first pixel of
+/// the tile; pixels outside the map are zeros. `columns` are the columns of the map.
 template <extent2d Side, class T, class Body>
 [[gnu::always_inline]] inline void for_each_plane(const T* map, plane_layout layout, std::size_t columns,
                                                   const tile_pixels<Side>& pixels, Body&& body) {
@@ -67,7 +64,7 @@ template <extent2d Side, class T, class Body>
         const T* from = map + static_cast<std::ptrdiff_t>(plane * layout.plane) + corner;
         if (!inside) {
             for (std::size_t y = pixels.first_row; y < pixels.last_row; ++y) {
-                // Written out: GCC would call a function for so few numbers.
+                // Unrolled: GCC would call memcpy for so few elements.
                 constexpr std::size_t side_columns = Side.columns;
 #pragma GCC unroll 8
                 for (std::size_t x = 0; x < side_columns; ++x)
@@ -81,13 +78,13 @@ template <extent2d Side, class T, class Body>
     }
 }
 
-/// Bᵀ d B of one tile of the input of a convolution, of every plane: element e of plane p to
-/// to[e · element_distance + p · lanes · step]. `input` begins with row `first_row`.
+/// Transforms one input tile of each plane, Bᵀ d B: element e of plane p goes to to[e · element_distance + p
+/// · lanes · step]. `input` begins with row `first_row`.
 template <batch_convolution C, extent2d Outputs, class T>
 [[gnu::flatten, gnu::noinline]] void
 transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* to, std::size_t step,
                      std::size_t element_distance, std::size_t first_row = 0) {
-    constexpr group_tiles tiles = group_tiles::of(C, Outputs);
+    constexpr tile_grid tiles = tile_grid::of(C, Outputs);
     constexpr extent2d side = tiles.side;
     constexpr std::size_t side_columns = side.columns; // not in the lambda: GCC 12 takes it for uninitialised
     const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows) - C.top,
@@ -108,13 +105,13 @@ transform_input_tile(const T* input, plane_layout layout, std::size_t tile, T* t
         });
 }
 
-/// A δ Aᵀ of one tile of the outputs' gradient, of every plane: element e of plane p to
-/// to[e · element_distance + p · lanes]. `gradient` begins with row `first_row`.
+/// Transforms one tile of the output gradient of each plane, A δ Aᵀ: element e of plane p goes to to[e ·
+/// element_distance + p · lanes]. `gradient` begins with row `first_row`.
 template <batch_convolution C, extent2d Outputs, class T>
 [[gnu::flatten, gnu::noinline]] void
 transform_gradient_tile(const T* gradient, plane_layout layout, std::size_t tile, T* to,
                         std::size_t element_distance, std::size_t first_row = 0) {
-    constexpr group_tiles tiles = group_tiles::of(C, Outputs);
+    constexpr tile_grid tiles = tile_grid::of(C, Outputs);
     constexpr extent2d side = tiles.side;
     constexpr std::size_t width = lanes<T>;
     const auto top = static_cast<std::ptrdiff_t>(tile / tiles.columns * Outputs.rows),

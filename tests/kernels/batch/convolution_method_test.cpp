@@ -1,4 +1,4 @@
-#include <tactnet/kernels/batch/weight_gradient.hpp>
+#include <tactnet/kernels/batch/convolution_method.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
@@ -10,6 +10,7 @@
 #include <support/layers/window_of.hpp>
 #include <support/tolerance.hpp>
 #include <support/whole_numbers.hpp>
+#include <type_traits>
 #include <vector>
 
 using namespace tactnet;
@@ -17,20 +18,25 @@ using namespace tactnet::kernels;
 
 namespace {
 
-/// [filter][channel][row][column], whichever way the sums were taken.
+template <batch_convolution C, class T>
+inline constexpr bool by_tiles = std::is_same_v<weight_gradient<C, T>, winograd_gradient<C, T>>;
+
+/// [filter][channel][row][column], whichever method is chosen.
 template <class T, sliding_window W, std::size_t Filters>
 void compare() {
-    using way = weight_gradient<W, Filters, T>;
+    constexpr auto description = batch_convolution::forward(W, Filters);
+    using method = weight_gradient<description, T>;
     constexpr std::size_t width = lanes<T>, area = W.output_rows() * W.output_columns();
     const auto input = support::whole_numbers<T>(W.input.size() * width, 7919),
                gradient = support::whole_numbers<T>(Filters * area * width, 104729);
-    aligned_vector<double> totals(way::totals);
-    aligned_vector<T> scratch(way::scratch), found(Filters * W.input.channels * W.kernel.area());
-    way::add(input.data(), gradient.data(), totals.data(), scratch.data(), 0, way::pieces);
-    way::finish(totals.data(), found.data());
-    // By taps whole numbers are not rounded. By tiles they are, as tiled_gradient_test.cpp counts.
+    aligned_vector<double> totals(method::totals);
+    aligned_vector<T> workspace(method::workspace_elements),
+        found(Filters * W.input.channels * W.kernel.area());
+    method::add(input.data(), gradient.data(), totals.data(), workspace.data(), 0, method::pieces);
+    method::finish(totals.data(), found.data());
+    // By taps whole numbers are not rounded. By tiles they are, as winograd/gradient_test.cpp counts.
     std::vector<double> errors(found.size());
-    if constexpr (way::tiled) {
+    if constexpr (by_tiles<description, T>) {
         for (std::size_t lane = 0; lane < width; ++lane) {
             std::vector<double> x(W.input.size()), dy(Filters * area);
             for (std::size_t i = 0; i < x.size(); ++i)
@@ -38,7 +44,8 @@ void compare() {
             for (std::size_t i = 0; i < dy.size(); ++i)
                 dy[i] = std::abs(static_cast<double>(gradient[i * width + lane]));
             support::add_gradient_magnitudes(support::window_of(W), Filters, x, dy,
-                                             {way::tile.rows, way::tile.columns}, std::span<double>(errors));
+                                             {method::tile.rows, method::tile.columns},
+                                             std::span<double>(errors));
         }
         for (double& e : errors)
             e *= support::accumulated(support::unit_roundoff<T>, static_cast<double>(area * width) + 34);
@@ -72,9 +79,9 @@ TEST_CASE_TEMPLATE("weight_gradient: each weight in its place, by tiles, across 
                    strided = sliding_window::over({7, 13, 2 * lanes<T>}, 3, 2, padding::same),
                    odd = sliding_window::over({7, 13, 3}, 3, 1, padding::same);
     if (lanes<T> >= 4) // else each number is transformed again for few sums
-        CHECK(weight_gradient<tiled, 30, T>::tiled);
-    CHECK_FALSE(weight_gradient<strided, 30, T>::tiled);
-    CHECK_FALSE(weight_gradient<odd, 30, T>::tiled);
+        CHECK(by_tiles<batch_convolution::forward(tiled, 30), T>);
+    CHECK_FALSE(by_tiles<batch_convolution::forward(strided, 30), T>);
+    CHECK_FALSE(by_tiles<batch_convolution::forward(odd, 30), T>);
     compare<T, tiled, 30>();
     compare<T, strided, 30>();
     compare<T, odd, 30>();

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/batch/tiles/tiled_gradient.hpp>
+#include <tactnet/kernels/batch/winograd/gradient.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
@@ -21,43 +21,42 @@ using namespace tactnet::kernels;
 
 namespace {
 
-/// Two groups one after the other, all pieces and then one by one.
+/// Two lane blocks one after the other, all pieces and then one by one.
 template <class T, sliding_window W, std::size_t Filters, extent2d Outputs>
 void compare() {
-    if constexpr (tiled_gradient_possible<T>(batch_convolution::forward(W, Filters), Outputs)) {
-        using plan = tiled_gradient_plan<W, Filters, Outputs, T>;
+    if constexpr (winograd_gradient_possible<T>(batch_convolution::forward(W, Filters), Outputs)) {
+        using method = winograd_gradient<batch_convolution::forward(W, Filters), T, Outputs>;
         constexpr std::size_t width = lanes<T>, channels = W.input.channels, taps = W.kernel.area(),
                               pixels = W.input.area(), outputs = W.output_rows() * W.output_columns(),
-                              groups = 2;
+                              blocks = 2;
         std::uint64_t state = 11;
-        support::guarded_numbers<T> in(groups * W.input.size() * width),
-            gradient(groups * Filters * outputs * width), scratch(plan::scratch),
+        support::guarded_numbers<T> in(blocks * W.input.size() * width),
+            gradient(blocks * Filters * outputs * width), workspace(method::workspace_elements),
             found(Filters * channels * taps);
-        support::guarded_numbers<double> totals(plan::totals), by_pieces(plan::totals);
+        support::guarded_numbers<double> totals(method::totals), by_pieces(method::totals);
         for (T& x : in)
             x = static_cast<T>(support::draw(state));
         for (T& x : gradient)
             x = static_cast<T>(support::draw(state));
         std::fill(totals.begin(), totals.end(), 0.0);
         std::fill(by_pieces.begin(), by_pieces.end(), 0.0);
-        for (std::size_t g = 0; g < groups; ++g) {
+        for (std::size_t g = 0; g < blocks; ++g) {
             const T *const x = in.data() + g * W.input.size() * width, *const dy =
                                                                            gradient.data() +
                                                                            g * Filters * outputs * width;
-            add_tiled_gradient<W, Filters, Outputs>(x, dy, totals.data(), scratch.data(), 0, plan::pieces);
-            for (std::size_t piece = plan::pieces; piece-- > 0;)
-                add_tiled_gradient<W, Filters, Outputs>(x, dy, by_pieces.data(), scratch.data(), piece,
-                                                        piece + 1);
+            method::add(x, dy, totals.data(), workspace.data(), 0, method::pieces);
+            for (std::size_t piece = method::pieces; piece-- > 0;)
+                method::add(x, dy, by_pieces.data(), workspace.data(), piece, piece + 1);
         }
-        finish_tiled_gradient<W, Filters, Outputs>(totals.data(), found.data());
+        method::finish(totals.data(), found.data());
         CHECK(std::equal(totals.begin(), totals.end(), by_pieces.begin()));
         CHECK(totals.untouched());
-        CHECK(scratch.untouched());
+        CHECK(workspace.untouched());
         CHECK(found.untouched());
 
         const support::reference_window window = support::window_of(W);
         std::vector<double> expected(Filters * channels * taps), sizes(expected.size());
-        for (std::size_t s = 0; s < groups * width; ++s) {
+        for (std::size_t s = 0; s < blocks * width; ++s) {
             const auto sample = [&](support::guarded_numbers<T>& from, std::size_t size) {
                 std::vector<double> result(size);
                 for (std::size_t i = 0; i < size; ++i)
@@ -81,9 +80,9 @@ void compare() {
         // totals, of Gᵀ t G, and of the sums that these are held to.
         const double share =
             support::accumulated(support::unit_roundoff<T>,
-                                 static_cast<double>(plan::band_tiles * width) + 18) +
+                                 static_cast<double>(method::band_tiles * width) + 18) +
             support::accumulated(support::unit_roundoff<double>,
-                                 static_cast<double>(groups * (plan::tiles.rows + width * outputs) + 16));
+                                 static_cast<double>(blocks * (method::tiles.rows + width * outputs) + 16));
         std::size_t wrong = 0;
         double worst = 0, largest = 0;
         for (std::size_t w = 0; w < expected.size(); ++w) {
@@ -108,13 +107,13 @@ void every_tile() {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("tiled_gradient: every tile of a 3 × 3 kernel", T, float, double) {
+TEST_CASE_TEMPLATE("winograd_gradient: every tile of a 3 × 3 kernel", T, float, double) {
     every_tile<T, 3>();
 }
-TEST_CASE_TEMPLATE("tiled_gradient: every tile of a 2 × 2 kernel", T, float, double) {
+TEST_CASE_TEMPLATE("winograd_gradient: every tile of a 2 × 2 kernel", T, float, double) {
     every_tile<T, 2>();
 }
-TEST_CASE_TEMPLATE("tiled_gradient: blocks of channels and of filters that are not full, maps in bands", T,
+TEST_CASE_TEMPLATE("winograd_gradient: blocks of channels and of filters that are not full, maps in bands", T,
                    float, double) {
     constexpr std::size_t three = 3 * lanes<T>; // vectors: a block of two and one of one
     compare<T, sliding_window::over({4, 3, three}, 3, 1, padding::same), max_block_sums / 2 + 1,
@@ -128,18 +127,18 @@ TEST_CASE_TEMPLATE("tiled_gradient: blocks of channels and of filters that are n
     compare<T, sliding_window::over({11, 40, 12}, 3, 1, padding::valid), 2 * lanes<T>, extent2d(2)>();
     constexpr auto wide = sliding_window::over({11, 40, 2 * lanes<T>}, 3, 1, padding::valid);
     if constexpr (lanes < T >> 4) {
-        using plan = tiled_gradient_plan<wide, 12, extent2d(2), T>;
-        static_assert(plan::band_rows < plan::tiles.rows);
+        using method = winograd_gradient<batch_convolution::forward(wide, 12), T, extent2d(2)>;
+        static_assert(method::band_rows < method::tiles.rows);
     }
     compare<T, wide, 12, extent2d(2)>();
 }
 
-TEST_CASE("tiled_gradient: channels that fill no vector, and maps that no near cache holds, have none") {
+TEST_CASE("winograd_gradient: channels that fill no vector, and maps that no near cache holds, have none") {
     if constexpr (lanes < float >> 1)
-        CHECK_FALSE(tiled_gradient_possible<float>(
+        CHECK_FALSE(winograd_gradient_possible<float>(
             batch_convolution::forward(sliding_window::over({4, 4, lanes<float> + 1}, 3, 1, padding::same),
                                        2 * lanes<float> - 1),
             2));
-    CHECK_FALSE(tiled_gradient_possible<float>(
+    CHECK_FALSE(winograd_gradient_possible<float>(
         batch_convolution::forward(sliding_window::over({4, 40000, 64}, 3, 1, padding::same), 8), 2));
 }

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/batch/convolution.hpp>
+#include <tactnet/kernels/batch/direct_convolution.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
@@ -54,16 +54,16 @@ void for_each_tap(Body&& body) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("correlate: forward", T, float, double) {
+TEST_CASE_TEMPLATE("direct_lane_method: forward", T, float, double) {
     constexpr std::size_t width = lanes<T>, area = window.output_rows() * window.output_columns();
     const aligned_vector<T> in = numbers<T>(window.input.size() * width);
     aligned_vector<T> packed(filters * 2 * window.kernel.area()), out(filters * area * width, T{99}),
         bias(filters);
     for (std::size_t f = 0; f < filters; ++f)
         bias[f] = static_cast<T>(f);
-    pack_weights<ahead>(packed.data(),
-                        [](auto f, auto c, auto i, auto j) { return static_cast<T>(weight(f, c, i, j)); });
-    correlate<ahead>(in.data(), packed.data(), bias.data(), out.data());
+    direct_lane_method<ahead, T>::pack(
+        packed.data(), [](auto f, auto c, auto i, auto j) { return static_cast<T>(weight(f, c, i, j)); });
+    direct_lane_method<ahead, T>::run(packed.data(), bias.data(), in.data(), out.data(), nullptr);
 
     std::vector<T> expected(filters * area * width);
     for (std::size_t f = 0; f < filters; ++f)
@@ -79,15 +79,15 @@ TEST_CASE_TEMPLATE("correlate: forward", T, float, double) {
     CHECK(std::vector<T>(out.begin(), out.end()) == expected);
 }
 
-TEST_CASE_TEMPLATE("correlate: backward reads as if zeros stood between the gradient's pixels", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("direct_lane_method: backward reads as if zeros stood between the gradient's pixels", T,
+                   float, double) {
     constexpr std::size_t width = lanes<T>, area = window.output_rows() * window.output_columns();
     const aligned_vector<T> gradient = numbers<T>(filters * area * width);
     aligned_vector<T> packed(filters * 2 * window.kernel.area()), out(window.input.size() * width, T{99});
-    pack_weights<back>(packed.data(), [](auto c, auto f, auto i, auto j) {
+    direct_lane_method<back, T>::pack(packed.data(), [](auto c, auto f, auto i, auto j) {
         return static_cast<T>(weight(f, c, window.kernel.rows - 1 - i, window.kernel.columns - 1 - j));
     });
-    correlate<back>(gradient.data(), packed.data(), static_cast<const T*>(nullptr), out.data());
+    direct_lane_method<back, T>::run(packed.data(), nullptr, gradient.data(), out.data(), nullptr);
 
     std::vector<T> expected(window.input.size() * width);
     for (std::size_t f = 0; f < filters; ++f)

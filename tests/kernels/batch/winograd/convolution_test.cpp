@@ -1,5 +1,4 @@
-#include <tactnet/kernels/batch/tiles/tile_weights.hpp>
-#include <tactnet/kernels/batch/tiles/tiled_convolution.hpp>
+#include <tactnet/kernels/batch/winograd/convolution.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
@@ -26,12 +25,12 @@ namespace {
 template <class T, sliding_window W, std::size_t Filters, extent2d Outputs>
 void compare(bool biased = true) {
     constexpr batch_convolution c = batch_convolution::forward(W, Filters);
-    using plan = tiled_convolution<c, Outputs, T>;
+    using method = winograd_lane_method<c, T, Outputs>;
     constexpr std::size_t width = lanes<T>, channels = W.input.channels, taps = W.kernel.area(),
                           pixels = W.input.area(), outputs = c.output.area();
     std::uint64_t state = 7;
-    support::guarded_numbers<T> in(W.input.size() * width), packed(plan::weights), scratch(plan::scratch),
-        out(c.output.size() * width);
+    support::guarded_numbers<T> in(W.input.size() * width), packed(method::packed_elements),
+        workspace(method::workspace_elements), out(c.output.size() * width);
     std::vector<double> weights(Filters * channels * taps);
     for (double& w : weights)
         w = static_cast<double>(support::draw(state));
@@ -40,14 +39,13 @@ void compare(bool biased = true) {
     std::vector<T> bias(Filters);
     for (T& b : bias)
         b = static_cast<T>(support::draw(state));
-    pack_tile_weights<c, Outputs>(packed.data(), [&](auto f, auto channel, auto row, auto column) {
+    method::pack(packed.data(), [&](auto f, auto channel, auto row, auto column) {
         return static_cast<T>(
             weights[((f * channels + channel) * W.kernel.rows + row) * W.kernel.columns + column]);
     });
-    correlate_by_tiles<c, Outputs>(in.data(), packed.data(), biased ? bias.data() : nullptr, out.data(),
-                                   scratch.data());
+    method::run(packed.data(), biased ? bias.data() : nullptr, in.data(), out.data(), workspace.data());
     CHECK(packed.untouched());
-    CHECK(scratch.untouched());
+    CHECK(workspace.untouched());
     CHECK(out.untouched());
 
     std::size_t wrong = 0;
@@ -100,24 +98,24 @@ void every_tile() {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("tiled_convolution: every tile of a 3 × 3 kernel", T, float, double) {
+TEST_CASE_TEMPLATE("winograd_lane_method: every tile of a 3 × 3 kernel", T, float, double) {
     every_tile<T, 3>();
 }
-TEST_CASE_TEMPLATE("tiled_convolution: every tile of a 2 × 2 kernel", T, float, double) {
+TEST_CASE_TEMPLATE("winograd_lane_method: every tile of a 2 × 2 kernel", T, float, double) {
     every_tile<T, 2>();
 }
 TEST_CASE_TEMPLATE(
-    "tiled_convolution: maps smaller than a tile, without padding, with more than the kernel's", T, float,
+    "winograd_lane_method: maps smaller than a tile, without padding, with more than the kernel's", T, float,
     double) {
     compare<T, sliding_window::over({1, 1, 3}, 3, 1, padding::same), 4, extent2d(4)>();
     compare<T, sliding_window::over({2, 3, 16}, 3, 1, padding::same), 24, extent2d(2, 4)>();
     compare<T, sliding_window::over({9, 6, 2}, 3, 1, padding::valid), 8, extent2d(3, 4)>();
     compare<T, sliding_window::over({4, 5, 2}, 3, 1, pad(2, 0, 1, 3)), 3, extent2d(2)>();
 }
-TEST_CASE("tiled_convolution: maps in several bands") {
+TEST_CASE("winograd_lane_method: maps in several bands") {
     constexpr auto window = sliding_window::over({30, 30, 32}, 3, 1, padding::same);
-    using plan = tiled_convolution<batch_convolution::forward(window, 8), extent2d(4), float>;
+    using method = winograd_lane_method<batch_convolution::forward(window, 8), float, extent2d(4)>;
     if constexpr (lanes<float> >= 8) // else all that is transformed stays near
-        static_assert(plan::band < plan::tiles.count() && plan::tiles.count() % plan::band != 0);
+        static_assert(method::band < method::tiles.count() && method::tiles.count() % method::band != 0);
     compare<float, window, 8, extent2d(4)>();
 }
