@@ -10,6 +10,13 @@
 using namespace tactnet;
 using support::frames_that_differ;
 
+namespace {
+
+template <std::size_t Groups>
+inline constexpr conv2d_options grouped{.groups = Groups, .bias = false};
+
+} // namespace
+
 TEST_CASE("eight_bit: strides, pads and channels that fill no vector give the bits of the plain reference") {
     using uneven = network<shape{11, 9, 3}, conv2d<5, extent2d(3, 2), extent2d(2, 1), pad(1)>, relu,
                            conv2d<33, 2, 1, padding::valid>, batch_norm,
@@ -84,6 +91,22 @@ TEST_CASE("eight_bit: concatenations and groups give the bits of the plain refer
                 conv2d<8, 3, 1, padding::same, conv2d_options{.groups = 4}>, relu,
                 conv2d<6, 3, 2, pad(1), conv2d_options{.groups = 2, .bias = false}>, max_pool<2>, dense<5>>;
     CHECK(frames_that_differ<branches>(17, 20) == 0);
+}
+
+TEST_CASE("eight_bit: depthwise convolutions give the bits of the plain reference") {
+    using separable =
+        network<shape{11, 9}, conv2d<12, 3>, batch_norm, relu, conv2d<12, 3, 1, padding::same, grouped<12>>,
+                batch_norm, relu, conv2d<20, 1>, relu, conv2d<20, 3, 2, padding::same, grouped<20>>,
+                batch_norm, relu, conv2d<70, 1>, relu, conv2d<70, extent2d(3, 2), 1, pad(1), grouped<70>>,
+                max_pool<2>, relu, dense<5>>;
+    CHECK(frames_that_differ<separable>(23, 20) == 0);
+    // Of the sensor's words, in a residual block, a branch and at the end.
+    using placed =
+        network<shape{8, 9, 3}, conv2d<3, 3, 1, padding::same, grouped<3>>, relu, conv2d<8, 1>,
+                residual<sequence<conv2d<8, 1>, relu, conv2d<8, 5, 1, padding::same, grouped<8>>>>, relu,
+                concatenation<sequence<conv2d<4, 1>, relu>, conv2d<8, 3, 1, padding::same, grouped<8>>>, relu,
+                conv2d<12, 3, extent2d(2, 3), padding::valid, grouped<12>>>;
+    CHECK(frames_that_differ<placed>(24, 20) == 0);
 }
 
 TEST_CASE("eight_bit: the last step may be a convolution, with ReLU and pool, or an average pool") {

@@ -76,6 +76,11 @@ struct frame_convolution {
         return all;
     }
 
+    /// Whether there is one filter for each channel, which sees no other.
+    [[nodiscard]] constexpr bool is_depthwise() const {
+        return groups > 1 && groups == filters && groups == window.input.channels;
+    }
+
     [[nodiscard]] constexpr std::size_t output_rows() const {
         return pooled_rows > 0 ? pooled_rows : window.output_rows();
     }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <tactnet/kernels/integer/depthwise.hpp>
 #include <tactnet/kernels/integer/direct.hpp>
+#include <tactnet/kernels/integer/scalar_depthwise.hpp>
 #include <tactnet/kernels/integer/winograd.hpp>
 #include <tactnet/kernels/method_list.hpp>
 
@@ -20,7 +22,8 @@ namespace kernels {
 /// The method that computes a convolution of inputs of type `Input`: bytes, or words of 16 bits.
 template <frame_convolution C, class Input>
 using integer_method =
-    typename method_list<direct_integer_method<C, Input>, winograd_integer_method<C, Input>>::cheapest;
+    typename method_list<direct_integer_method<C, Input>, winograd_integer_method<C, Input>,
+                         depthwise_integer_method<C, Input>, scalar_depthwise_method<C, Input>>::cheapest;
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

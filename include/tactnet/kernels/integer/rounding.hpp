@@ -68,16 +68,34 @@ template <std::size_t Lanes>
 
 } // namespace detail
 
-/// Stores a byte for each sum: sum × factor + zero, rounded and clamped to the range.
+namespace detail {
+
+/// sum × factor within the range, relative to the zero, with its nearest integer as `with_nearest` gives it.
 template <std::size_t Lanes>
-[[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const int32_vec<Lanes>& sums,
-                                                 const float_vec<Lanes>& factors, const byte_range& range) {
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
+clamped_with_nearest(const int32_vec<Lanes>& sums, const float_vec<Lanes>& factors, const byte_range& range) {
     const float_vec<Lanes> least = range.least() - float_vec<Lanes>{},
                            most = range.most() - float_vec<Lanes>{};
     float_vec<Lanes> values = __builtin_convertvector(sums, float_vec<Lanes>) * factors;
     values = values > least ? values : least;
     values = values < most ? values : most;
-    store_any(to, detail::last_bytes<Lanes>(detail::with_nearest<Lanes>(values) + range.zero()));
+    return with_nearest<Lanes>(values);
+}
+
+} // namespace detail
+
+/// sum × factor + zero, rounded and clamped to the range: integers from 0 to 255.
+template <std::size_t Lanes>
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
+rounded(const int32_vec<Lanes>& sums, const float_vec<Lanes>& factors, const byte_range& range) {
+    return detail::clamped_with_nearest<Lanes>(sums, factors, range) + (range.zero() - detail::above_nearest);
+}
+/// Stores the same integers as bytes.
+template <std::size_t Lanes>
+[[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const int32_vec<Lanes>& sums,
+                                                 const float_vec<Lanes>& factors, const byte_range& range) {
+    store_any(to, detail::last_bytes<Lanes>(detail::clamped_with_nearest<Lanes>(sums, factors, range) +
+                                            range.zero()));
 }
 
 /// How the sums of a convolution begin and what is applied to them, for vectors of `Lanes` filters.
@@ -97,25 +115,36 @@ struct integer_epilogue {
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> start(std::size_t vector) const {
         return load_any<int32_vec<Lanes>>(starts + vector * Lanes * sizeof(std::int32_t));
     }
+    template <std::size_t Lanes>
+    [[nodiscard]] [[gnu::always_inline]] float_vec<Lanes> factor(std::size_t vector) const {
+        return load_any<float_vec<Lanes>>(factors + vector * Lanes * sizeof(float));
+    }
+    template <std::size_t Lanes>
+    [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_weight(std::size_t vector) const {
+        return load_any<int32_vec<Lanes>>(added + vector * Lanes * sizeof(std::int32_t));
+    }
     /// The term of the other map, from its bytes.
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_term(const std::uint8_t* other,
                                                                      std::size_t vector) const {
         return __builtin_convertvector(load_any<uint8_vec<Lanes>>(other), int32_vec<Lanes>) *
-               load_any<int32_vec<Lanes>>(added + vector * Lanes * sizeof(std::int32_t));
+               added_weight<Lanes>(vector);
     }
-    /// Stores bytes, or, as floats, sum × factor without rounding, after ReLU if `Rectified`: among bytes the
-    /// range is the ReLU.
+    /// sum × factor without rounding, after ReLU if `Rectified`.
+    template <std::size_t Lanes, bool Rectified>
+    [[nodiscard]] [[gnu::always_inline]] float_vec<Lanes> unrounded(int32_vec<Lanes> sums,
+                                                                    std::size_t vector) const {
+        if constexpr (Rectified)
+            sums = sums > 0 ? sums : int32_vec<Lanes>{};
+        return __builtin_convertvector(sums, float_vec<Lanes>) * factor<Lanes>(vector);
+    }
+    /// Stores bytes, or sums without rounding as floats. The range of bytes includes the ReLU.
     template <std::size_t Lanes, bool Rectified, class Output>
-    [[gnu::always_inline]] void store(Output* to, int32_vec<Lanes> sums, std::size_t vector) const {
-        const auto factor = load_any<float_vec<Lanes>>(factors + vector * Lanes * sizeof(float));
-        if constexpr (std::is_same_v<Output, std::uint8_t>) {
-            store_rounded<Lanes>(to, sums, factor, range);
-        } else {
-            if constexpr (Rectified)
-                sums = sums > 0 ? sums : int32_vec<Lanes>{};
-            store_any(to, __builtin_convertvector(sums, float_vec<Lanes>) * factor);
-        }
+    [[gnu::always_inline]] void store(Output* to, const int32_vec<Lanes>& sums, std::size_t vector) const {
+        if constexpr (std::is_same_v<Output, std::uint8_t>)
+            store_rounded<Lanes>(to, sums, factor<Lanes>(vector), range);
+        else
+            store_any(to, unrounded<Lanes, Rectified>(sums, vector));
     }
 };
 

@@ -1,0 +1,69 @@
+#include "comparison.hpp"
+
+#include <doctest/doctest.h>
+
+// Depthwise convolutions of bytes: the same sums as those of the direct method.
+
+using namespace integer_test;
+
+namespace {
+
+template <frame_convolution C, class Output = std::uint8_t>
+std::size_t depthwise_differing(numbers_are kind = numbers_are::drawn) {
+    using scalar = kernels::scalar_depthwise_method<C, std::uint8_t>;
+    using in_lanes = kernels::depthwise_integer_method<C, std::uint8_t>;
+    static_assert(scalar::applicable || in_lanes::applicable);
+    std::size_t wrong = differing<scalar, C, std::uint8_t, Output>(kind);
+    if constexpr (in_lanes::applicable)
+        wrong += differing<in_lanes, C, std::uint8_t, Output>(kind);
+    return wrong;
+}
+template <frame_convolution... C>
+std::size_t all_differing() {
+    return (depthwise_differing<C>() + ...);
+}
+/// As many filters as channels; pixels of the input lie as a step writes them, or closer.
+constexpr frame_convolution each(shape input, extent2d kernel, extent2d stride = 1,
+                                 padding around = padding::same, std::size_t input_stride = 0) {
+    return depthwise(of(input, input.channels, kernel, stride, around, input_stride));
+}
+
+} // namespace
+
+TEST_CASE(
+    "depthwise_integer_method: kernels of 1 to 7 and any number of channels give the sums of plain loops") {
+    CHECK(all_differing<each({5, 6, 2}, 3), each({6, 7, 3}, 1), each({6, 5, 4}, 2), each({7, 6, 5}, 4),
+                        each({7, 9, 8}, 5), each({8, 9, 12}, 6), each({9, 8, 16}, 7)>() == 0);
+    CHECK(all_differing<each({5, 6, 17}, 3), each({4, 5, 24}, 3), each({5, 3, 33}, 3), each({3, 4, 64}, 3),
+                        each({6, 4, 70}, extent2d(2, 3)), each({3, 5, 130}, extent2d(3, 5))>() == 0);
+}
+
+TEST_CASE("depthwise_integer_method: strides and pads give the sums of plain loops") {
+    CHECK(all_differing<each({9, 8, 6}, 3, 2), each({9, 8, 32}, 5, extent2d(2, 3), pad(2)),
+                        each({8, 9, 20}, 2, extent2d(3, 1), padding::valid),
+                        each({7, 7, 9}, 3, 2, pad(1, 0, 2, 1)), each({5, 4, 64}, 4, 3, pad(3)),
+                        each({5, 6, 7}, 1, 2, padding::valid), each({3, 2, 16}, 3, 1, pad(2))>() == 0);
+}
+
+TEST_CASE("depthwise_integer_method: lanes between pixels are not looked at") {
+    CHECK(all_differing<each({5, 6, 3}, 3, 1, padding::same, 4), each({5, 6, 5}, 3, 1, padding::same, 8),
+                        each({4, 5, 40}, 2, 1, padding::same, 64)>() == 0);
+}
+
+TEST_CASE("depthwise_integer_method: pools, sums, wider maps and floats") {
+    CHECK(all_differing<pooled(each({8, 6, 4}, 3), 2, 4, 3), pooled(each({7, 9, 18}, 3), 2, 4, 5),
+                        pooled(each({9, 7, 8}, 2), 3, 3, 2, false),
+                        pooled(each({6, 9, 64}, 5), extent2d(1, 2), 6, 4)>() == 0);
+    CHECK(all_differing<adding(each({5, 7, 4}, 3)), adding(each({5, 7, 13}, 3), true),
+                        adding(each({4, 4, 40}, 1))>() == 0);
+    CHECK(all_differing<among(each({4, 5, 8}, 3), 32, 16), among(each({4, 5, 4}, 3), 16, 12),
+                        among(pooled(each({6, 5, 12}, 3), 2, 3, 2), 32, 4)>() == 0);
+    CHECK(depthwise_differing<each({4, 3, 22}, 3), float>() == 0);
+    CHECK(depthwise_differing<pooled(each({5, 6, 6}, 3), 2, 2, 3), float>() == 0);
+}
+
+TEST_CASE(
+    "depthwise_integer_method: the largest bytes and weights neither overflow nor saturate on the way") {
+    CHECK(depthwise_differing<each({3, 3, 16}, 3)>(numbers_are::largest) == 0);
+    CHECK(depthwise_differing<each({4, 4, 64}, 5)>(numbers_are::largest) == 0);
+}
