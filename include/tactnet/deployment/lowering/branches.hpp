@@ -101,15 +101,15 @@ struct lowered_concatenation<Place, std::index_sequence<I...>, Branches...> {
     using form_of = typename detail::lowered_branch<
         lowered_sequence<typename Place::format, as_sequence<Branch>, typename layer::template at<At>,
                          Place::input_stride>,
-        stride, layer::positions[At].channels>::type;
+        stride, layer::offsets[At].channels>::type;
     using step =
         concatenation_step<typename Place::format, layer::input, Place::input_stride, stride,
-                           branch_step<typename form_of<I, Branches>::step, layer::positions[I].channels>...>;
+                           branch_step<typename form_of<I, Branches>::step, layer::offsets[I].channels>...>;
 
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here = Place::parameters(list);
         ((form_of<I, Branches>::fold(
-              here.behind(layer::positions[I].parameters, layer::positions[I].statistics), to),
+              here.behind(layer::offsets[I].parameters, layer::offsets[I].statistics), to),
           to += form_of<I, Branches>::step::folded),
          ...);
     }
