@@ -67,8 +67,12 @@ struct sequence {
 
         static void prepare(const execution_context& context, const T* values, const T* running, memory& m) {
             kernels::unroll<size>([&](auto i) {
-                static_assert(listed_layer<at<i>>,
-                              "sequence: expected a layer; listed_layer shows what is missing");
+                static_assert(tactnet::layer<at<i>>,
+                              "sequence: expected a layer; the concept layer shows what is missing");
+                static_assert(
+                    !tactnet::layer<at<i>> || listed_layer<at<i>>,
+                    "sequence: expected a layer that works by parts or on whole batches; part_layer "
+                    "shows what is missing");
                 at<i>::prepare(context, values + list::template parameter_offset<i>,
                                running + list::template statistic_offset<i>, detail::get<i>(m.inner));
             });
