@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/deployment/reflection_average.hpp>
 
 #include <doctest/doctest.h>
 
@@ -36,6 +37,14 @@ concept recognises_bytes = requires(Model m, byte_frame counts) {
     std::forward<Model>(m).classify(counts);
 };
 static_assert(recognises_bytes<const fast_model&> && !recognises_bytes<fast_model>);
+// So would the weights.
+template <class Model>
+concept has_view = requires(Model m) {
+    std::forward<Model>(m).view();
+};
+static_assert(has_view<const fast_model&> && !has_view<fast_model>);
+static_assert(std::is_convertible_v<const fast_model&, fast_model::view_type> &&
+              !std::is_convertible_v<fast_model, fast_model::view_type>);
 
 template <class Network>
 model<Network> trained(std::size_t classes) {
@@ -100,7 +109,7 @@ TEST_CASE("deployed: a broken frame is no class") {
     }
 }
 
-TEST_CASE("deployed: outputs behind the classes are never recognised") {
+TEST_CASE("deployed: outputs beyond the classes are never named") {
     auto m = trained<net>(2);
     m.network.for_each_parameter([](const parameter& p, std::span<float> values) {
         if (p.name == "fc.bias")
@@ -117,6 +126,69 @@ TEST_CASE("deployed: outputs behind the classes are never recognised") {
         CHECK(found->probability ==
               1 / (1 + std::exp(-std::abs(static_cast<double>(logits[1]) - static_cast<double>(logits[0])))));
     }
+}
+
+TEST_CASE("deployed: every call names only classes that exist") {
+    auto m = trained<net>(4); // of 5 outputs
+    m.network.for_each_parameter([](const parameter& p, std::span<float> values) {
+        if (p.name == "fc.bias")
+            values[4] = 1000;
+    });
+    const auto network = deploy(m);
+    const fast_model::view_type view = network;
+    CHECK(network.class_count() == 4);
+    CHECK(view.class_count() == 4);
+    const reflection_average average(view);
+    const auto memory = std::make_unique<decltype(average)::workspace>();
+    thread_pool pool(2);
+    std::vector<std::array<std::uint8_t, size.size()>> frames;
+    for (std::uint64_t seed = 0; seed < 9; ++seed)
+        frames.push_back(frame(seed));
+    const auto all = network.classify(frames, pool);
+    batch_workspace kept;
+    const auto again = network.classify(frames, pool, kept);
+    REQUIRE(all.size() == frames.size());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        std::array<float, net::outputs> logits{};
+        REQUIRE(network.infer(frames[i], logits) == frame_status::ok);
+        const auto right = classify_logits(logits, 4);
+        CHECK(first_largest(logits) == 4); // which is no class
+        CHECK(right->probability < 1);
+        CHECK(view.classify(frames[i])->index == right->index);
+        CHECK(view.classify(frames[i])->name.empty());
+        CHECK(view.classify_outputs(logits)->index == right->index);
+        CHECK(average.classify(frames[i], *memory)->index < 4);
+        for (const auto& found : {network.classify(frames[i]), all[i], again[i]}) {
+            REQUIRE(found);
+            CHECK(found->index == right->index);
+            CHECK(found->probability == right->probability);
+            CHECK(found->name == m.classes[right->index]);
+        }
+    }
+    // Without names, every output stands for a class.
+    const auto bare = deploy(m.network, m.normalise.mean.view().elements(), m.normalise.scale);
+    CHECK(bare.class_count() == 5);
+    CHECK(bare.classify(frames[0])->index == 4);
+    CHECK(bare.classify(frames[0])->name.empty());
+}
+
+TEST_CASE("deployed: of many frames, a broken one is no class, whatever becomes of its outputs") {
+    const auto network = deploy(trained<net>(5));
+    thread_pool pool(2);
+    std::vector<float> frames(11 * size.size(), 3.0f);
+    frames[4 * size.size() + 7] = std::numeric_limits<float>::quiet_NaN();
+    frames[10 * size.size()] = std::numeric_limits<float>::infinity();
+    const auto found = network.classify(frames, pool);
+    REQUIRE(found.size() == 11);
+    for (std::size_t i = 0; i < found.size(); ++i)
+        CHECK(found[i].has_value() == (i != 4 && i != 10));
+    frames.pop_back();
+    CHECK_THROWS_WITH_AS(
+        (void)network.classify(frames, pool),
+        "deployed: expected frames of 99 counts and 5 outputs for each, found 1088 counts and "
+        "50 outputs",
+        std::invalid_argument);
+    CHECK(network.classify(std::vector<float>(), pool).empty());
 }
 
 TEST_CASE("deployed: of equal logits the first class") {

@@ -82,6 +82,11 @@ public:
         set_limit();
         view_type::pack(folded_.data(), packed_.data());
     }
+    /// A trained network with its normalisation and the names of its classes. Throws as set_classes, too.
+    explicit deployed(const model<Network>& trained) requires std::is_same_v<Format, single_precision>
+        : deployed(trained.network, trained.normalise.mean.view().elements(), trained.normalise.scale) {
+        set_classes(trained.classes);
+    }
     /// From the numbers before packing, as folded() gives them. Throws std::invalid_argument if one is NaN or
     /// infinite, or is none that the number format can have there.
     explicit deployed(std::span<const float, view_type::folded_elements> folded)
@@ -231,13 +236,10 @@ template <class Network>
     return deployed<Network>(network, std::span(zero).template first<Network::input_shape.size()>(), 1);
 }
 /// A trained network with its normalisation and the names of its classes, as `load_model` returns it. Throws
-/// std::invalid_argument as the constructor of `deployed` and as set_classes.
+/// std::invalid_argument as the constructor of `deployed`.
 template <class Network>
 [[nodiscard]] deployed<Network> deploy(const model<Network>& trained) {
-    deployed<Network> network(trained.network, trained.normalise.mean.view().elements(),
-                              trained.normalise.scale);
-    network.set_classes(trained.classes);
-    return network;
+    return deployed<Network>(trained);
 }
 
 } // namespace TACTNET_ARCH

@@ -105,32 +105,54 @@ void refuse_outputs() {
                       "it, as in std::span<float, network::outputs>(outputs)");
 }
 
+/// The error about frames for a pool.
+template <class Frames, shape Input>
+void refuse_frames() {
+    using element = std::remove_const_t<element_of<Frames>>;
+    if constexpr (shape_of<element> != shape{0, 0, 0} || elements_of<element> != 0)
+        refuse_frame<element, Input>();
+    else
+        refuse_type<element>();
+}
+
 /// Calls with arguments that a deployed network does not take. Its own calls, which are no templates, go
 /// before these.
 template <shape Input, std::size_t Outputs>
 class refused_calls {
     template <class Frame>
     static constexpr bool is_frame = std::is_convertible_v<Frame, frame_ref<Input>>;
-    template <class Argument>
-    static constexpr bool is_pool = std::is_same_v<std::remove_cvref_t<Argument>, thread_pool>;
+    template <class Frames>
+    static constexpr bool is_frames = std::is_convertible_v<Frames, frames_ref<Input>>;
+    template <class... Arguments>
+    static constexpr bool has_pool = (std::is_same_v<std::remove_cvref_t<Arguments>, thread_pool> || ...);
+    template <class Frame, class To, class... Rest>
+    static constexpr bool takes =
+        has_pool<Rest...> ? is_frames<Frame>&& std::is_convertible_v<To, std::span<float>>
+                          : is_frame<Frame>&& std::is_convertible_v<To, std::span<float, Outputs>>;
 
 public:
     template <class Frame, class To, class... Rest>
-        requires(!(is_frame<Frame> &&
-                   std::is_convertible_v<To, std::span<float, Outputs>>)&&!(is_pool<Rest> || ...))
+        requires(!takes<Frame, To, Rest...>)
     frame_status infer(Frame&&, To&&, Rest&&...)
     const noexcept {
-        if constexpr (is_frame<Frame>)
+        if constexpr (has_pool<Rest...> && is_frames<Frame>)
+            refuse_outputs_of<element_of<To>>();
+        else if constexpr (has_pool<Rest...>)
+            refuse_frames<Frame, Input>();
+        else if constexpr (is_frame<Frame>)
             refuse_outputs<To, Outputs>();
         else
             refuse_frame<Frame, Input>();
         return {};
     }
     template <class Frame, class... Rest>
-        requires(!is_frame<Frame> && !(is_pool<Rest> || ...))
+        requires(has_pool<Rest...> ? !is_frames<Frame> : !is_frame<Frame>)
     std::optional<recognition> classify(Frame&&, Rest&&...)
     const noexcept {
-        refuse_frame<Frame, Input>();
+        if constexpr (has_pool<Rest...>)
+            refuse_frames<Frame, Input>();
+        else
+            refuse_frame<Frame, Input>();
         return std::nullopt;
     }
 };
