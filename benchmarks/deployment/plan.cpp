@@ -1,6 +1,7 @@
-// Whether the plan of deployed networks fits this processor, within a minute: each layer with its plan, its
-// time among the others, its share of the core's peak, where its weights come from, and what another plan
-// would take.
+// Checks within a minute whether the methods chosen for deployed networks suit this processor: prints for
+// each layer its method, its time among the others, its share of the core's peak, the source of its weights,
+// the time of the fastest other method, and the costs by which the method was chosen (in twentieths of a
+// multiply-add of a vector).
 //
 //     benchmark_plan [--networks=tactnet6/28x50,tactresnet/28x50] [--csv=FILE]
 //
@@ -45,8 +46,8 @@ struct cache_sizes {
     }
 };
 
-/// A plan is told to be wrong where another one takes less than this share of its time: differences below
-/// come and go with the machine's clock.
+/// Another method counts as faster if it takes less than this share of the time: smaller differences come and
+/// go with the clock of the machine.
 constexpr double clearly_faster = 0.95;
 
 void print(const benchmark::network_report& report, const cache_sizes& caches, double peak, std::FILE* csv) {
@@ -73,11 +74,14 @@ void print(const benchmark::network_report& report, const cache_sizes& caches, d
                     layer.output.c_str(), layer.plan.c_str(), 1e6 * layer.in_network, of_peak,
                     static_cast<double>(layer.weight_bytes) / 1000,
                     1e-9 * static_cast<double>(layer.weight_bytes) / layer.in_network, alone, other);
+        if (!layer.costs.empty())
+            std::printf("    costs: %s\n", layer.costs.c_str());
         if (csv)
-            std::fprintf(csv, "%s,\"%s\",%s,\"%s\",%zu,%zu,%zu,%.4g,%.4g,%.4g,\"%s\",%.4g\n",
+            std::fprintf(csv, "%s,\"%s\",%s,\"%s\",%zu,%zu,%zu,%.4g,%.4g,%.4g,\"%s\",%.4g,\"%s\"\n",
                          report.name.c_str(), layer.what.c_str(), layer.output.c_str(), layer.plan.c_str(),
                          layer.multiply_adds, layer.weight_bytes, layer.map_bytes, 1e6 * layer.in_network,
-                         share, 1e6 * layer.alone, layer.other_plan.c_str(), 1e6 * layer.by_other);
+                         share, 1e6 * layer.alone, layer.other_plan.c_str(), 1e6 * layer.by_other,
+                         layer.costs.c_str());
     }
     std::printf("  %-72s %8.2f\n", "all layers, the clock between them", 1e6 * sum);
 }
@@ -107,7 +111,7 @@ int main(int argc, char** argv) {
             if (!csv)
                 return std::perror(file.c_str()), EXIT_FAILURE;
             std::fprintf(csv, "network,layer,output,plan,multiply_adds_on_pixels,weight_bytes,map_bytes,us,"
-                              "share_of_peak,alone_us,other_plan,other_plan_us\n");
+                              "share_of_peak,alone_us,other_plan,other_plan_us,costs\n");
         } else {
             std::fprintf(stderr, "benchmark_plan: expected --networks=NAME,... or --csv=FILE, found '%.*s'\n",
                          static_cast<int>(option.size()), option.data());

@@ -24,7 +24,8 @@ namespace benchmark {
 struct layer_report {
     std::string what{};                      ///< "convolution 3 × 3, 32 filters, pool 2 × 2"
     std::string output{};                    ///< rows × columns × channels
-    std::string plan{};                      ///< "taps", "tiles", "panels"; nothing for what has only one
+    std::string plan{};                      ///< the method of a convolution and its tile
+    std::string costs{};                     ///< of all applicable methods, in twentieths of a vector product
     std::size_t multiply_adds{};             ///< on real pixels
     std::size_t weight_bytes{}, map_bytes{}; ///< of the map that it writes
     double in_network{};                     ///< seconds, where it stands, all other steps around it
@@ -93,7 +94,13 @@ struct step_walk<tactnet::residual_step<Main, Skip, Stride>> {
     return std::to_string(e.rows) + " × " + std::to_string(e.columns);
 }
 
-/// What a step says of itself.
+/// The name of a method, and its tile.
+template <class Method>
+[[nodiscard]] std::string method_text() {
+    return Method::name + (Method::tile == tactnet::extent2d(0) ? "" : " " + extent_text(Method::tile));
+}
+
+/// The description of a step.
 template <class Step>
 struct step_description {
     static constexpr bool convolves = false;
@@ -106,19 +113,13 @@ struct step_description {
 template <class Format, tactnet::kernels::frame_convolution C>
 struct step_description<tactnet::convolution_step<Format, C>> {
     using step = tactnet::convolution_step<Format, C>;
-    static constexpr bool convolves = C.groups == 1 && !step::large;
+    static constexpr bool convolves = true;
     static std::string what() {
         return "convolution " + extent_text(C.window.kernel) + ", " + std::to_string(C.filters) + " filters" +
                (C.pool == tactnet::extent2d(1) ? "" : ", pool " + extent_text(C.pool)) +
                (C.adds ? ", sum" : "");
     }
-    static std::string plan() {
-        return std::string(step::large ? "panels" : "") + (step::large && step::tiled ? ", " : "") +
-               (step::tiled                  ? "tiles " + extent_text(step::tile_outputs)
-                : step::large                ? ""
-                : step::pixels_of_vector > 1 ? std::to_string(step::pixels_of_vector) + " pixels a vector"
-                                             : "taps");
-    }
+    static std::string plan() { return method_text<typename step::method>(); }
     static constexpr std::size_t multiply_adds =
         C.window.taps_on_pixels() * C.window.input.channels / C.groups * C.filters;
 };
@@ -148,47 +149,50 @@ template <class Body>
            static_cast<double>(repeats);
 }
 
-/// A convolution by plans that were not chosen, where they are possible: the fastest one's name and seconds.
-template <class Step, tactnet::kernels::frame_convolution C = Step::kernel.ungrouped()>
-void time_other_plans(layer_report& layer, const float* in, float* out) {
+/// Costs of the applicable methods, and the fastest that was not chosen: its name and seconds.
+template <class Step>
+void time_other_methods(layer_report& layer, const float* in, float* out) {
     namespace kernels = tactnet::kernels;
+    static constexpr kernels::frame_convolution C = Step::kernel;
     const auto weight = [](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
         return 0.01f * static_cast<float>((filter * 7 + channel * 5 + row * 3 + column) % 11) - 0.05f;
     };
-    const tactnet::aligned_vector<float> bias(tactnet::whole_lines<float>(C.padded_filters()));
-    const auto keep_faster = [&](const std::string& name, double seconds) {
-        if (layer.other_plan.empty() || seconds < layer.by_other)
-            layer.other_plan = name, layer.by_other = seconds;
-    };
-    if constexpr (Step::tiled) {
-        tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(C.weights()));
-        kernels::pack_frame_weights<C>(weights.data(), weight);
-        keep_faster("taps",
-                    seconds_of([&] { kernels::convolve_frame<C>(in, weights.data(), bias.data(), out); }));
-    }
-    const auto time_tiles = [&]<std::size_t Rows, std::size_t Columns>(kernels::constant<Rows>,
-                                                                       kernels::constant<Columns>) {
-        constexpr tactnet::extent2d tile(Rows, Columns);
-        if constexpr (tile != Step::tile_outputs && kernels::tile_possible(C, tile)) {
-            using tiles = kernels::winograd_tiles<C, tile>;
-            tactnet::aligned_vector<float> weights(tactnet::whole_lines<float>(tiles::weights)),
-                memory(tiles::scratch);
-            kernels::pack_winograd_weights<C, tile>(weights.data(), weight);
-            keep_faster("tiles " + extent_text(tile), seconds_of([&] {
-                            kernels::convolve_frame_by_tiles<C, tile>(in, weights.data(), bias.data(), out,
-                                                                      memory.data());
-                        }));
+    const std::vector<float> biases(C.filters);
+    const auto time = [&]<class Method>(std::type_identity<Method>) {
+        if constexpr (!std::is_same_v<Method, typename Step::method>) {
+            tactnet::aligned_vector<float> packed(Method::packed_elements),
+                workspace(Method::workspace_elements);
+            Method::pack(weight, biases.data(), packed.data());
+            const double seconds =
+                seconds_of([&] { Method::run(packed.data(), in, out + C.map_offset, workspace.data()); });
+            if (layer.other_plan.empty() || seconds < layer.by_other)
+                layer.other_plan = method_text<Method>(), layer.by_other = seconds;
         }
     };
-    time_tiles(kernels::constant<2>{}, kernels::constant<2>{});
-    time_tiles(kernels::constant<2>{}, kernels::constant<3>{});
-    time_tiles(kernels::constant<2>{}, kernels::constant<4>{});
-    time_tiles(kernels::constant<3>{}, kernels::constant<3>{});
-    time_tiles(kernels::constant<3>{}, kernels::constant<4>{});
-    time_tiles(kernels::constant<4>{}, kernels::constant<2>{});
-    time_tiles(kernels::constant<4>{}, kernels::constant<3>{});
-    time_tiles(kernels::constant<4>{}, kernels::constant<4>{});
-    time_tiles(kernels::constant<5>{}, kernels::constant<3>{});
+    kernels::convolution_methods<C>::for_each_applicable(
+        [&]<class Method>(std::type_identity<Method> method) {
+            layer.costs += (layer.costs.empty() ? "" : ", ") + method_text<Method>() + " " +
+                           std::to_string(Method::cost);
+            if constexpr (!Step::large)
+                time(method);
+        });
+    if constexpr (!Step::large && C.groups == 1) {
+        const auto time_tile = [&]<std::size_t Rows, std::size_t Columns>(kernels::constant<Rows>,
+                                                                          kernels::constant<Columns>) {
+            constexpr tactnet::extent2d tile(Rows, Columns);
+            if constexpr (tile != kernels::best_tile(C) && kernels::tile_possible(C, tile))
+                time(std::type_identity<kernels::winograd_method<C, tile>>{});
+        };
+        time_tile(kernels::constant<2>{}, kernels::constant<2>{});
+        time_tile(kernels::constant<2>{}, kernels::constant<3>{});
+        time_tile(kernels::constant<2>{}, kernels::constant<4>{});
+        time_tile(kernels::constant<3>{}, kernels::constant<3>{});
+        time_tile(kernels::constant<3>{}, kernels::constant<4>{});
+        time_tile(kernels::constant<4>{}, kernels::constant<2>{});
+        time_tile(kernels::constant<4>{}, kernels::constant<3>{});
+        time_tile(kernels::constant<4>{}, kernels::constant<4>{});
+        time_tile(kernels::constant<5>{}, kernels::constant<3>{});
+    }
 }
 
 /// A network as after training, measured.
@@ -263,7 +267,7 @@ template <class Network>
         if constexpr (step_description<Step>::convolves) {
             std::vector<float> kept(to, to + Step::output.area() * Step::output_stride);
             layer.alone = seconds_of(run);
-            time_other_plans<Step>(layer, from, to);
+            time_other_methods<Step>(layer, from, to);
             std::copy(kept.begin(), kept.end(), to); // what the next step reads
         }
     });

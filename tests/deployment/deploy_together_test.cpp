@@ -59,7 +59,7 @@ template <kernels::frame_convolution C>
 inline constexpr bool joins_tiles<convolution_step<single_precision, C>> = [] {
     using step = convolution_step<single_precision, C>;
     using executor = batch_executor<inline_executor<4>>;
-    return step::frames_together == 4 && requires(float* numbers, const executor& four) {
+    return step::method::frames_together == 4 && requires(float* numbers, const executor& four) {
         step::run_batch(numbers, numbers, std::size_t{}, numbers, numbers, four);
     };
 }();

@@ -229,9 +229,11 @@ struct description<tactnet::residual<Main, Skip>> {
 
 /// Which convolutions of a plan are computed by tiles, in the order of their parameters.
 template <class Step>
-void append_tiled(std::type_identity<Step>, std::vector<tile_size>& list) {
-    if constexpr (requires { Step::tiled; })
-        list.push_back({Step::tile_outputs.rows, Step::tile_outputs.columns});
+void append_tiled(std::type_identity<Step>, std::vector<tile_size>&) {}
+template <class Format, tactnet::kernels::frame_convolution C>
+void append_tiled(std::type_identity<tactnet::convolution_step<Format, C>>, std::vector<tile_size>& list) {
+    constexpr tactnet::extent2d tile = tactnet::convolution_step<Format, C>::method::tile;
+    list.push_back({tile.rows, tile.columns});
 }
 template <class... Steps>
 void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<tile_size>& list);

@@ -46,7 +46,7 @@ foreach(folder IN ITEMS batch frame map rows)
 endforeach()
 set(folder_kernels/panels frame simd)
 set(folder_kernels/integer frame simd)
-set(folder_kernels simd) # headers beside the folders
+set(folder_kernels frame panels simd) # headers beside the folders, which choose among methods
 
 # Folders that nothing beside themselves includes but these: whoever simulates objects of his own does not pay for
 # the paper's 22 classes.

@@ -99,7 +99,7 @@ support::error_shares errors_of_step(std::uint64_t seed) {
                 wrong += C.map_stride > 0 ? !std::isnan(value) : value != 0;
         }
     CHECK(wrong == 0);
-    return support::shares_of(found, expected_of<C>(in.exact, numbers.folded, step::tile_outputs));
+    return support::shares_of(found, expected_of<C>(in.exact, numbers.folded, step::method::tile));
 }
 
 constexpr sliding_window over(shape input, extent2d kernel, extent2d stride = 1) {

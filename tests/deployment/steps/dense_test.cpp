@@ -40,9 +40,9 @@ TEST_CASE(
         CAPTURE(frames);
         // Not even the place of a frame more is touched.
         support::guarded_map outputs((frames - 1) * out_distance + step::output_stride, 99, NAN);
-        const detail::inline_executor<most> here{};
+        const inline_executor<most> here{};
         step::run_batch(packed.data(), inputs.data(), in_distance, outputs.data(), nullptr,
-                        batch_executor<const detail::inline_executor<most>>{here, frames});
+                        batch_executor<const inline_executor<most>>{here, frames});
         CHECK(outputs.untouched());
         std::size_t other = 0;
         for (std::size_t frame = 0; frame < frames; ++frame)

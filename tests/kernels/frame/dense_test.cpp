@@ -32,7 +32,8 @@ support::rounded_map random_map(shape size, std::size_t stride, float rest, floa
 
 /// Several frames at once, each beside itself alone: the same bits. NaN lies between their inputs.
 template <frame_dense D, std::size_t Frames>
-void check_several(const float* packed, const float* bias, std::uint64_t& state) {
+void check_several(const float* packed, std::uint64_t& state) {
+    const float* const bias = packed + direct_dense_method<D>::packed_weights;
     constexpr std::size_t in_distance = D.inputs() + 3, out_distance = D.output_stride() + 16;
     std::vector<float> inputs(Frames * in_distance, NAN), expected;
     support::guarded_map outputs((Frames - 1) * out_distance + D.output_stride(), 12345, NAN),
@@ -59,22 +60,24 @@ void compare_dense() {
     CAPTURE(D.outputs);
     std::uint64_t state = D.outputs;
     support::guarded_map input(D.inputs(), NAN, 0), output(D.output_stride(), 12345, NAN),
-        packed(D.weights(), NAN, 0), bias(D.output_stride(), NAN, 0);
+        packed(direct_dense_method<D>::packed_elements, NAN, 0);
     const support::rounded_map in = random_map(D.input, D.input_stride, 1e3f, input.data(), state);
     std::vector<double> weights(D.outputs * D.input.size());
     for (double& w : weights)
         w = static_cast<double>(support::draw(state));
     std::vector<support::rounded> biases(D.outputs);
+    std::vector<float> bias(D.outputs);
     for (std::size_t o = 0; o < D.outputs; ++o)
-        biases[o].value = static_cast<double>(bias.data()[o] = support::draw(state));
-    pack_dense_weights<D>(packed.data(), [&](std::size_t o, std::size_t channel, std::size_t pixel) {
+        biases[o].value = static_cast<double>(bias[o] = support::draw(state));
+    const auto weight = [&](std::size_t o, std::size_t channel, std::size_t pixel) {
         return static_cast<float>(weights[(o * D.input.channels + channel) * D.input.area() + pixel]);
-    });
-    multiply_frames<D>(input.data(), 0, packed.data(), bias.data(), output.data(), 0);
+    };
+    direct_dense_method<D>::pack(weight, bias.data(), packed.data());
+    direct_dense_method<D>::run(packed.data(), input.data(), output.data(), nullptr);
     CHECK(packed.untouched());
     CHECK(output.untouched());
-    check_several<D, 2>(packed.data(), bias.data(), state);
-    check_several<D, 3>(packed.data(), bias.data(), state);
+    check_several<D, 2>(packed.data(), state);
+    check_several<D, 3>(packed.data(), state);
     const support::rounded_map expected = support::bounded_convolution(
         {{D.input.channels, D.input.rows, D.input.columns}, D.input.rows, D.input.columns, 1, 1, 0, 0, 0, 0},
         D.outputs, weights, biases, in, nullptr, {});

@@ -57,25 +57,17 @@ void compare(std::uint64_t seed) {
         return static_cast<float>(
             weights[((f * channels + c) * C.window.kernel.rows + row) * C.window.kernel.columns + column]);
     };
-    // Zeros at first where there is no filter, as `pack` asks.
-    tactnet::aligned_vector<float> bias(C.output_stride());
-    for (std::size_t f = 0; f < C.filters; ++f)
-        bias[f] = static_cast<float>(biases[f].value);
-    if constexpr (Tile != extent2d(0)) {
-        using tiles = winograd_tiles<C, Tile>;
-        static_assert(tile_possible(C, Tile));
-        support::guarded_map packed(tiles::weights, 4321, 0), scratch(tiles::scratch, 54321, NAN);
-        pack_winograd_weights<C, Tile>(packed.data(), weight);
-        convolve_frame_by_tiles<C, Tile>(input.data(), packed.data(), bias.data(), output.data(),
-                                         scratch.data());
-        CHECK(packed.untouched());
-        CHECK(scratch.untouched());
-    } else {
-        support::guarded_map packed(C.weights(), 4321, 0);
-        pack_frame_weights<C>(packed.data(), weight);
-        convolve_frame<C>(input.data(), packed.data(), bias.data(), output.data());
-        CHECK(packed.untouched());
-    }
+    std::vector<float> bias;
+    for (const support::rounded& b : biases)
+        bias.push_back(static_cast<float>(b.value));
+    using method = std::conditional_t<Tile == extent2d(0), direct_method<C>, winograd_method<C, Tile>>;
+    static_assert(method::applicable && method::tile == Tile);
+    support::guarded_map packed(method::packed_elements, 4321, 0),
+        workspace(method::workspace_elements, 54321, NAN);
+    method::pack(weight, bias.data(), packed.data());
+    method::run(packed.data(), input.data(), output.data(), workspace.data());
+    CHECK(packed.untouched());
+    CHECK(workspace.untouched());
     CHECK(output.untouched());
 
     const sliding_window& w = C.window;
@@ -153,7 +145,7 @@ void run_all() {
 
 } // namespace
 
-TEST_CASE("convolution: by taps: sizes, strides and paddings") {
+TEST_CASE("direct_method: sizes, strides and paddings") {
     run_all<job<step({28, 50}, 5, 8, 1)>,                                    //
             job<step({1, 1}, 3, 1, 1)>,                                      //
             job<step({1, 9, 3}, 3, 5, 3)>,                                   //
@@ -166,7 +158,7 @@ TEST_CASE("convolution: by taps: sizes, strides and paddings") {
             job<step({4, 5, 16}, 1, 64, 16)>>();
 }
 
-TEST_CASE("convolution: by taps: pools, ReLU and sums") {
+TEST_CASE("direct_method: pools, ReLU and sums") {
     run_all<job<pooled(step({7, 13}, 5, 8, 1), 2)>,                       //
             job<pooled(step({7, 13, 2}, 3, 12, 16), 2, true)>,            //
             job<pooled(step({8, 11, 3}, 3, 5, 3), extent2d(3, 2))>,       //
@@ -175,7 +167,7 @@ TEST_CASE("convolution: by taps: pools, ReLU and sums") {
             job<adding(step({3, 9, 4}, 1, 3, 4, 2), false)>>();
 }
 
-TEST_CASE("convolution: by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddings") {
+TEST_CASE("winograd_method: 3 x 3 and 2 x 2 kernels, odd sizes, paddings") {
     run_all<job<step({14, 25, 8}, 3, 16, 8), 2>,                    //
             job<step({7, 13, 16}, 2, 32, 16), 2>,                   //
             job<step({1, 1, 4}, 3, 4, 4), 2>,                       //
@@ -186,7 +178,7 @@ TEST_CASE("convolution: by tiles: 3 x 3 and 2 x 2 kernels, odd sizes, paddings")
             job<step({6, 7, 4}, 3, 12, 4, 1, pad(2, 0, 1, 2)), 2>>();
 }
 
-TEST_CASE("convolution: by tiles: pools, ReLU and sums") {
+TEST_CASE("winograd_method: pools, ReLU and sums") {
     run_all<job<pooled(step({7, 13, 16}, 3, 32, 16), 2), 2>,    //
             job<pooled(step({7, 13, 8}, 3, 5, 8), 2, true), 2>, //
             job<pooled(step({5, 9, 12}, 2, 20, 16), 2), 2>,     //
@@ -194,7 +186,7 @@ TEST_CASE("convolution: by tiles: pools, ReLU and sums") {
             job<adding(step({4, 5, 4}, 2, 12, 4), false), 2>>();
 }
 
-TEST_CASE("convolution: by tiles: larger ones, and those that are no squares") {
+TEST_CASE("winograd_method: larger ones, and those that are no squares") {
     run_all<job<step({6, 9, 8}, 3, 20, 8), extent2d(2, 4)>,                   //
             job<step({6, 9, 8}, 3, 20, 8), extent2d(3, 4)>,                   //
             job<step({7, 3, 8}, 3, 8, 8), extent2d(4, 3)>,                    //
@@ -204,30 +196,4 @@ TEST_CASE("convolution: by tiles: larger ones, and those that are no squares") {
             job<pooled(step({7, 10, 5}, 3, 8, 16), 2), extent2d(4)>,          //
             job<pooled(step({7, 13, 5}, 2, 8, 16), 2, true), extent2d(2, 4)>, //
             job<adding(step({3, 5, 12}, 3, 64, 16), true), extent2d(3)>>();
-}
-
-TEST_CASE("convolution: by tiles: chosen where they save, and large ones for wide vectors alone") {
-    constexpr bool wide = lanes<float> >= 8;
-    // A few pixels or channels are taps; a wide map of many channels is tiles.
-    CHECK(best_tile(step({1, 2, 64}, 3, 128, 64)) == extent2d(0));
-    CHECK(best_tile(step({28, 50}, 5, 8, 1)) == extent2d(0));
-    CHECK(best_tile(step({28, 50, 8}, 3, 16, 8, 2)) == extent2d(0));
-    const extent2d large = best_tile(step({10, 18, 32}, 3, 64, 32));
-    CHECK(large == (wide ? extent2d(4, 3) : extent2d(2)));
-    CHECK(best_tile(step({10, 18, 64}, 2, 128, 64)) == (wide ? extent2d(5, 3) : extent2d(2)));
-    // Transforms with points at roots cost more, so that here two rows are better than four.
-    constexpr bool widest = lanes<float> == 16;
-    CHECK(best_tile(pooled(step({14, 25, 8}, 3, 16, 8), 2)) == (widest ? extent2d(2, 4)
-                                                                : wide ? extent2d(4)
-                                                                       : extent2d(2)));
-    // Four tiles that share a weight are enough for a register block.
-    if (widest)
-        CHECK(best_tile(pooled(step({4, 7, 8}, 3, 16, 8), 2)) == extent2d(2, 4));
-    // Weights beyond the second level: fewer of them, though more tiles.
-    CHECK(best_tile(step({6, 12, 128}, 3, 128, 128)) == (wide ? extent2d(2, 4) : extent2d(2)));
-    CHECK_FALSE(tile_possible(step({6, 12, 128}, 3, 128, 128), {1, 3}));
-    // A window of a pool lies in one tile.
-    const extent2d behind = best_tile(pooled(step({7, 13, 64}, 2, 128, 64), 2));
-    CHECK(behind.rows % 2 == 0);
-    CHECK(behind.columns % 2 == 0);
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <support/guarded_map.hpp>
+#include <type_traits>
+#include <vector>
 
 using namespace tactnet;
 using namespace tactnet::kernels;
@@ -28,14 +30,13 @@ constexpr frame_convolution pooled(frame_convolution c, extent2d pool) {
     return c;
 }
 
-/// Both kernels over the same numbers: how many outputs have other bits. NaN lies around all that they may
-/// touch, and in the scratch memory.
+/// Runs both methods on the same numbers and returns how many outputs have other bits. NaN lies around all
+/// that they may touch, and in the workspace.
 template <frame_convolution C>
 std::size_t other_bits(std::uint64_t seed) {
     CAPTURE(C.window.input.rows);
     CAPTURE(C.window.input.columns);
     CAPTURE(C.filters);
-    using plan = packed_pixels<C>;
     const auto weight = [](std::size_t f, std::size_t, std::size_t row, std::size_t column) {
         return static_cast<float>(std::sin(static_cast<double>(1 + f * 31 + row * 7 + column)));
     };
@@ -46,19 +47,20 @@ std::size_t other_bits(std::uint64_t seed) {
 
     const std::size_t outputs = C.output_rows() * C.output_columns() * C.output_stride();
     support::guarded_map expected(outputs, 1, NAN), found(outputs, 2, NAN);
-    aligned_vector<float> packed(C.weights()), biases(plan::pixels * C.padded_filters());
-    for (std::size_t lane = 0; lane < biases.size(); ++lane)
-        if (lane % C.padded_filters() < C.filters)
-            biases[lane] = 0.25f * static_cast<float>(lane % C.padded_filters()) - 1;
-    pack_frame_weights<C>(packed.data(), weight);
-    convolve_frame<C>(input.data(), packed.data(), biases.data(), expected.data());
-
-    support::guarded_map weights(plan::weights, 3, 0), scratch(plan::scratch, 4, NAN);
-    pack_pixel_weights<C>(weights.data(), weight);
-    convolve_packed_pixels<C>(input.data(), weights.data(), biases.data(), found.data(), scratch.data());
-    CHECK(weights.untouched());
-    CHECK(scratch.untouched());
-    CHECK(found.untouched());
+    std::vector<float> biases(C.filters);
+    for (std::size_t f = 0; f < C.filters; ++f)
+        biases[f] = 0.25f * static_cast<float>(f) - 1;
+    const auto run = [&]<class Method>(std::type_identity<Method>, support::guarded_map& to) {
+        support::guarded_map packed(Method::packed_elements, 3, 0),
+            workspace(Method::workspace_elements, 4, NAN);
+        Method::pack(weight, biases.data(), packed.data());
+        Method::run(packed.data(), input.data(), to.data(), workspace.data());
+        CHECK(packed.untouched());
+        CHECK(workspace.untouched());
+        CHECK(to.untouched());
+    };
+    run(std::type_identity<direct_method<C>>{}, expected);
+    run(std::type_identity<packed_pixels_method<C>>{}, found);
     std::size_t other = 0;
     for (std::size_t i = 0; i < outputs; ++i)
         other +=
@@ -68,7 +70,7 @@ std::size_t other_bits(std::uint64_t seed) {
 
 template <frame_convolution C>
 void compare(std::uint64_t seed) {
-    if constexpr (packed_pixels<C>::suits)
+    if constexpr (packed_pixels_method<C>::applicable)
         CHECK(other_bits<C>(seed) == 0);
 }
 
@@ -85,7 +87,7 @@ constexpr frame_convolution sparse = [] {
 } // namespace
 
 TEST_SUITE("kernels") {
-    TEST_CASE("packed_pixels: the bits of taps one by one, whatever the size") {
+    TEST_CASE("packed_pixels_method: the bits of direct_method, whatever the size") {
         compare<pooled(step({28, 50}, 5, filters<2>), 2)>(1); // TactNet-4 and TactNet-6
         compare<pooled(step({14, 25}, 3, filters<2>), 2)>(2); // the last pixels are single
         compare<pooled(step({7, 13}, 5, filters<2>), 2)>(3);
@@ -101,21 +103,21 @@ TEST_SUITE("kernels") {
         compare<sparse>(12);
     }
 
-    TEST_CASE("packed_pixels: only for few filters over one channel, one step at a time") {
+    TEST_CASE("packed_pixels_method: only for few filters over one channel, one step at a time") {
         constexpr std::size_t few = filters<2>;
         constexpr bool vectors_hold_two = lanes<float> >= 8;
-        CHECK(packed_pixels<step({8, 8}, 3, few)>::suits == vectors_hold_two);
-        CHECK_FALSE(packed_pixels<step({8, 8}, 3, 2 * lanes<float>)>::suits);
-        CHECK_FALSE(packed_pixels<step({8, 1}, 3, few)>::suits);
-        CHECK_FALSE(packed_pixels<pooled(step({9, 9}, 3, few), 3)>::suits);
+        CHECK(packed_pixels_method<step({8, 8}, 3, few)>::applicable == vectors_hold_two);
+        CHECK_FALSE(packed_pixels_method<step({8, 8}, 3, 2 * lanes<float>)>::applicable);
+        CHECK_FALSE(packed_pixels_method<step({8, 1}, 3, few)>::applicable);
+        CHECK_FALSE(packed_pixels_method<pooled(step({9, 9}, 3, few), 3)>::applicable);
         constexpr auto changed = [](auto change) {
             frame_convolution c = step({8, 8}, 3, few);
             change(c);
             return c;
         };
-        CHECK_FALSE(packed_pixels<changed([](auto& c) { c.adds = true; })>::suits);
-        CHECK_FALSE(packed_pixels<changed([](auto& c) { c.window.input.channels = 2; })>::suits);
-        CHECK_FALSE(packed_pixels<changed([](auto& c) { c.window.stride = 2; })>::suits);
-        CHECK_FALSE(packed_pixels<changed([](auto& c) { c.map_stride = 64; })>::suits);
+        CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.adds = true; })>::applicable);
+        CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.window.input.channels = 2; })>::applicable);
+        CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.window.stride = 2; })>::applicable);
+        CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.map_stride = 64; })>::applicable);
     }
 }

@@ -8,8 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <support/guarded_map.hpp>
+#include <vector>
 
-// Frames whose tiles make one list. What tiles compute is tested in convolution_test.cpp.
+// Frames whose tiles make one list. What tiles compute is tested in direct_test.cpp.
 
 using namespace tactnet;
 using namespace tactnet::kernels;
@@ -38,7 +39,8 @@ template <frame_convolution C, extent2d Tile, std::size_t Frames, bool EndsWithi
 std::size_t other_bits(std::uint64_t seed) {
     using together = winograd_tiles<C, Tile, Frames>;
     using alone = winograd_tiles<C, Tile>;
-    static_assert(together::weights == alone::weights && together::block_vectors == alone::block_vectors);
+    using method = winograd_method<C, Tile>;
+    static_assert(together::block_vectors == alone::block_vectors);
     static_assert(!EndsWithinFrame ||
                   (together::band < together::count && together::of_frame % together::band != 0));
     constexpr std::size_t inputs = C.window.input.area() * C.input_stride, gap = 16 * lanes<float>,
@@ -49,28 +51,29 @@ std::size_t other_bits(std::uint64_t seed) {
     for (std::size_t frame = 0; frame < Frames; ++frame)
         for (std::size_t i = 0; i < inputs; ++i)
             input.data()[frame * input_distance + i] = support::draw(state);
-    aligned_vector<float> weights(alone::weights), biases(C.padded_filters());
-    pack_winograd_weights<C, Tile>(weights.data(), [&](std::size_t f, std::size_t channel, std::size_t row,
-                                                       std::size_t column) {
-        return static_cast<float>(std::sin(static_cast<double>(f * 31 + channel * 11 + row * 3 + column)));
-    });
+    std::vector<float> biases(C.filters);
     for (std::size_t f = 0; f < C.filters; ++f)
         biases[f] = 0.125f * static_cast<float>(f) - 1;
+    aligned_vector<float> packed(method::packed_elements);
+    const auto weight = [](std::size_t f, std::size_t channel, std::size_t row, std::size_t column) {
+        return static_cast<float>(std::sin(static_cast<double>(f * 31 + channel * 11 + row * 3 + column)));
+    };
+    method::pack(weight, biases.data(), packed.data());
 
     support::guarded_map found(Frames * output_distance, 1, NAN), expected(Frames * output_distance, 1, NAN);
     for (std::size_t frame = 0; frame < Frames && C.adds; ++frame)
         for (std::size_t i = 0; i < outputs; ++i)
             found.data()[frame * output_distance + i] = expected.data()[frame * output_distance + i] =
                 support::draw(state);
-    support::guarded_map scratch(together::scratch, 2, NAN);
-    convolve_frames_by_tiles<C, Tile, Frames>(input.data(), input_distance, weights.data(), biases.data(),
-                                              found.data(), output_distance, scratch.data());
-    CHECK(scratch.untouched());
+    support::guarded_map workspace(together::workspace, 2, NAN);
+    method::template run_list<Frames>(packed.data(), input.data(), input_distance, found.data(),
+                                      output_distance, workspace.data());
+    CHECK(workspace.untouched());
     CHECK(found.untouched());
-    aligned_vector<float> own(alone::scratch);
+    aligned_vector<float> own(method::workspace_elements);
     for (std::size_t frame = 0; frame < Frames; ++frame)
-        convolve_frame_by_tiles<C, Tile>(input.data() + frame * input_distance, weights.data(), biases.data(),
-                                         expected.data() + frame * output_distance, own.data());
+        method::run(packed.data(), input.data() + frame * input_distance,
+                    expected.data() + frame * output_distance, own.data());
     std::size_t other = 0;
     for (std::size_t i = 0; i < Frames * output_distance; ++i)
         other +=
@@ -81,7 +84,7 @@ std::size_t other_bits(std::uint64_t seed) {
 } // namespace
 
 TEST_SUITE("kernels") {
-    TEST_CASE("winograd: frames together have the bits of each alone") {
+    TEST_CASE("winograd_method: frames together have the bits of each alone") {
         CHECK(other_bits<pooled(step({4, 7, 16}, 2, 32, 16)), extent2d(2), 4>(1) == 0); // few tiles a frame
         CHECK(other_bits<pooled(step({5, 9, 16}, 3, 32, 16)), extent2d(2), 3>(2) == 0);
         CHECK(other_bits<pooled(step({3, 3, 64}, 3, 64, 64)), extent2d(4), 4>(3) == 0); // one tile a frame
@@ -90,11 +93,11 @@ TEST_SUITE("kernels") {
               0); // bands that end within a frame
     }
 
-    TEST_CASE("winograd: frames pass together only where what is transformed stays near") {
+    TEST_CASE("winograd_method: frames pass together only where what is transformed stays near") {
         constexpr frame_convolution few = pooled(step({4, 7, 16}, 2, 32, 16)),
                                     many = step({10, 18, 64}, 3, 64, 64);
-        CHECK(frames_by_tiles<few, extent2d(2)> == 4);
-        CHECK(frames_by_tiles<many, extent2d(2)> == 1);
-        static_assert(winograd_tiles<few, extent2d(2), 4>::scratch * sizeof(float) <= l2_cache_bytes / 8);
+        CHECK(winograd_method<few, extent2d(2)>::frames_together == 4);
+        CHECK(winograd_method<many, extent2d(2)>::frames_together == 1);
+        static_assert(winograd_tiles<few, extent2d(2), 4>::workspace * sizeof(float) <= l2_cache_bytes / 8);
     }
 }

@@ -82,9 +82,9 @@ struct large_numbers {
         return maps;
     }
     /// Output maps as all shares of `threads` leave them, one after the other.
-    [[nodiscard]] std::vector<float> run(std::size_t threads, std::size_t scratches = 1) {
+    [[nodiscard]] std::vector<float> run(std::size_t threads, std::size_t workspaces = 1) {
         const tactnet::kernels::large_convolution plan(c);
-        guarded_map packed(plan.weights(), 4321, 0), memory(scratches * plan.scratch(), 54321, NAN),
+        guarded_map packed(plan.weights(), 4321, 0), memory(workspaces * plan.workspace(), 54321, NAN),
             bias(c.padded_filters(), NAN, 0), output(frames * output_distance, 12345, NAN);
         for (std::size_t f = 0; f < c.filters; ++f)
             bias.data()[f] = static_cast<float>(biases[f].value);
@@ -93,7 +93,7 @@ struct large_numbers {
         const std::vector<float> before = fresh_outputs();
         std::copy(before.begin(), before.end(), output.data());
         for (std::size_t thread = 0; thread < threads; ++thread)
-            convolve_large(plan, {frames, input_distance, output_distance, {thread, threads}, scratches},
+            convolve_large(plan, {frames, input_distance, output_distance, {thread, threads}, workspaces},
                            laid_inputs.data(), packed.data(), bias.data(), output.data(), memory.data());
         CHECK(packed.untouched());
         CHECK(memory.untouched());

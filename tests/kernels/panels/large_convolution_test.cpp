@@ -15,8 +15,8 @@ using support::several_lanes;
 
 namespace {
 
-frame_convolution step(shape in, extent2d kernel, std::size_t filters, extent2d stride = 1,
-                       padding around = padding::same) {
+constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters, extent2d stride = 1,
+                                 padding around = padding::same) {
     return {.window = sliding_window::over(in, kernel, stride, around),
             .filters = filters,
             .input_stride = in.channels,
@@ -25,16 +25,15 @@ frame_convolution step(shape in, extent2d kernel, std::size_t filters, extent2d 
 
 } // namespace
 
-TEST_CASE(
-    "large_convolution: taken for large from 40 000 elements of both maps on, or 256 thousand weights") {
-    using large = kernels::large_convolution;
-    CHECK(large::suits(step({13, 13, 48}, 1, 192)));
-    CHECK(large::suits(step({4, 4, 512}, 3, 512)));
-    CHECK_FALSE(large::suits(step({10, 18, 64}, 2, 128)));
-    CHECK_FALSE(large::suits(step({6, 12, 128}, 3, 128)));
-    // Filters that fill no vector are not, whatever the map.
-    if (kernels::lanes < float >> kernels::min_lanes<float>)
-        CHECK_FALSE(large::suits(step({200, 200, 3}, 3, kernels::min_lanes<float>)));
+TEST_CASE("panel_method: applicable from 40 000 elements of both maps on, or 256 thousand weights") {
+    using kernels::panel_method;
+    CHECK(panel_method<step({13, 13, 48}, 1, 192)>::applicable);
+    CHECK(panel_method<step({4, 4, 512}, 3, 512)>::applicable);
+    CHECK_FALSE(panel_method<step({10, 18, 64}, 2, 128)>::applicable);
+    CHECK_FALSE(panel_method<step({6, 12, 128}, 3, 128)>::applicable);
+    // Not for filters that do not fill a vector, whatever the map.
+    if constexpr (kernels::lanes < float >> kernels::min_lanes<float>)
+        CHECK_FALSE(panel_method<step({200, 200, 3}, 3, kernels::min_lanes<float>)>::applicable);
 }
 
 TEST_CASE("convolve_large: frames and threads leave the same bits as one frame on one thread") {
@@ -66,8 +65,8 @@ TEST_CASE("convolve_large: frames and threads leave the same bits as one frame o
                       std::span(together).subspan(frame * all.output_distance, size)) == 0);
         }
         for (const std::size_t threads : {2U, 3U, 5U, 64U})
-            for (const std::size_t scratches : {1U, 3U})
-                CHECK(support::numbers_that_differ(all.run(threads, scratches), together) == 0);
+            for (const std::size_t workspaces : {1U, 3U})
+                CHECK(support::numbers_that_differ(all.run(threads, workspaces), together) == 0);
     }
 }
 

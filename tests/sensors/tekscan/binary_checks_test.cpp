@@ -207,8 +207,7 @@ TEST_CASE("tekscan_binary_checks: warnings use no heap and are bounded") {
     CHECK(decoder.warnings().kept().size() == tactnet::decoding_warnings::capacity);
 }
 
-TEST_CASE("tekscan_binary_checks: the real recording is what they are measured on" *
-          doctest::test_suite("data")) {
+TEST_CASE("tekscan_binary_checks: the real recording is what they are measured on") {
     const auto path = support::find_data("tekscan/MySampleRecording.fsx");
     if (!path)
         return;

@@ -5,32 +5,35 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 
-// What one fused step of a deployed network computes, and how it is cut into register blocks.
+// The convolution of one frame as a compile-time description: what is computed, and how it is cut into
+// register blocks. Each method of computing it (direct.hpp, winograd.hpp, …) is a template on this
+// description; convolution_method.hpp chooses one.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// One fused step: convolution, a sum with another map or a max pool of windows side by side, ReLU.
+/// A convolution and its epilogue: a sum with another map or a max pool of windows side by side, then ReLU.
 struct frame_convolution {
     sliding_window window;
     std::size_t filters;
     std::size_t input_stride; ///< elements from one pixel of the input to the next
-    extent2d pool = 1;        ///< window and stride of the max pool behind, without padding before the image
-    std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if a pool cuts or completes windows
-    bool rectified = false;
-    bool adds = false;          ///< to the map that the output takes the place of
+    extent2d pool = 1;        ///< window and stride of the max pool, without padding before the image
+    std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if the pool cuts or completes windows
+    bool rectified = false;                          ///< whether a ReLU follows
+    bool adds = false;                               ///< whether it accumulates into the output map
     std::size_t groups = 1;     ///< filters of a group see the channels of that group only
     std::size_t map_stride = 0; ///< elements from one pixel to the next of a wider map that holds the output
-    std::size_t map_offset = 0; ///< channels of that map in front of the output
-    std::size_t map_offset_multiple = 0;   ///< of one of several groups: in place of the offset, what all of
-                                           ///< theirs are multiples of
-    std::size_t input_offset_multiple = 0; ///< the same for the first channels of their inputs
+    std::size_t map_offset = 0; ///< channels of that map before the output
+    /// For one of several groups: a common divisor of the first channels of all groups, in the output map and
+    /// in the input.
+    std::size_t map_offset_multiple = 0, input_offset_multiple = 0;
 
-    /// In a wider map vectors must begin where vectors of that width may lie, and hold no lane but the
-    /// filters'.
+    /// Lanes of a vector of filters. In a wider map, vectors are aligned and hold no lanes but those of the
+    /// filters.
     [[nodiscard]] constexpr std::size_t width() const {
         std::size_t w = lanes_for<float>(filters);
         while (w > min_lanes<float> && map_stride > 0 && !fills_vectors_of(w))
@@ -42,20 +45,20 @@ struct frame_convolution {
     [[nodiscard]] constexpr std::size_t output_stride() const {
         return map_stride > 0 ? map_stride : padded_filters();
     }
-    /// Products of one output.
+    /// Multiply-adds of one output.
     [[nodiscard]] constexpr std::size_t taps() const {
         return window.input.channels / groups * window.kernel.area();
     }
     /// Elements of the packed weights, then of the biases.
     [[nodiscard]] constexpr std::size_t weights() const { return taps() * padded_filters(); }
 
-    /// Whether the output can be written to its place in a wider map, and touches nothing else there. What
-    /// lies in lanes of the map behind its last channel is the care of whoever owns it.
+    /// Whether the output can be written to its place in a wider map, and touches nothing else there. Lanes
+    /// of the map after its last channel are the caller's responsibility.
     [[nodiscard]] constexpr bool fits_map() const {
         return map_stride == 0 ||
                (fills_vectors_of(width()) && (map_offset_multiple > 0 || map_offset + filters <= map_stride));
     }
-    /// Whether groups can be computed one by one: their filters must fill vectors, and all of them the
+    /// Whether groups can be computed one by one: the filters of a group fill vectors, and all filters the
     /// pixels.
     [[nodiscard]] constexpr bool separable_groups() const {
         return groups > 1 && (map_stride > 0 || output_stride() == filters) && one_group().fits_map();
@@ -69,7 +72,7 @@ struct frame_convolution {
         one.input_offset_multiple = one.window.input.channels;
         return one;
     }
-    /// All groups as one convolution, with zeros for what a group does not see.
+    /// All groups as one convolution, whose weights between different groups are zero.
     [[nodiscard]] constexpr frame_convolution ungrouped() const {
         frame_convolution all = *this;
         all.groups = 1;
@@ -87,7 +90,7 @@ struct frame_convolution {
     [[nodiscard]] constexpr std::size_t output_columns() const {
         return pooled_columns > 0 ? pooled_columns : window.output_columns();
     }
-    /// Pixels before pooling that count.
+    /// Rows and columns before pooling that the output depends on.
     [[nodiscard]] constexpr std::size_t rows() const {
         return std::min(window.output_rows(), output_rows() * pool.rows);
     }
@@ -95,8 +98,27 @@ struct frame_convolution {
         return std::min(window.output_columns(), output_columns() * pool.columns);
     }
 
+    /// Multiply-adds of vectors, those on padding left out.
+    [[nodiscard]] constexpr std::uint64_t vector_products() const {
+        return std::uint64_t{window.taps_on_pixels()} * (window.input.channels / groups) * vectors();
+    }
+    /// Whether both maps together or the weights exceed what near caches hold. No convolution of the networks
+    /// for tactile images does.
+    [[nodiscard]] constexpr bool exceeds_near_caches() const {
+        return window.input.size() + rows() * columns() * filters >= 40'000 ||
+               weights() >= std::size_t{256} * 1024;
+    }
+    /// Whether each pixel of the input holds whole vectors of so many lanes.
+    [[nodiscard]] constexpr bool input_in_vectors_of(std::size_t lanes_of_vector) const {
+        const std::size_t vectors_of_input = (window.input.channels + lanes_of_vector - 1) / lanes_of_vector;
+        return input_stride % lanes_of_vector == 0 && input_stride >= vectors_of_input * lanes_of_vector &&
+               input_offset_multiple % lanes_of_vector == 0;
+    }
+
     /// Vectors of output channels in a register block.
-    [[nodiscard]] constexpr std::size_t block_vectors() const { return std::min<std::size_t>(vectors(), 2); }
+    [[nodiscard]] constexpr std::size_t block_vectors() const {
+        return groups > 1 ? 1 : std::min<std::size_t>(vectors(), 2);
+    }
     [[nodiscard]] constexpr std::size_t block_rows() const {
         return pool.rows > 1 ? pool.rows : std::min<std::size_t>(rows(), 2);
     }
@@ -132,20 +154,26 @@ template <frame_convolution C, class Weight>
     };
 }
 
-/// Weights in the order of use: blocks of vectors of filters, then [channel][kernel row][kernel
-/// column][filter of the block]; zeros where there is no filter. `weight(filter, channel, row, column)`.
-template <frame_convolution C, class Weight>
-constexpr void pack_frame_weights(float* packed, Weight&& weight) {
-    const std::size_t block = C.block_vectors() * C.width();
-    for (std::size_t first = 0; first < C.padded_filters(); first += block) {
-        const std::size_t count = std::min(block, C.padded_filters() - first);
-        for (std::size_t channel = 0; channel < C.window.input.channels; ++channel)
-            for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
-                for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-                    for (std::size_t f = first; f < first + count; ++f)
-                        *packed++ = f < C.filters ? weight(f, channel, row, column) : 0.0f;
+/// What methods have unless they say otherwise. Costs are counted in twentieths of a multiply-add of a
+/// vector; their constants are rounded from times of layers (benchmark_plan) on several processors, with 16
+/// and 32 registers.
+struct frame_method {
+    static constexpr extent2d tile = 0;               ///< outputs of a Winograd tile
+    static constexpr bool large = false;              ///< whether threads share a frame, and frames a layer
+    static constexpr std::size_t frames_together = 1; ///< frames that run_frames computes in one call
+    static constexpr std::size_t workspace_elements = 0; ///< whole cache lines
+
+    static constexpr std::uint64_t product = 20; ///< the cost of a multiply-add of a vector
+    static constexpr bool wide_vectors = lanes<float> >= 8;
+    /// The same in a register block of direct taps: with 16 wide registers, it has too few sums to hide the
+    /// latency and reaches about 60 % of the peak.
+    static constexpr std::uint64_t direct_product = wide_vectors && vector_registers < 32 ? 26 : product;
+    /// Methods that read weights and maps anew for each register block wait for memory where no near cache
+    /// holds them: by so much that panels are preferred wherever they are possible.
+    static constexpr std::uint64_t waiting(const frame_convolution& c) {
+        return c.exceeds_near_caches() ? 16 : 1;
     }
-}
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

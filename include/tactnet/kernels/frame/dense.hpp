@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -7,15 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
-// Matrix times vectors for one frame or a few, for deployed networks: outputs side by side in vectors, one
-// input at a time spread over all lanes.
+// Dense layers of one frame or a few: a matrix times vectors, outputs side by side in vectors, one input at a
+// time broadcast to all lanes.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// A dense layer behind a map that lies pixel by pixel.
+/// A dense layer over a map that lies pixel by pixel, as a compile-time description.
 struct frame_dense {
     shape input;
     std::size_t input_stride; ///< elements from one pixel of the input to the next
@@ -24,7 +26,7 @@ struct frame_dense {
     /// Elements of the map, padded channels included.
     [[nodiscard]] constexpr std::size_t inputs() const { return input.area() * input_stride; }
 
-    /// The widest vectors that leave the fewest lanes empty: what counts are the weights read from memory.
+    /// The widest vectors that leave the fewest lanes empty, since the time is that of reading weights.
     [[nodiscard]] constexpr std::size_t width() const {
         std::size_t best = lanes_for<float>(outputs);
         for (std::size_t w = best; w >= min_lanes<float>; w /= 2)
@@ -36,32 +38,22 @@ struct frame_dense {
     [[nodiscard]] constexpr std::size_t output_stride() const { return vectors() * width(); }
     [[nodiscard]] constexpr std::size_t block_vectors() const { return std::min<std::size_t>(vectors(), 4); }
     [[nodiscard]] constexpr std::size_t weights() const { return inputs() * output_stride(); }
+    /// Whether there are so many weights that reading them takes longer than the products. No network for
+    /// tactile images has as many.
+    [[nodiscard]] constexpr bool exceeds_near_caches() const { return outputs * input.size() >= 1'000'000; }
 };
 
-/// Weights in the order of use: blocks of vectors of outputs, then [input][output of the block]; zeros where
-/// there is no channel or no output. `weight(output, channel, pixel)`.
-template <frame_dense D, class Weight>
-constexpr void pack_dense_weights(float* packed, Weight&& weight) {
-    const std::size_t block = D.block_vectors() * D.width();
-    for (std::size_t first = 0; first < D.output_stride(); first += block)
-        for (std::size_t input = 0; input < D.inputs(); ++input)
-            for (std::size_t o = first; o < std::min(first + block, D.output_stride()); ++o)
-                *packed++ = o < D.outputs && input % D.input_stride < D.input.channels
-                                ? weight(o, input % D.input_stride, input / D.input_stride)
-                                : 0.0f;
-}
-
-/// Partial sums of an output, since one chain of additions would wait for each of them.
+/// Partial sums of an output: one chain of additions would be bound by its latency.
 template <frame_dense D, std::size_t Vectors = D.block_vectors()>
 inline constexpr std::size_t dense_parts = std::max<std::size_t>(8 / Vectors, 1);
 
-/// Frames whose sums fit the registers, so that they share each weight that is read.
+/// Frames whose sums fit the registers together, so that they share each weight that is read.
 template <frame_dense D>
 inline constexpr std::size_t
     dense_frames = std::max<std::size_t>(max_block_sums / (dense_parts<D> * D.block_vectors()), 1);
 
-/// output = bias + weights · input, for frames whose inputs and outputs lie so many elements apart; the bits
-/// do not depend on their number.
+/// output = bias + weights · input, for frames whose inputs and outputs lie so many elements apart. The bits
+/// do not depend on the number of frames.
 template <frame_dense D, std::size_t Frames = 1>
 [[gnu::flatten]] void multiply_frames(const float* input, std::size_t input_distance, const float* weights,
                                       const float* bias, float* output, std::size_t output_distance) {
@@ -110,6 +102,45 @@ template <frame_dense D, std::size_t Frames = 1>
             }
     });
 }
+
+/// Outputs side by side in vectors.
+template <frame_dense D>
+struct direct_dense_method {
+    static constexpr const char* name = "direct";
+    static constexpr bool applicable = true, large = false;
+    static constexpr std::uint64_t cost =
+        std::uint64_t{D.inputs()} * D.vectors() * frame_method::product * (D.exceeds_near_caches() ? 16 : 1);
+    static constexpr std::size_t output_stride = D.output_stride();
+    static constexpr std::size_t packed_weights = whole_lines(D.weights());
+    static constexpr std::size_t packed_elements = packed_weights + whole_lines(output_stride);
+    static constexpr std::size_t workspace_elements = 0, frames_together = dense_frames<D>;
+
+    /// Blocks of vectors of outputs, then [input][output of the block]; zeros where there is no channel or no
+    /// output.
+    template <class Weight>
+    static constexpr void pack(const Weight& weight, const float* biases, float* to) {
+        std::copy_n(biases, D.outputs, to + packed_weights);
+        const std::size_t block = D.block_vectors() * D.width();
+        for (std::size_t first = 0; first < D.output_stride(); first += block)
+            for (std::size_t input = 0; input < D.inputs(); ++input)
+                for (std::size_t o = first; o < std::min(first + block, D.output_stride()); ++o)
+                    *to++ = o < D.outputs && input % D.input_stride < D.input.channels
+                                ? weight(o, input % D.input_stride, input / D.input_stride)
+                                : 0.0f;
+    }
+    static void run(const float* packed, const float* in, float* out, float*) noexcept {
+        multiply_frames<D>(in, 0, packed, packed + packed_weights, out, 0);
+    }
+    /// Up to `frames_together` frames, which read each weight once.
+    static void run_frames(std::size_t count, const float* packed, const float* in, std::size_t in_distance,
+                           float* out, std::size_t out_distance) noexcept {
+        unroll<frames_together>([&](auto i) {
+            if (count == i + 1)
+                multiply_frames<D, i + 1>(in, in_distance, packed, packed + packed_weights, out,
+                                          out_distance);
+        });
+    }
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

@@ -2,24 +2,27 @@
 
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
-// Convolution of one frame, for deployed networks. Maps lie pixel by pixel, the channels of a pixel side by
-// side and padded to whole vectors: a tap is then one number of the input, spread over all lanes, times
-// vectors of output channels. A block of pixels × vectors stays in registers while all taps are added, then
-// max pool and ReLU are applied to the block, so that what is pooled away is never stored.
+// Direct convolution of one frame. Maps lie pixel by pixel, the channels of a pixel side by side and padded
+// to whole vectors: a tap multiplies one number of the input, broadcast to all lanes, with vectors of
+// filters. In a depthwise convolution (depthwise.hpp) it multiplies a vector of channels with the vector of
+// their filters. A block of pixels × vectors stays in registers while all taps are added; then max pool and
+// ReLU are applied to the block, so that pooled values alone are stored.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Where a register block lies.
+/// The position of a register block.
 struct frame_block {
     std::ptrdiff_t first_pixel;      ///< of the input under its first tap; may lie before the image
-    std::size_t first_row, last_row; ///< of the rows under its taps, those that are in the image
+    std::size_t first_row, last_row; ///< the rows under its taps that are in the image
 };
 
 /// One register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of filters.
@@ -50,7 +53,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
                 sums[p][v] = start;
     }
 
-    for (std::size_t channel = 0; channel < C.window.input.channels; ++channel) {
+    for (std::size_t channel = 0; channel < C.window.input.channels / C.groups; ++channel) {
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < under_rows; ++r) {
             if (r < where.first_row || r >= where.last_row)
@@ -60,7 +63,10 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
             std::array<wide, under_columns> x;
 #pragma GCC unroll 64
             for (std::size_t c = MissingLeft; c + MissingRight < under_columns; ++c)
-                x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
+                if constexpr (C.groups > 1)
+                    x[c] = load_as<wide>(input + row + static_cast<std::ptrdiff_t>(c) * stride);
+                else
+                    x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
 #pragma GCC unroll 64
             for (std::size_t y = 0; y < Rows; ++y) {
                 const std::size_t above = y * C.window.stride.rows;
@@ -108,7 +114,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     }
 }
 
-/// How the columns of a convolution are cut into register blocks.
+/// The columns of a convolution, cut into register blocks.
 template <frame_convolution C>
 struct column_blocks {
     static constexpr std::size_t size = C.block_columns(), count = (C.columns() + size - 1) / size;
@@ -125,7 +131,7 @@ struct column_blocks {
     static constexpr bool whole(std::size_t b) {
         return columns(b) == size && missing_left(b) == 0 && missing_right(b) == 0;
     }
-    /// The blocks [first_whole, last_whole) have all columns and no padding: one piece of code for all.
+    /// The blocks [first_whole, last_whole) have all columns and no padding, and share one instantiation.
     static constexpr std::size_t first_whole = [] {
         std::size_t b = 0;
         while (b < count && !whole(b))
@@ -157,38 +163,78 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
                 .last_row =
                     std::min(under_rows, std::max(C.window.top + C.window.input.rows, first) - first)};
     };
-    const auto output_of = [&](std::size_t b) {
-        return to + b * blocks::size / C.pool.columns * C.output_stride();
+    // The vectors of a depthwise convolution are blocks of their own, next to each other in memory.
+    constexpr std::size_t vectors = C.groups > 1 ? 1 : Vectors;
+    const auto run = [&](auto columns, auto left, auto right, std::size_t b) __attribute__((always_inline)) {
+        float* const block = to + b * blocks::size / C.pool.columns * C.output_stride();
+        for (std::size_t v = 0, f = 0; v < Vectors; v += vectors, f += C.width())
+            convolve_block<C, vectors, Rows, columns, left, right>(input + f, weights + f * C.taps(),
+                                                                   bias + f, block + f, at(b));
     };
-    const auto edge = [&](auto b) {
-        convolve_block<C, Vectors, Rows, blocks::columns(b), blocks::missing_left(b),
-                       blocks::missing_right(b)>(input, weights, bias, output_of(b), at(b));
+    const auto edge = [&](auto b) __attribute__((always_inline)) {
+        run(constant<blocks::columns(b)>{}, constant<blocks::missing_left(b)>{},
+            constant<blocks::missing_right(b)>{}, b);
     };
     unroll<blocks::first_whole>(edge);
     for (std::size_t b = blocks::first_whole; b < blocks::last_whole; ++b)
-        convolve_block<C, Vectors, Rows, blocks::size, 0, 0>(input, weights, bias, output_of(b), at(b));
+        run(constant<blocks::size>{}, constant<0>{}, constant<0>{}, b);
     unroll<blocks::count - blocks::last_whole>([&](auto b) __attribute__((always_inline)) {
         edge(constant<blocks::last_whole + b>{});
     });
 }
 
-/// output = the fused step. Input and output lie pixel by pixel; weights and biases are packed, aligned to
-/// `alignment`, as is the output. With `adds`, the output holds the other term before.
+/// The convolution and its epilogue. Weights and biases are packed, aligned to `alignment`, as is the output.
+/// With `adds`, the output holds the other term of the sum before. With groups, there is one for each filter,
+/// and pixels of the input hold the channels of the filters in whole vectors.
 template <frame_convolution C>
 void convolve_frame(const float* input, const float* weights, const float* bias, float* output) {
     static_assert(!C.adds || C.pool == extent2d(1), "convolve_frame: a sum is not pooled");
-    static_assert(C.groups == 1 && C.fits_map(), "convolve_frame: the output does not fit its map");
-    blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
+    static_assert(C.fits_map(), "convolve_frame: the output does not fit its map");
+    static_assert(C.groups == 1 || (C.groups == C.filters && C.groups == C.window.input.channels),
+                  "convolve_frame: expected one group, or one for each channel");
+    constexpr std::size_t vectors_of_block = C.groups > 1 ? C.vectors() : C.block_vectors();
+    blocked<C.vectors(), vectors_of_block>([&](auto vectors, std::size_t first_vector) {
         const std::size_t first = first_vector * C.width();
-        constexpr std::size_t rows = C.block_rows();
-        for (std::size_t y = 0; y + rows <= C.rows(); y += rows)
+        blocked<C.rows(), C.block_rows()>([&](auto rows, std::size_t y) {
             convolve_rows<C, vectors, rows>(input, weights + first * C.taps(), bias + first, output + first,
                                             y);
-        if constexpr (C.rows() % rows != 0)
-            convolve_rows<C, vectors, C.rows() % rows>(input, weights + first * C.taps(), bias + first,
-                                                       output + first, C.rows() / rows * rows);
+        });
     });
 }
+
+/// Weights in the order of use: blocks of vectors of filters, then [channel of the group][kernel row][kernel
+/// column] [filter of the block]; zeros where there is no filter. `weight(filter, channel, row, column)`.
+template <frame_convolution C, class Weight>
+constexpr void pack_frame_weights(const Weight& weight, float* packed) {
+    const std::size_t block = C.block_vectors() * C.width();
+    for (std::size_t first = 0; first < C.padded_filters(); first += block) {
+        const std::size_t count = std::min(block, C.padded_filters() - first);
+        for (std::size_t channel = 0; channel < C.window.input.channels / C.groups; ++channel)
+            for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
+                for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
+                    for (std::size_t f = first; f < first + count; ++f)
+                        *packed++ = f < C.filters ? weight(f, channel, row, column) : 0.0f;
+    }
+}
+
+/// Taps one by one. Possible for every convolution that is not grouped.
+template <frame_convolution C>
+struct direct_method : frame_method {
+    static constexpr const char* name = "direct";
+    static constexpr bool applicable = C.groups == 1 && C.fits_map();
+    static constexpr std::uint64_t cost = C.vector_products() * direct_product * waiting(C);
+    static constexpr std::size_t packed_weights = whole_lines(C.weights());
+    static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
+
+    template <class Weight>
+    static constexpr void pack(const Weight& weight, const float* biases, float* to) {
+        pack_frame_weights<C>(weight, to);
+        std::copy_n(biases, C.filters, to + packed_weights);
+    }
+    static void run(const float* packed, const float* in, float* out, float*) noexcept {
+        convolve_frame<C>(in, packed, packed + packed_weights, out);
+    }
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

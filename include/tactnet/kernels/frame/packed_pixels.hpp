@@ -8,23 +8,24 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
-// Convolution of an image of one channel by few filters, the first layer of most networks: where all filters
-// fill half of a vector or less, several neighbouring pixels share one. The rows under a kernel are spread
-// before, each number as often as a pixel has lanes. A vector from anywhere in such a row then holds the
-// inputs of neighbouring pixels under one tap, each beside its filters. Sums have the order of
-// convolve_frame, and its bits, but for the sign of a sum that is zero: padding beside the image is computed.
+// Convolution of an image of one channel with few filters, the first layer of most networks: where all
+// filters fill half of a vector or less, several neighbouring pixels share one. The rows under a kernel are
+// broadcast first, each number as often as a pixel has lanes. A vector from anywhere in such a row then holds
+// the inputs of neighbouring pixels under one tap, each repeated for its filters. Sums are bit-identical with
+// those of convolve_frame, apart from the sign of zero: padding beside the image is computed.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// How a convolution is cut into vectors of several pixels.
+/// A convolution cut into vectors of several pixels. Sizes only.
 template <frame_convolution C>
 struct packed_pixels {
     /// Lanes of a pixel, and pixels of a vector.
     static constexpr std::size_t width = C.width(), pixels = std::max<std::size_t>(lanes<float> / width, 1);
-    /// Whether several pixels fit a vector, and nothing is asked that this kernel does not do.
+    /// Whether several pixels fit a vector, and the kernel below supports the rest.
     static constexpr bool suits =
         pixels > 1 &&
         C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent2d(1) &&
@@ -42,28 +43,11 @@ struct packed_pixels {
         return (vectors + blocks - 1) / blocks;
     }();
 
-    /// Rows of the input under a block, which are kept spread.
+    /// Rows of the input under a block, kept broadcast.
     static constexpr std::size_t under_rows = rows - 1 + C.window.kernel.rows;
     /// Elements of one of them.
     static constexpr std::size_t row_elements = (vectors * pixels + C.window.kernel.columns - 1) * width;
-    /// Elements of scratch memory.
-    static constexpr std::size_t scratch = whole_lines(under_rows * row_elements);
-    /// Elements of the packed weights, without biases.
-    static constexpr std::size_t weights = C.window.kernel.area() * pixels * width;
 };
-
-/// Weights as [kernel row][kernel column][pixel of a vector][filter], the same for each pixel, as biases are
-/// too. `weight(filter, channel, row, column)`.
-template <frame_convolution C, class Weight>
-constexpr void pack_pixel_weights(float* packed, Weight&& weight) {
-    using plan = packed_pixels<C>;
-    for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
-        for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-            for (std::size_t lane = 0; lane < plan::pixels * plan::width; ++lane) {
-                const std::size_t f = lane % plan::width;
-                *packed++ = f < C.filters ? weight(f, 0, row, column) : 0.0f;
-            }
-}
 
 /// Each number of a row of the image in all lanes of a pixel, with zeros where its padding is.
 template <frame_convolution C>
@@ -152,49 +136,68 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::under_row
     }
 }
 
-/// output = the fused step, as convolve_frame does it, with weights and biases packed likewise.
-/// `scratch` is aligned to `alignment`.
 template <frame_convolution C>
-void convolve_packed_pixels(const float* input, const float* weights, const float* biases, float* output,
-                            float* scratch) {
+struct packed_pixels_method : frame_method {
     using plan = packed_pixels<C>;
-    static_assert(plan::suits, "convolve_packed_pixels: there must be one channel, and room for two pixels");
-    constexpr std::size_t height = C.window.input.rows;
-    std::size_t spread = 0; // rows of the image so far
-    const auto some_rows = [&](auto rows, std::size_t y) {
-        std::array<const float*, plan::under_rows> under{};
-        for (std::size_t r = 0; r < rows - 1 + C.window.kernel.rows; ++r) {
-            if (y + r < C.window.top || y + r - C.window.top >= height)
-                continue;
-            const std::size_t row = y + r - C.window.top;
-            float* const place = scratch + row % plan::under_rows * plan::row_elements;
-            if (row >= spread) {
-                broadcast_row<C>(input + row * C.window.input.columns * C.input_stride, place);
-                spread = row + 1;
+    static constexpr const char* name = "several pixels per vector";
+    static constexpr bool applicable = plan::suits;
+    static constexpr std::uint64_t cost = C.vector_products() * product * waiting(C) / plan::pixels;
+    static constexpr std::size_t packed_weights =
+        whole_lines(C.window.kernel.area() * plan::pixels * plan::width);
+    static constexpr std::size_t packed_elements = packed_weights + whole_lines(plan::pixels * plan::width);
+    static constexpr std::size_t workspace_elements = whole_lines(plan::under_rows * plan::row_elements);
+
+    /// [kernel row][kernel column][pixel of a vector][filter], the same for each pixel, as are biases.
+    template <class Weight>
+    static constexpr void pack(const Weight& weight, const float* biases, float* to) {
+        for (std::size_t pixel = 0; pixel < plan::pixels; ++pixel)
+            std::copy_n(biases, C.filters, to + packed_weights + pixel * plan::width);
+        for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
+            for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
+                for (std::size_t lane = 0; lane < plan::pixels * plan::width; ++lane) {
+                    const std::size_t f = lane % plan::width;
+                    *to++ = f < C.filters ? weight(f, 0, row, column) : 0.0f;
+                }
+    }
+    static void run(const float* packed, const float* input, float* output, float* workspace) noexcept {
+        constexpr std::size_t height = C.window.input.rows;
+        std::size_t done = 0; // rows of the image that are broadcast
+        const auto some_rows = [&](auto rows, std::size_t y) {
+            std::array<const float*, plan::under_rows> under{};
+            for (std::size_t r = 0; r < rows - 1 + C.window.kernel.rows; ++r) {
+                if (y + r < C.window.top || y + r - C.window.top >= height)
+                    continue;
+                const std::size_t row = y + r - C.window.top;
+                float* const place = workspace + row % plan::under_rows * plan::row_elements;
+                if (row >= done) {
+                    broadcast_row<C>(input + row * C.window.input.columns * C.input_stride, place);
+                    done = row + 1;
+                }
+                under[r] = place;
             }
-            under[r] = place;
-        }
-        float* const to = output + y / C.pool.rows * C.output_columns() * plan::width;
-        blocked<plan::vectors, plan::block>([&](auto vectors, std::size_t first) {
-            const auto columns = [&](auto count) {
-                convolve_packed_block<C, rows, vectors, count>(
-                    under, weights, biases, to + first * plan::pixels / C.pool.columns * plan::width);
-            };
-            constexpr std::size_t rest = C.columns() - (plan::vectors - vectors) * plan::pixels;
-            if (first + vectors == plan::vectors)
-                columns(constant<rest>{});
-            else
-                columns(constant<vectors * plan::pixels>{});
-            for (auto& row : under)
-                if (row != nullptr)
-                    row += vectors * plan::pixels * plan::width;
-        });
-    };
-    for (std::size_t y = 0; y + plan::rows <= C.rows(); y += plan::rows)
-        some_rows(constant<plan::rows>{}, y);
-    if constexpr (C.rows() % plan::rows != 0)
-        some_rows(constant<C.rows() % plan::rows>{}, C.rows() / plan::rows * plan::rows);
-}
+            float* const to = output + y / C.pool.rows * C.output_columns() * plan::width;
+            blocked<plan::vectors, plan::block>([&](auto vectors, std::size_t first) {
+                const auto columns = [&](auto count) {
+                    convolve_packed_block<C, rows, vectors, count>(under, packed, packed + packed_weights,
+                                                                   to + first * plan::pixels /
+                                                                            C.pool.columns * plan::width);
+                };
+                constexpr std::size_t rest = C.columns() - (plan::vectors - vectors) * plan::pixels;
+                if (first + vectors == plan::vectors)
+                    columns(constant<rest>{});
+                else
+                    columns(constant<vectors * plan::pixels>{});
+                for (auto& row : under)
+                    if (row != nullptr)
+                        row += vectors * plan::pixels * plan::width;
+            });
+        };
+        for (std::size_t y = 0; y + plan::rows <= C.rows(); y += plan::rows)
+            some_rows(constant<plan::rows>{}, y);
+        if constexpr (C.rows() % plan::rows != 0)
+            some_rows(constant<C.rows() % plan::rows>{}, C.rows() / plan::rows * plan::rows);
+    }
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

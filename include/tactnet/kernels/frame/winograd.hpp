@@ -5,18 +5,19 @@
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
-// One frame or some through a convolution by tiles. winograd_tiles.hpp says what is computed, how it is cut,
-// and packs the kernels.
+// The Winograd convolution of one frame or several. winograd_tiles.hpp describes the tiles.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); what lies outside the image
-/// is zero. Frames lie `distance` elements apart.
+/// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); pixels outside the image
+/// are zero. Frames lie `distance` elements apart.
 template <frame_convolution C, extent2d Outputs, std::size_t Frames>
 [[gnu::flatten, gnu::noinline]] void transform_winograd_input(const float* input, std::size_t distance,
                                                               float* transformed, std::size_t first,
@@ -100,7 +101,7 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
         const std::size_t place = tile - frame * tiles::of_frame;
         const std::size_t top = place / tiles::columns * Outputs.rows,
                           left = place % tiles::columns * Outputs.columns;
-        // Of the image; the tile may reach beyond its end.
+        // The tile may extend past the end of the image.
         const std::size_t rows_left = C.rows() - top, columns_left = C.columns() - left;
         float* const to_tile =
             output + frame * distance +
@@ -121,7 +122,7 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
                     half[y][x] = line[y];
             }
             const wide start = load_as<wide>(bias + v * width);
-            // A window of the pool at a time; its first output decides whether there is one.
+            // One window of the pool at a time. It exists if its first output is in the image.
 #pragma GCC unroll 64
             for (std::size_t row = 0; row < Outputs.rows; row += C.pool.rows) {
                 std::array<std::array<wide, Outputs.columns>, C.pool.rows> y;
@@ -157,40 +158,94 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
     }
 }
 
-/// output = the fused step for so many frames, as convolve_frame for each; inputs and outputs of frames lie
-/// so many elements apart. `scratch` holds winograd_tiles<C, Outputs, Frames>::scratch elements. The bits of
-/// a frame do not depend on those beside it.
-template <frame_convolution C, extent2d Outputs = best_tile(C), std::size_t Frames = 1>
-void convolve_frames_by_tiles(const float* input, std::size_t input_distance, const float* weights,
-                              const float* bias, float* output, std::size_t output_distance, float* scratch) {
-    static_assert(!C.adds || C.pool == extent2d(1), "convolve_frames_by_tiles: a sum is not pooled");
-    static_assert(C.groups == 1 && C.fits_map(), "convolve_frames_by_tiles: the output does not fit its map");
-    using tiles = winograd_tiles<C, Outputs, Frames>;
-    float* const products = scratch + tiles::transformed_input;
-    blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
-        transform_winograd_input<C, Outputs, Frames>(input, input_distance, scratch, first_tile,
-                                                     first_tile + band);
-        blocked<C.vectors(), tiles::block_vectors>([&](auto vectors, std::size_t first_vector) {
-            const std::size_t first = first_vector * C.width();
-            const float* w = weights + first * tiles::elements * tiles::channels;
-            for (std::size_t e = 0; e < tiles::elements; ++e)
-                blocked<band, tiles::block>([&](auto count, std::size_t tile) {
-                    multiply_winograd_tiles<C, Outputs, vectors, count>(
-                        scratch + (e * tiles::band + tile) * tiles::input_stride,
-                        w + e * tiles::channels * vectors * C.width(),
-                        products + (e * tiles::band + tile) * vectors * C.width());
-                });
-            transform_winograd_output<C, Outputs, Frames, vectors>(
-                products, bias + first, output + first, output_distance, first_tile, first_tile + band);
-        });
-    });
-}
-/// The same for one frame.
+/// Winograd's tiles of so many outputs. Tiles of several frames may form one list: a layer with few tiles
+/// computes them before its kernels have arrived, which more tiles then share. The bits of a frame do not
+/// depend on the others.
 template <frame_convolution C, extent2d Outputs = best_tile(C)>
-void convolve_frame_by_tiles(const float* input, const float* weights, const float* bias, float* output,
-                             float* scratch) {
-    convolve_frames_by_tiles<C, Outputs>(input, 0, weights, bias, output, 0, scratch);
-}
+struct winograd_method : frame_method {
+    static constexpr const char* name = "Winograd";
+    static constexpr bool applicable = C.groups == 1 && C.fits_map() && Outputs != extent2d(0);
+    static constexpr extent2d tile = Outputs;
+    /// The least cost for which tile_costs::to_replace(another cost) is larger than the cost of the tiles.
+    static constexpr std::uint64_t cost = (cost_by_tiles(C, Outputs) * 21 / 20 + 1) * waiting(C);
+    static constexpr std::size_t packed_weights = [] {
+        return whole_lines(winograd_tiles<C, Outputs>::elements * C.window.input.channels *
+                           C.padded_filters());
+    }();
+    static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
+    static constexpr std::size_t workspace_elements = winograd_tiles<C, Outputs>::workspace;
+    /// One list of tiles only while the transformed numbers stay in the nearest levels: with an eighth of the
+    /// second level one list was faster, with more it was slower (Zen 4).
+    static constexpr std::size_t frames_together =
+        winograd_tiles<C, Outputs, 4>::workspace * sizeof(float) <= l2_cache_bytes / 8 ? 4 : 1;
+
+    /// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then
+    /// [element][channel][filter of the block].
+    template <class Weight>
+    static constexpr void pack(const Weight& weight, const float* biases, float* packed) {
+        using tiles = winograd_tiles<C, Outputs>;
+        constexpr std::size_t kernel = C.window.kernel.rows, channels = tiles::channels;
+        constexpr extent2d side = tiles::side;
+        std::copy_n(biases, C.filters, packed + packed_weights);
+        for (std::size_t first = 0; first < C.padded_filters(); first += tiles::block_stride) {
+            const std::size_t count = std::min(tiles::block_stride, C.padded_filters() - first);
+            for (std::size_t channel = 0; channel < channels; ++channel)
+                for (std::size_t f = 0; f < count && first + f < C.filters; ++f) {
+                    std::array<std::array<double, kernel>, side.rows> half{};
+                    for (std::size_t column = 0; column < kernel; ++column) {
+                        std::array<double, kernel> g{};
+                        for (std::size_t row = 0; row < kernel; ++row)
+                            g[row] = static_cast<double>(weight(first + f, channel, row, column));
+                        const std::array<double, side.rows> line = detail::tile_kernel_line<side.rows>(g);
+                        for (std::size_t row = 0; row < side.rows; ++row)
+                            half[row][column] = line[row];
+                    }
+                    std::size_t place = channel * count + f;
+                    for (const std::array<double, kernel>& row : half)
+                        for (const double element : detail::tile_kernel_line<side.columns>(row)) {
+                            packed[place] = static_cast<float>(element);
+                            place += channels * count;
+                        }
+                }
+            packed += tiles::elements * channels * count;
+        }
+    }
+    static void run(const float* packed, const float* in, float* out, float* workspace) noexcept {
+        run_list<1>(packed, in, 0, out, 0, workspace);
+    }
+    static void run_frames(const float* packed, const float* in, std::size_t in_distance, float* out,
+                           std::size_t out_distance, float* workspace) noexcept {
+        run_list<frames_together>(packed, in, in_distance, out, out_distance, workspace);
+    }
+    /// The tiles of so many frames as one list. Inputs and outputs of frames lie so many elements apart, and
+    /// the workspace is that of as many frames.
+    template <std::size_t Frames>
+    static void run_list(const float* packed, const float* input, std::size_t input_distance, float* output,
+                         std::size_t output_distance, float* workspace) noexcept {
+        static_assert(!C.adds || C.pool == extent2d(1), "winograd_method: a sum is not pooled");
+        using tiles = winograd_tiles<C, Outputs, Frames>;
+        static_assert(tiles::workspace <= Frames * workspace_elements);
+        const float* const bias = packed + packed_weights;
+        float* const products = workspace + tiles::transformed_input;
+        blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
+            transform_winograd_input<C, Outputs, Frames>(input, input_distance, workspace, first_tile,
+                                                         first_tile + band);
+            blocked<C.vectors(), tiles::block_vectors>([&](auto vectors, std::size_t first_vector) {
+                const std::size_t first = first_vector * C.width();
+                const float* w = packed + first * tiles::elements * tiles::channels;
+                for (std::size_t e = 0; e < tiles::elements; ++e)
+                    blocked<band, tiles::block>([&](auto count, std::size_t place) {
+                        multiply_winograd_tiles<C, Outputs, vectors, count>(
+                            workspace + (e * tiles::band + place) * tiles::input_stride,
+                            w + e * tiles::channels * vectors * C.width(),
+                            products + (e * tiles::band + place) * vectors * C.width());
+                    });
+                transform_winograd_output<C, Outputs, Frames, vectors>(
+                    products, bias + first, output + first, output_distance, first_tile, first_tile + band);
+            });
+        });
+    }
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

@@ -1,50 +1,147 @@
 #pragma once
 
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/frame/tile_choice.hpp>
+#include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
-// Winograd's convolutions of one frame in two dimensions (simd/tile_lines.hpp has their lines), for deployed
-// networks. A tile of 2 × 2 outputs of a kernel of 3 × 3 takes 16 products a channel instead of 36, one of 4
-// × 4 takes 36 instead of 144: input tiles and kernels are transformed, multiplied element by element (which
-// is a matrix product over the channels for each element) and transformed back. With d the input tile, g the
-// kernel, y the outputs: y = Aᵀ [(G g Gᵀ) ∘ (Bᵀ d B)] A. A tile of outputs holds whole windows of the pools
-// in these networks.
+// The tiles of Winograd convolutions of one frame: which tile is the cheapest, and how a convolution is cut
+// into tiles.
+//
+// A tile of 2 × 2 outputs of a 3 × 3 kernel takes 16 products per channel instead of 36, a tile of 4 × 4
+// takes 36 instead of 144: input tiles and kernels are transformed, multiplied element by element (a matrix
+// product over the channels for each element) and transformed back. With d the input tile, g the kernel, y
+// the outputs: y = Aᵀ [(G g Gᵀ) ∘ (Bᵀ d B)] A (simd/tile_lines.hpp). A tile of outputs holds whole windows of
+// the pool.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// How a convolution is cut into tiles of so many rows and columns of outputs, those of several frames in one
-/// list. Nothing of the packed kernels depends on the number of frames.
-template <frame_convolution C, extent2d Outputs = best_tile(C), std::size_t Frames = 1>
+/// Rows and columns of an input tile and of the transformed kernel, for a tile of so many outputs.
+[[nodiscard]] constexpr extent2d tile_side(const frame_convolution& c, extent2d outputs) {
+    return {outputs.rows + c.window.kernel.rows - 1, outputs.columns + c.window.kernel.columns - 1};
+}
+/// The number of tiles that cover the outputs.
+[[nodiscard]] constexpr std::size_t tile_count(const frame_convolution& c, extent2d outputs) {
+    return (c.rows() + outputs.rows - 1) / outputs.rows *
+           ((c.columns() + outputs.columns - 1) / outputs.columns);
+}
+/// Vectors of filters in a register block of tiles × vectors: more if few tiles would leave it empty.
+[[nodiscard]] constexpr std::size_t tile_block_vectors(const frame_convolution& c, std::size_t tiles) {
+    return tiles * 4 < max_block_sums && c.vectors() % 4 == 0 ? 4 : c.block_vectors();
+}
+/// Tiles in a register block: as many as registers allow, in blocks of nearly the same size.
+[[nodiscard]] constexpr std::size_t tiles_of_block(std::size_t tiles, std::size_t vectors) {
+    const std::size_t most = std::max<std::size_t>(max_block_sums / vectors, 1);
+    const std::size_t blocks = (tiles + most - 1) / most;
+    return (tiles + blocks - 1) / blocks;
+}
+
+/// Whether simd/tile_lines.hpp has transforms for such a tile, it holds whole windows of the pool, and the
+/// input lies in whole vectors.
+[[nodiscard]] constexpr bool tile_possible(const frame_convolution& c, extent2d outputs) {
+    const extent2d side = tile_side(c, outputs);
+    return (c.window.kernel == extent2d(3) || c.window.kernel == extent2d(2)) &&
+           c.window.stride == extent2d(1) && (c.pool == extent2d(1) || c.pool == extent2d(2)) &&
+           outputs.rows % c.pool.rows == 0 && outputs.columns % c.pool.columns == 0 &&
+           std::min(outputs.rows, outputs.columns) >= 2 && std::max(side.rows, side.columns) <= 6 &&
+           c.input_in_vectors_of(lanes_for<float>(c.window.input.channels));
+}
+/// Whether register blocks have enough sums. Blocks of few sums wait for the weights, unless four tiles share
+/// each of them.
+[[nodiscard]] constexpr bool tiles_fill_blocks(const frame_convolution& c, extent2d outputs) {
+    const std::size_t count = tile_count(c, outputs), vectors = tile_block_vectors(c, count),
+                      tiles = tiles_of_block(count, vectors);
+    return tiles >= 4 || tiles * vectors >= 8;
+}
+
+/// The costs of Winograd's tiles, in the unit of frame_method.
+struct tile_costs {
+    /// A vector of weights, which is not read more quickly than from the second level of cache, or from
+    /// memory further away if a layer has too many: with few tiles, their products wait for it.
+    static constexpr std::uint64_t near_weight = 50, far_weight = 180;
+    /// Bytes of weights that count as far. Not the configured size of the second level (caches.hpp): other
+    /// tiles round differently, and the bits of a network must not depend on it.
+    static constexpr std::size_t max_near_bytes = 512 * 1024;
+    /// The transforms, for each vector of an input tile and of products. Wide vectors hide them behind the
+    /// products but for one operation, and more for each direction with points at roots; otherwise each load,
+    /// addition and store counts.
+    static constexpr std::uint64_t input(extent2d side) {
+        return frame_method::wide_vectors ? hidden(side) : 80;
+    }
+    static constexpr std::uint64_t output(extent2d side) {
+        return frame_method::wide_vectors ? hidden(side) : 60;
+    }
+    /// A tile replaces a smaller one, or direct taps, only if it saves a twentieth of its own cost, since it
+    /// has more weights and larger errors.
+    static constexpr std::uint64_t to_replace(std::uint64_t cost) { return cost * 20 / 21; }
+
+private:
+    static constexpr std::uint64_t hidden(extent2d side) {
+        const int with_roots = (side.rows > 4 ? 1 : 0) + (side.columns > 4 ? 1 : 0);
+        return with_roots == 0 ? 20 : with_roots == 1 ? 30 : 50;
+    }
+};
+
+/// The cost of a convolution by tiles of so many outputs.
+[[nodiscard]] constexpr std::uint64_t cost_by_tiles(const frame_convolution& c, extent2d outputs) {
+    const std::size_t channels = c.window.input.channels, input_lanes = lanes_for<float>(channels),
+                      input_vectors = (channels + input_lanes - 1) / input_lanes;
+    const extent2d side = tile_side(c, outputs);
+    const std::uint64_t elements = side.area(), count = tile_count(c, outputs);
+    const bool far = elements * channels * c.padded_filters() * sizeof(float) > tile_costs::max_near_bytes;
+    const std::uint64_t of_channel =
+        std::max(frame_method::product * count, far ? tile_costs::far_weight : tile_costs::near_weight);
+    return elements *
+           (channels * c.vectors() * of_channel +
+            count * (tile_costs::input(side) * input_vectors + tile_costs::output(side) * c.vectors()));
+}
+
+/// Rows and columns of the outputs of the cheapest tile; 0 if none is possible.
+[[nodiscard]] constexpr extent2d best_tile(const frame_convolution& c) {
+    if (!tile_possible(c, 2) || !tiles_fill_blocks(c, 2))
+        return 0;
+    extent2d best = 2;
+    // Narrow vectors spend on transforms what larger tiles save.
+    std::uint64_t least = tile_costs::to_replace(cost_by_tiles(c, 2));
+    for (std::size_t rows = 2; frame_method::wide_vectors && rows <= 5; ++rows)
+        for (std::size_t columns = 2; columns <= 5; ++columns) {
+            const extent2d outputs(rows, columns);
+            if (!tile_possible(c, outputs) || !tiles_fill_blocks(c, outputs) ||
+                cost_by_tiles(c, outputs) >= least)
+                continue;
+            best = outputs;
+            least = cost_by_tiles(c, outputs);
+        }
+    return best;
+}
+
+/// A convolution cut into tiles of so many outputs, with the tiles of several frames in one list. The packed
+/// kernels do not depend on the number of frames. Sizes only.
+template <frame_convolution C, extent2d Outputs, std::size_t Frames = 1>
 struct winograd_tiles {
-    static_assert(
-        tile_possible(C, Outputs),
-        "winograd_tiles: this convolution has no such tile; best_tile gives 0 where taps take fewer "
-        "operations");
-    /// Rows and columns of an input tile, and of the transformed kernel.
+    static_assert(tile_possible(C, Outputs), "winograd_tiles: this convolution has no such tile");
     static constexpr extent2d side = tile_side(C, Outputs);
-    static constexpr std::size_t elements = side.area(); ///< of an input tile
+    static constexpr std::size_t elements = side.area(); ///< of an input tile and of a transformed kernel
     static constexpr std::size_t columns = (C.columns() + Outputs.columns - 1) / Outputs.columns;
-    static constexpr std::size_t of_frame = tile_count(C, Outputs); ///< tiles of one
+    static constexpr std::size_t of_frame = tile_count(C, Outputs); ///< tiles of one frame
     static constexpr std::size_t count = Frames * of_frame;
 
     static constexpr std::size_t channels = C.window.input.channels;
     static constexpr std::size_t input_width = lanes_for<float>(channels);
     static constexpr std::size_t input_vectors = (channels + input_width - 1) / input_width;
     static constexpr std::size_t input_stride = input_vectors * input_width;
-    /// Vectors of filters in a register block: more where there are few tiles to fill it.
     static constexpr std::size_t block_vectors = tile_block_vectors(C, of_frame);
     static constexpr std::size_t block_stride = block_vectors * C.width();
 
-    /// Tiles from the first transform to the last: as many as the first level of cache holds, where the
-    /// kernels are small enough to be read for each of these bands; else all.
+    /// Tiles of a band, which passes all transforms before the next begins: as many as the first level of
+    /// cache holds if the kernels are small enough to be read again for each band; otherwise all.
     static constexpr std::size_t band = [] {
         constexpr std::size_t of_a_tile = elements * (input_stride + block_stride) * sizeof(float);
         constexpr std::size_t most = std::max<std::size_t>(l1_map_bytes / of_a_tile, 8);
@@ -56,53 +153,11 @@ struct winograd_tiles {
     /// Tiles in a register block.
     static constexpr std::size_t block = tiles_of_block(band, block_vectors);
 
-    /// Up to a whole cache line, so that what lies behind is aligned: the products, the memory of another
-    /// frame.
+    /// Elements of workspace.
     static constexpr std::size_t transformed_input = whole_lines(elements * band * input_stride);
     static constexpr std::size_t products = whole_lines(elements * band * block_stride);
-    /// Elements of scratch memory.
-    static constexpr std::size_t scratch = transformed_input + products;
-    /// Elements of the transformed, packed kernels.
-    static constexpr std::size_t weights = elements * channels * C.padded_filters();
+    static constexpr std::size_t workspace = transformed_input + products;
 };
-
-/// Frames whose tiles make one list, where there are so many frames: few tiles are done before their kernels
-/// have come, which more of them share. Not where all that is transformed would leave the nearest levels:
-/// with an eighth of the second one list was faster, with more it was slower (Zen 4).
-template <frame_convolution C, extent2d Outputs = best_tile(C)>
-inline constexpr std::size_t
-    frames_by_tiles = winograd_tiles<C, Outputs, 4>::scratch * sizeof(float) <= l2_cache_bytes / 8 ? 4 : 1;
-
-/// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then [element][channel]
-/// [filter of the block]. `weight(filter, channel, row, column)`.
-template <frame_convolution C, extent2d Outputs = best_tile(C), class Weight>
-constexpr void pack_winograd_weights(float* packed, Weight&& weight) {
-    using tiles = winograd_tiles<C, Outputs>;
-    constexpr std::size_t kernel = C.window.kernel.rows, channels = tiles::channels;
-    constexpr extent2d side = tiles::side;
-    for (std::size_t first = 0; first < C.padded_filters(); first += tiles::block_stride) {
-        const std::size_t count = std::min(tiles::block_stride, C.padded_filters() - first);
-        for (std::size_t channel = 0; channel < channels; ++channel)
-            for (std::size_t f = 0; f < count && first + f < C.filters; ++f) {
-                std::array<std::array<double, kernel>, side.rows> half{};
-                for (std::size_t column = 0; column < kernel; ++column) {
-                    std::array<double, kernel> g{};
-                    for (std::size_t row = 0; row < kernel; ++row)
-                        g[row] = static_cast<double>(weight(first + f, channel, row, column));
-                    const std::array<double, side.rows> line = detail::tile_kernel_line<side.rows>(g);
-                    for (std::size_t row = 0; row < side.rows; ++row)
-                        half[row][column] = line[row];
-                }
-                std::size_t place = channel * count + f;
-                for (const std::array<double, kernel>& row : half)
-                    for (const double element : detail::tile_kernel_line<side.columns>(row)) {
-                        packed[place] = static_cast<float>(element);
-                        place += channels * count;
-                    }
-            }
-        packed += tiles::elements * channels * count;
-    }
-}
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

@@ -82,7 +82,7 @@ struct panel_plan {
                 (columns - 1) * w.stride.columns + w.kernel.columns};
     }
     /// Elements of memory that one thread needs.
-    [[nodiscard]] constexpr std::size_t scratch() const {
+    [[nodiscard]] constexpr std::size_t workspace() const {
         return staged ? under(band_rows, flat() ? most_pixels : band_columns).area() * stride : 0;
     }
     [[nodiscard]] constexpr std::size_t weights() const { return convolution.weights(); }
@@ -148,7 +148,7 @@ struct panel_share {
     std::size_t first_row, last_row, first_column, last_column, first_panel, last_panel;
 };
 
-/// output = bias + convolution, a sum, ReLU; no pool. `memory` holds plan.scratch() elements.
+/// output = bias + convolution, a sum, ReLU; no pool. `memory` holds plan.workspace() elements.
 inline void convolve_panels(const panel_plan& plan, const panel_share& share, const float* input,
                             const float* weights, const float* bias, float* output, float* memory) {
     const frame_convolution& c = plan.convolution;

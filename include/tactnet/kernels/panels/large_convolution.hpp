@@ -7,39 +7,31 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
-// Convolutions and dense layers whose maps or weights no near cache holds, of one frame or several, alone or
-// on several threads: by tiles where that takes fewer products, else by panels. What an output is does not
-// depend on the frames and threads.
+// Convolutions and dense layers whose maps or weights no near cache holds, of one frame or several, on one
+// thread or several: by Winograd's tiles where these take fewer products, otherwise by panels. The bits of an
+// output do not depend on the number of frames and threads.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Frames whose maps lie so many elements apart, and the share of them that one thread computes.
+/// Frames whose maps lie so many elements apart, and the share that one thread computes.
 struct large_job {
     std::size_t frames = 1, input_distance = 0, output_distance = 0;
     work_share share;
-    std::size_t scratches = 1; ///< how many times the scratch of a plan the thread's memory holds
+    std::size_t workspaces = 1; ///< how many workspaces of a plan the memory of the thread holds
 };
 
-/// How such a convolution is computed. Sizes only.
+/// The plan of such a convolution. Sizes only.
 struct large_convolution {
-    /// Elements of both maps, or weights, from which on a convolution is taken for a large one. The networks
-    /// for tactile images stay below both.
-    static constexpr std::size_t fewest_elements = 40'000, fewest_weights = 256 * 1024;
-
     tile_plan tiles;
     panel_plan panels;
 
     constexpr explicit large_convolution(const frame_convolution& c) : tiles(c), panels(c) {}
 
-    /// Whether a convolution can be computed so, and is large enough.
-    [[nodiscard]] static constexpr bool suits(const frame_convolution& c) {
-        const std::size_t elements = c.window.input.size() + c.rows() * c.columns() * c.filters;
-        return fits(c) && (elements >= fewest_elements || c.weights() >= fewest_weights);
-    }
-    /// Whole vectors of filters, and a pool only behind tiles.
+    /// Whether filters fill whole vectors, and a pool only follows tiles.
     [[nodiscard]] static constexpr bool fits(const frame_convolution& c) {
         return c.groups == 1 && c.fits_map() && c.width() == lanes<float> &&
                c.output_stride() % lanes<float> == 0 &&
@@ -50,10 +42,17 @@ struct large_convolution {
         return tiled() ? tiles.weights() : panels.weights();
     }
     /// Elements of memory for each thread or each frame, whichever are more.
-    [[nodiscard]] constexpr std::size_t scratch() const {
-        return whole_lines(tiled() ? tiles.scratch(tiles.band(tiles.count())) : panels.scratch());
+    [[nodiscard]] constexpr std::size_t workspace() const {
+        return whole_lines(tiled() ? tiles.workspace(tiles.band(tiles.count())) : panels.workspace());
     }
-    /// Into zeros. `weight(filter, channel, row, column)`.
+    /// The cost by the products that are computed, in the unit of frame_method.
+    [[nodiscard]] constexpr std::uint64_t cost() const {
+        const frame_convolution& c = tiles.convolution;
+        return frame_method::product * (tiled() ? std::uint64_t{tiles.elements()} * tiles.count() *
+                                                      c.window.input.channels * c.vectors()
+                                                : c.vector_products());
+    }
+    /// `packed` must be zero-initialised. `weight(filter, channel, row, column)`.
     template <class Weight>
     constexpr void pack(float* packed, Weight&& weight) const {
         if (tiled())
@@ -63,7 +62,8 @@ struct large_convolution {
     }
 };
 
-/// output = convolution, bias, a sum, max pool, ReLU: the share of one thread. `memory` is the thread's own.
+/// Computes the share of one thread of a convolution and its epilogue. `memory` is the workspace of that
+/// thread.
 inline void convolve_large(const large_convolution& plan, const large_job& job, const float* input,
                            const float* weights, const float* bias, float* output, float* memory) {
     const filter_panels filters(plan.tiles.convolution.padded_filters());
@@ -76,8 +76,8 @@ inline void convolve_large(const large_convolution& plan, const large_job& job, 
     const auto end = [&](std::size_t count) { return by_filters ? count : job.share.end(count); };
     if (plan.tiled()) {
         const std::size_t tiles = plan.tiles.count() * job.frames;
-        const std::size_t room = job.scratches * plan.scratch() - plan.tiles.patch();
-        const std::size_t band = std::min(plan.tiles.band(tiles), room / plan.tiles.scratch_of_tile());
+        const std::size_t room = job.workspaces * plan.workspace() - plan.tiles.patch();
+        const std::size_t band = std::min(plan.tiles.band(tiles), room / plan.tiles.workspace_of_tile());
         convolve_tiles(plan.tiles, band, {begin(tiles), end(tiles), first_panel, last_panel},
                        {job.input_distance, job.output_distance}, input, weights, bias, output, memory);
         return;
@@ -105,6 +105,33 @@ inline void convolve_large(const large_convolution& plan, const large_job& job, 
         row = last;
     }
 }
+
+/// A convolution that exceeds the near caches, by large_convolution.
+template <frame_convolution C>
+struct panel_method : frame_method {
+    static constexpr const char* name = "panels";
+    static constexpr large_convolution plan{C};
+    static constexpr bool applicable = large_convolution::fits(C) && C.exceeds_near_caches();
+    static constexpr bool large = true;
+    static constexpr extent2d tile = plan.tiles.outputs;
+    static constexpr std::uint64_t cost = plan.cost();
+    static constexpr std::size_t packed_weights = whole_lines(plan.weights());
+    static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
+    static constexpr std::size_t workspace_elements = plan.workspace();
+
+    template <class Weight>
+    static constexpr void pack(const Weight& weight, const float* biases, float* to) {
+        plan.pack(to, weight);
+        std::copy_n(biases, C.filters, to + packed_weights);
+    }
+    static void run(const float* packed, const float* in, float* out, float* workspace) noexcept {
+        run_share(packed, in, out, workspace, {});
+    }
+    static void run_share(const float* packed, const float* in, float* out, float* workspace,
+                          const large_job& job) noexcept {
+        convolve_large(plan, job, in, packed, packed + packed_weights, out, workspace);
+    }
+};
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

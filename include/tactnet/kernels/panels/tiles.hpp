@@ -76,11 +76,11 @@ struct tile_plan {
     }
     [[nodiscard]] constexpr std::size_t patch() const { return elements() * channels(); }
     /// Elements of memory that one thread needs for bands of so many tiles.
-    [[nodiscard]] constexpr std::size_t scratch(std::size_t band_tiles) const {
-        return patch() + band_tiles * scratch_of_tile();
+    [[nodiscard]] constexpr std::size_t workspace(std::size_t band_tiles) const {
+        return patch() + band_tiles * workspace_of_tile();
     }
 
-    [[nodiscard]] constexpr std::size_t scratch_of_tile() const {
+    [[nodiscard]] constexpr std::size_t workspace_of_tile() const {
         return elements() * (tile_stride() + product_stride());
     }
 
@@ -143,7 +143,7 @@ struct frame_distances {
     std::size_t input, output;
 };
 
-/// output = convolution, bias, a sum, max pool, ReLU. `memory` holds plan.scratch(band) elements.
+/// output = convolution, bias, a sum, max pool, ReLU. `memory` holds plan.workspace(band) elements.
 template <std::size_t Outputs>
 void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share& share,
                        const frame_distances& distances, const float* input, const float* weights,

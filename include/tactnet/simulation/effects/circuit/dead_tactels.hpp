@@ -18,7 +18,6 @@ struct dead_tactels {
     static constexpr stage place = stage::circuit;
     static constexpr effect_purpose purpose{1};
 
-    /// The place of a tactel.
     struct tactel {
         std::size_t row, column;
     };

@@ -1,0 +1,158 @@
+#include <tactnet/kernels/convolution_method.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <support/guarded_map.hpp>
+#include <support/layers/deployment_bound.hpp>
+#include <support/layers/window_of.hpp>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+using namespace tactnet;
+using namespace tactnet::kernels;
+
+namespace {
+
+constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters_per_channel,
+                                 std::size_t input_stride, extent2d stride = 1,
+                                 padding around = padding::same) {
+    return {.window = sliding_window::over(in, kernel, stride, around),
+            .filters = filters_per_channel * in.channels,
+            .input_stride = input_stride,
+            .groups = in.channels};
+}
+constexpr frame_convolution rectified(frame_convolution c) {
+    c.rectified = true;
+    return c;
+}
+constexpr frame_convolution adding(frame_convolution c) {
+    c.adds = true;
+    return c;
+}
+constexpr frame_convolution pooled(frame_convolution c, extent2d pool) {
+    c.pool = pool, c.rectified = true;
+    c.pooled_rows = (c.window.output_rows() + pool.rows - 1) / pool.rows;
+    c.pooled_columns = (c.window.output_columns() + pool.columns - 1) / pool.columns;
+    return c;
+}
+
+/// Runs the method on random numbers and holds every output to the bound of its error, channel by channel.
+/// Lanes after the channels hold numbers, as other steps may leave them; NaN lies around all maps.
+template <frame_convolution C>
+void compare(std::uint64_t seed) {
+    CAPTURE(seed);
+    using method = depthwise_method<C>;
+    static_assert(std::is_same_v<convolution_method<C>, method>);
+    constexpr std::size_t channels = C.groups, area = C.window.input.area(), filters = C.filters / channels,
+                          taps = C.window.kernel.area(), output_area = C.output_rows() * C.output_columns();
+    std::uint64_t state = seed;
+    std::vector<float> weights(C.filters * taps), biases(C.filters);
+    for (float& w : weights)
+        w = support::draw(state);
+    for (float& b : biases)
+        b = support::draw(state);
+    support::guarded_map input(area * C.input_stride, NAN, 1e3f),
+        output(output_area * C.output_stride(), 12345, C.adds ? 0.0f : NAN),
+        packed(method::packed_elements, 4321, 0), workspace(method::workspace_elements, 54321, NAN);
+    for (std::size_t p = 0; p < area; ++p)
+        for (std::size_t c = 0; c < channels; ++c)
+            input.data()[p * C.input_stride + c] = support::draw(state);
+    std::vector<float> added(output_area * C.filters);
+    for (std::size_t i = 0; C.adds && i < added.size(); ++i)
+        output.data()[i / C.filters * C.output_stride() + i % C.filters] = added[i] = support::draw(state);
+    method::pack(
+        [&](std::size_t f, std::size_t channel, std::size_t row, std::size_t column) {
+            CHECK(channel == 0);
+            return weights[f * taps + row * C.window.kernel.columns + column];
+        },
+        biases.data(), packed.data());
+    method::run(packed.data(), input.data(), output.data(), workspace.data());
+    CHECK(packed.untouched());
+    CHECK(workspace.untouched());
+    CHECK(output.untouched());
+
+    sliding_window window = C.window;
+    window.input.channels = 1;
+    std::size_t wrong = 0;
+    for (std::size_t f = 0; f < C.filters; ++f) {
+        support::rounded_map in(area), sum(output_area);
+        for (std::size_t p = 0; p < area; ++p)
+            in[p].value = static_cast<double>(input.data()[p * C.input_stride + f / filters]);
+        for (std::size_t p = 0; C.adds && p < output_area; ++p)
+            sum[p].value = static_cast<double>(added[p * C.filters + f]);
+        const std::vector<double> own(weights.begin() + static_cast<std::ptrdiff_t>(f * taps),
+                                      weights.begin() + static_cast<std::ptrdiff_t>((f + 1) * taps));
+        std::vector<support::rounded> bias(1);
+        bias[0].value = static_cast<double>(biases[f]);
+        support::rounded_map expected = support::bounded_convolution(support::window_of(window), 1, own, bias,
+                                                                     in, C.adds ? &sum : nullptr, {});
+        const auto beyond = [](std::size_t end, std::size_t size) { return end > size ? end - size : 0; };
+        if (C.pool != extent2d(1))
+            expected = support::bounded_max_pool(
+                {{1, window.output_rows(), window.output_columns()},
+                 C.pool.rows,
+                 C.pool.columns,
+                 C.pool.rows,
+                 C.pool.columns,
+                 0,
+                 beyond(C.output_rows() * C.pool.rows, window.output_rows()),
+                 0,
+                 beyond(C.output_columns() * C.pool.columns, window.output_columns())},
+                expected);
+        if (C.rectified)
+            expected = support::bounded_relu(std::move(expected));
+        REQUIRE(expected.size() == output_area);
+        for (std::size_t p = 0; p < output_area; ++p) {
+            const double error =
+                std::abs(static_cast<double>(output.data()[p * C.output_stride() + f]) - expected[p].value);
+            wrong += !(error <= expected[p].error && error <= 2 * expected[p].deviation);
+        }
+    }
+    CHECK(wrong == 0);
+    std::size_t unclean = 0;
+    for (std::size_t p = 0; p < output_area; ++p)
+        for (std::size_t lane = C.filters; lane < C.output_stride(); ++lane)
+            unclean += !(output.data()[p * C.output_stride() + lane] == 0);
+    CHECK(unclean == 0);
+}
+
+} // namespace
+
+TEST_CASE("depthwise_method: any number of channels, kernels and strides") {
+    compare<step({14, 25, 64}, 3, 1, 64)>(1);
+    compare<rectified(step({7, 13, 6}, 3, 1, 16))>(2);
+    compare<step({5, 4, 3}, extent2d(3, 5), 1, 16)>(3);
+    compare<rectified(step({9, 11, 33}, 3, 1, 48, 2))>(4);
+    compare<step({9, 10, 20}, extent2d(4, 1), 1, 32, extent2d(1, 3))>(5);
+    compare<step({6, 6, 17}, 3, 1, 32, 1, padding::valid)>(6);
+    compare<step({1, 2, 8}, 5, 1, 8)>(7);
+    compare<step({40, 50, 40}, 3, 1, 48)>(8);
+    compare<step({9, 30, 16}, 7, 1, 16, 1, pad(3, 0, 2, 1))>(9);
+}
+
+TEST_CASE("depthwise_method: pools, and sums") {
+    compare<pooled(step({7, 13, 24}, 3, 1, 32), 2)>(1);
+    compare<pooled(step({8, 9, 5}, 3, 1, 16), extent2d(3, 2))>(2);
+    compare<adding(step({7, 13, 24}, 3, 1, 32))>(3);
+    compare<rectified(adding(step({5, 4, 9}, 3, 1, 16)))>(4);
+}
+
+TEST_CASE("depthwise_method: pixels without gaps and several filters per channel are copied first") {
+    compare<step({5, 7, 7}, 3, 1, 7)>(1);
+    compare<step({5, 7, 13}, 3, 2, 16)>(2);
+    compare<pooled(step({6, 8, 10}, 3, 3, 10), 2)>(3);
+    compare<step({5, 7, 3}, 3, 5, 3, 2)>(4);
+}
+
+TEST_CASE("depthwise_method: as many weights as taps, one multiply-add for each") {
+    constexpr frame_convolution c = step({14, 25, 64}, 3, 1, 64);
+    CHECK(convolution_method<c>::packed_elements == 9 * 64 + 64);
+    CHECK(convolution_method<c>::workspace_elements == 0);
+    // 3 × 3 taps of 14 × 25 pixels, without those on padding.
+    CHECK(convolution_method<c>::cost == 20 * (3 * 14 - 2) * (3 * 25 - 2) * c.vectors());
+}
