@@ -61,8 +61,8 @@ public:
     explicit scene_entry(std::string name) : entry(std::move(name)) {
         for (std::size_t label = 0; label < paper_objects.size(); ++label) {
             touches_.push_back(draw_touch(label, 1, 0));
-            lay<Scene::surface>(touches_[label].shape, touches_[label].at, scene_.cell(),
-                                heights_.emplace_back().view());
+            compute_heights<Scene::surface>(touches_[label].shape, touches_[label].at, scene_.cell(),
+                                            heights_.emplace_back().view());
         }
     }
 
@@ -94,7 +94,8 @@ private:
     void run() override {
         for (std::size_t label = 0; label < paper_objects.size(); ++label) {
             const touch drawn = draw_touch(label, 1, 0);
-            lay<paper_scene::surface>(drawn.shape, drawn.at, array<28, 50>{}.pitch, heights_.view());
+            compute_heights<paper_scene::surface>(drawn.shape, drawn.at, array<28, 50>{}.pitch,
+                                                  heights_.view());
             right_ =
                 right_ && std::ranges::any_of(heights_, [](float height) { return std::isfinite(height); });
         }

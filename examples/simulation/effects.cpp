@@ -27,7 +27,7 @@ template <class Scene>
 double microseconds(Scene& scene, const std::array<touch, 2>& touches) {
     std::array<tactnet::tensor<float, Scene::surface>, 2> heights;
     for (std::size_t i = 0; i < 2; ++i)
-        lay<Scene::surface>(touches[i].shape, touches[i].at, scene.cell(), heights[i].view());
+        compute_heights<Scene::surface>(touches[i].shape, touches[i].at, scene.cell(), heights[i].view());
     typename Scene::frames frames;
     double fastest = 1e9;
     for (std::uint32_t round = 0; round < 200; ++round) {

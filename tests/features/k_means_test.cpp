@@ -36,7 +36,7 @@ double squared(std::span<const float> points, std::size_t i, std::span<const flo
 }
 
 /// What k-means says of its own result: nearest centres, and the objective.
-void check_consistent(std::span<const float> points, const clusters& found) {
+void check_consistent(std::span<const float> points, const k_means_result& found) {
     const std::size_t count = points.size() / values, centres = found.centres.size() / values;
     REQUIRE(found.nearest.size() == count);
     double objective = 0;
@@ -108,7 +108,7 @@ TEST_CASE("k_means_from: every iteration against plain loops in double") {
     const auto points = random_points(300, values, 1);
     const std::span<const float> start = std::span(points).first(7 * values);
     for (const std::size_t iterations : {0u, 1u, 2u, 5u, 30u}) {
-        const clusters found =
+        const k_means_result found =
             k_means_from<values>(points, start, {.most_iterations = iterations, .least_gain = -1}, one);
         CHECK(found.iterations == iterations);
         CHECK(!found.converged);
@@ -127,12 +127,12 @@ TEST_CASE("k_means: the objective never rises, and the end is said") {
     const auto seeds = k_means_seeds<values>(points, {.centres = 40}, one);
     double last = std::numeric_limits<double>::infinity();
     for (std::size_t iterations = 0; iterations < 20; ++iterations) {
-        const clusters found =
+        const k_means_result found =
             k_means_from<values>(points, seeds, {.most_iterations = iterations, .least_gain = -1}, one);
         CHECK(found.objective <= last * (1 + roundings));
         last = found.objective;
     }
-    const clusters whole =
+    const k_means_result whole =
         k_means<values>(points, {.centres = 40, .most_iterations = 1000, .least_gain = 0}, one);
     CHECK(whole.converged);
     CHECK(whole.iterations < 1000);
@@ -144,9 +144,9 @@ TEST_CASE("k_means: the same bits on any number of threads") {
     thread_pool one(1), three(3), five(5);
     const auto points = random_points(5000, values, 3);
     const k_means_settings settings{.centres = 60, .most_iterations = 12};
-    const clusters expected = k_means<values>(points, settings, one);
+    const k_means_result expected = k_means<values>(points, settings, one);
     for (thread_pool* threads : {&three, &five}) {
-        const clusters found = k_means<values>(points, settings, *threads);
+        const k_means_result found = k_means<values>(points, settings, *threads);
         CHECK(found.centres == expected.centres);
         CHECK(found.nearest == expected.nearest);
         CHECK(found.objective == expected.objective);
@@ -205,8 +205,9 @@ TEST_CASE("k_means_from: centres without points take those farthest from their o
     std::vector<float> start;
     for (int copy = 0; copy < 4; ++copy)
         start.insert(start.end(), points.begin(), points.begin() + values);
-    const clusters before = k_means_from<values>(points, start, {.most_iterations = 0}, one);
-    const clusters after = k_means_from<values>(points, start, {.most_iterations = 1, .least_gain = -1}, one);
+    const k_means_result before = k_means_from<values>(points, start, {.most_iterations = 0}, one);
+    const k_means_result after =
+        k_means_from<values>(points, start, {.most_iterations = 1, .least_gain = -1}, one);
     CHECK(after.objective < before.objective);
     CHECK(rows_of(after.centres, values).size() == 4);
     std::vector<double> distances(50);
@@ -228,12 +229,12 @@ TEST_CASE("k_means: fewer different points than centres") {
     for (int i = 0; i < 30; ++i)
         for (std::size_t v = 0; v < values; ++v)
             points.push_back(static_cast<float>(i % 3) * 0.1f);
-    const clusters found = k_means<values>(points, {.centres = 8}, one);
+    const k_means_result found = k_means<values>(points, {.centres = 8}, one);
     CHECK(rows_of(found.centres, values) == rows_of(points, values));
     CHECK(found.centres.size() == 3 * values);
     CHECK(found.objective == 0);
     CHECK(found.converged);
-    const clusters single = k_means<values>(std::span(points).first(values), {.centres = 8}, one);
+    const k_means_result single = k_means<values>(std::span(points).first(values), {.centres = 8}, one);
     CHECK(single.centres.size() == values);
     CHECK(single.nearest == std::vector<std::uint32_t>{0});
 }
@@ -263,7 +264,7 @@ TEST_CASE("k_means: points far from zero have the nearest centre all the same") 
     auto points = random_points(300, values, 9);
     for (std::size_t i = 0; i < points.size(); ++i)
         points[i] = 3e4f + (i / values % 3 == 0 ? 4.0f : i / values % 3 == 1 ? -4.0f : 0.0f) + points[i] / 4;
-    const clusters found = k_means<values>(points, {.centres = 3}, one);
+    const k_means_result found = k_means<values>(points, {.centres = 3}, one);
     for (std::size_t i = 3; i < 300; ++i)
         REQUIRE(found.nearest[i] == found.nearest[i % 3]);
     CHECK(found.nearest[0] != found.nearest[1]);

@@ -61,7 +61,7 @@ std::uint32_t nearest(const float* point, const float* centres, std::size_t coun
 void check_clusters(const std::string& name, float middle, float apart) {
     const std::vector<float> points = two_clusters(200, middle, apart);
     thread_pool threads(1);
-    const clusters found = k_means<values>(points, {.centres = 2}, threads);
+    const k_means_result found = k_means<values>(points, {.centres = 2}, threads);
     REQUIRE(found.centres.size() == 2 * values);
     double wrong = 0, wrong_plainly = 0;
     for (std::size_t i = 0; i < 200; ++i) {
@@ -87,12 +87,12 @@ TEST_CASE("k_means: clusters far from zero, and of any size") {
 TEST_CASE("k_means: points that are all the same, and more centres than points") {
     thread_pool threads(1);
     const std::vector<float> alike(100 * values, 0.1f);
-    const clusters one = k_means<values>(alike, {.centres = 10}, threads);
+    const k_means_result one = k_means<values>(alike, {.centres = 10}, threads);
     hold("features", "100 equal points, 10 clusters: centres", unit::absolute,
          {1, 10, static_cast<double>(one.centres.size() / values), 0});
     hold("features", "100 equal points, 10 clusters: objective", unit::absolute, {0, 0, one.objective, 0});
     const std::vector<float> few = two_clusters(3, 0, 1);
-    const clusters three = k_means<values>(few, {.centres = 50}, threads);
+    const k_means_result three = k_means<values>(few, {.centres = 50}, threads);
     hold("features", "50 clusters of 3 points: centres", unit::absolute,
          {3, 50, static_cast<double>(three.centres.size() / values), 0});
     // A mean of one number is that number.
@@ -100,7 +100,7 @@ TEST_CASE("k_means: points that are all the same, and more centres than points")
     // Two centres on one point: one is empty, and the mean of nothing is NaN.
     std::vector<float> twice(few.begin(), few.begin() + values);
     twice.insert(twice.end(), few.begin(), few.begin() + values);
-    const clusters filled = k_means_from<values>(few, twice, {.centres = 2}, threads);
+    const k_means_result filled = k_means_from<values>(few, twice, {.centres = 2}, threads);
     const float nothing = 0;
     hold("features", "a cluster without points: its centre", unit::absolute,
          {0, static_cast<double>(nothing / nothing), std::isfinite(filled.centres[values]) ? 0.0 : NAN, 0});
@@ -110,7 +110,7 @@ TEST_CASE("k_means: points that are all the same, and more centres than points")
 TEST_CASE("bag_of_words: words far from zero, descriptors that are all the same, and none") {
     const auto histogram = [](const std::vector<float>& words, std::span<const float> descriptors) {
         std::array<float, 2> counts{};
-        bag_of_words<values, 2>{words}(descriptors, counts);
+        bag_of_words<values, 2>{words}.encode(descriptors, counts);
         return counts;
     };
     for (const float middle : {0.0f, 1e4f}) {

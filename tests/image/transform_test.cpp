@@ -129,8 +129,8 @@ double pixel(const tensor<float, Shape>& image, int row, int column) {
     return static_cast<double>(image(static_cast<std::size_t>(row), static_cast<std::size_t>(column)));
 }
 /// Weights of the pixels from floor(x) − 1 on, and how fast they change at most.
-std::array<double, 4> weights_of(interpolation kind, double t) {
-    if (kind == interpolation::bilinear)
+std::array<double, 4> weights_of(interpolation_mode kind, double t) {
+    if (kind == interpolation_mode::bilinear)
         return {0, 1 - t, t, 0};
     const auto keys = [](double x) {
         return x <= 1 ? (1.5 * x - 2.5) * x * x + 1 : ((-0.5 * x + 2.5) * x - 4) * x + 2;
@@ -141,7 +141,7 @@ std::array<double, 4> weights_of(interpolation kind, double t) {
 /// A transform in double precision. An output may be off by the rounding of its sums and by what positions
 /// are off by: three roundings of numbers no larger than the image and what was added to it; weights change
 /// by no more than 1.5 a pixel.
-template <shape Shape, interpolation Interpolation, border_mode Border>
+template <shape Shape, interpolation_mode Interpolation, border_mode Border>
 void check_against_reference(const image_transform& t, const tensor<float, Shape>& image) {
     tensor<float, Shape> to;
     transform_image<Shape, Interpolation, Border>(t, image.view(), to.view());
@@ -184,10 +184,10 @@ void check_drawn(std::uint32_t count) {
     for (std::uint32_t i = 0; i < count; ++i) {
         const augmentation_ranges wild{0.5, 0.5, 6, 180, 0.5, 0.5, 0.3};
         const image_transform t = image_transform::draw(wild, random);
-        check_against_reference<Shape, interpolation::bilinear, border_mode::zero>(t, image);
-        check_against_reference<Shape, interpolation::bilinear, border_mode::edge>(t, image);
-        check_against_reference<Shape, interpolation::bicubic, border_mode::zero>(t, image);
-        check_against_reference<Shape, interpolation::bicubic, border_mode::edge>(t, image);
+        check_against_reference<Shape, interpolation_mode::bilinear, border_mode::zero>(t, image);
+        check_against_reference<Shape, interpolation_mode::bilinear, border_mode::edge>(t, image);
+        check_against_reference<Shape, interpolation_mode::bicubic, border_mode::zero>(t, image);
+        check_against_reference<Shape, interpolation_mode::bicubic, border_mode::edge>(t, image);
     }
 }
 
@@ -212,11 +212,11 @@ void check_permutation(const image_motion& motion, Where&& where) {
     const image_transform t = image_transform::of(motion);
     transform_image<Shape>(t, image.view(), to.view());
     check();
-    transform_image<Shape, interpolation::bicubic>(t, image.view(), to.view());
+    transform_image<Shape, interpolation_mode::bicubic>(t, image.view(), to.view());
     check();
-    transform_image<Shape, interpolation::bilinear, border_mode::edge>(t, image.view(), to.view());
+    transform_image<Shape, interpolation_mode::bilinear, border_mode::edge>(t, image.view(), to.view());
     check();
-    transform_image<Shape, interpolation::bicubic, border_mode::edge>(t, image.view(), to.view());
+    transform_image<Shape, interpolation_mode::bicubic, border_mode::edge>(t, image.view(), to.view());
     check();
 }
 template <shape Shape>
@@ -271,7 +271,7 @@ TEST_CASE("transform_image: the edge goes on where the image does not") {
     tensor<float, shape{3, 4}> image, to;
     for (std::size_t e = 0; e < image.size(); ++e)
         image.data()[e] = static_cast<float>(e + 1);
-    transform_image<shape{3, 4}, interpolation::bicubic, border_mode::edge>(
+    transform_image<shape{3, 4}, interpolation_mode::bicubic, border_mode::edge>(
         {.row_shift = -40, .column_shift = 40}, image.view(), to.view());
     CHECK(std::all_of(to.begin(), to.end(), [](float v) { return v == 4; }));
 }
@@ -321,9 +321,10 @@ TEST_CASE("transform_image: an erased part has no contact, in every channel; all
         value = static_cast<float>(random.uniform(1, 255));
     const auto erase = [&](image_part part) {
         image_transform t = image_transform::of({.rotation = 7, .pressure = 1.25});
-        transform_image<small, interpolation::bilinear, border_mode::edge>(t, image.view(), without.view());
+        transform_image<small, interpolation_mode::bilinear, border_mode::edge>(t, image.view(),
+                                                                                without.view());
         t.erased = part;
-        transform_image<small, interpolation::bilinear, border_mode::edge>(t, image.view(), with.view());
+        transform_image<small, interpolation_mode::bilinear, border_mode::edge>(t, image.view(), with.view());
         std::size_t zeros = 0, changed = 0;
         for (std::size_t channel = 0; channel < small.channels; ++channel)
             for (std::size_t y = 0; y < small.rows; ++y)

@@ -68,7 +68,7 @@ TEST_CASE("scene: one that goes on with another sensor is one of that sensor") {
         scene<array<8, 12>, contact<winkler>, elastic_pad, gain_map, hysteresis, noise, dead_tactels>;
     const object ball{{rod::sphere({1e-3, 2e-3}, 0.02)}, {}};
     tactnet::tensor<float, faulty::surface> heights;
-    lay<faulty::surface>(ball, {}, 1.9e-3, heights.view());
+    compute_heights<faulty::surface>(ball, {}, 1.9e-3, heights.view());
     const auto frame = [&](faulty& scene) {
         faulty::frames result;
         scene.touch(heights, pressing::to_force(2), {.frame = 3}, result);

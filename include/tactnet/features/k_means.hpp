@@ -38,7 +38,7 @@ struct k_means_settings {
 };
 
 /// The result of k-means.
-struct clusters {
+struct k_means_result {
     aligned_vector<float> centres;      ///< contiguous
     std::vector<std::uint32_t> nearest; ///< the centre of each point
     double objective = 0;               ///< sum of squared distances of the points to their centres
@@ -76,7 +76,7 @@ public:
         return std::move(result_.centres);
     }
     /// Runs Lloyd's algorithm from these centres.
-    [[nodiscard]] clusters improve(aligned_vector<float> centres) && {
+    [[nodiscard]] k_means_result improve(aligned_vector<float> centres) && {
         result_.centres = std::move(centres);
         result_.nearest.resize(count_);
         move_near_zero();
@@ -209,7 +209,7 @@ private:
     std::vector<double> distances_, block_sums_;
     std::vector<double> origin_;  ///< the mean that the search subtracts, or empty
     aligned_vector<float> moved_; ///< the points minus the mean, or empty
-    clusters result_;
+    k_means_result result_;
 };
 
 } // namespace detail
@@ -230,14 +230,14 @@ template <std::size_t Values>
 
 /// Runs Lloyd's algorithm from any number of centres. Throws std::invalid_argument as k_means does.
 template <std::size_t Values>
-[[nodiscard]] clusters k_means_from(std::span<const float> points, std::span<const float> centres,
-                                    const k_means_settings& settings, thread_pool& threads) {
+[[nodiscard]] k_means_result k_means_from(std::span<const float> points, std::span<const float> centres,
+                                          const k_means_settings& settings, thread_pool& threads) {
     detail::check_points("k_means", points, Values);
     detail::check_points("k_means: centres", centres, Values);
     constexpr std::size_t whole = kernels::padded_size<float>(Values);
     const aligned_vector<float> padded = detail::rows_of_length(whole, points, Values);
-    clusters result = detail::k_means_run<whole>(padded, settings, threads)
-                          .improve(detail::rows_of_length(whole, centres, Values));
+    k_means_result result = detail::k_means_run<whole>(padded, settings, threads)
+                                .improve(detail::rows_of_length(whole, centres, Values));
     result.centres = detail::rows_of_length(Values, result.centres, whole);
     return result;
 }
@@ -246,8 +246,8 @@ template <std::size_t Values>
 /// centres than asked for if there are fewer different points. Throws std::invalid_argument if there are no
 /// points or centres, or if a number is NaN, infinite or beyond 10¹⁷.
 template <std::size_t Values>
-[[nodiscard]] clusters k_means(std::span<const float> points, const k_means_settings& settings,
-                               thread_pool& threads) {
+[[nodiscard]] k_means_result k_means(std::span<const float> points, const k_means_settings& settings,
+                                     thread_pool& threads) {
     return k_means_from<Values>(points, k_means_seeds<Values>(points, settings, threads), settings, threads);
 }
 

@@ -105,7 +105,7 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
     if (points.empty())
         throw std::invalid_argument("dense SURF: found nothing to describe in " +
                                     std::to_string(chosen.size()) + " images: all of them are zero");
-    const clusters found = k_means<surf_values>(
+    const k_means_result found = k_means<surf_values>(
         points, {.centres = Words, .most_iterations = settings.most_iterations, .seed = settings.seed},
         threads);
     return bag_of_words<surf_values, Words>(found.centres, settings.form);

@@ -15,7 +15,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-enum class interpolation {
+enum class interpolation_mode {
     bilinear,
     bicubic ///< Keys' cubic with a = −½
 };
@@ -65,13 +65,13 @@ void erase_part(const image_part& part, float* channel) {
             std::fill_n(channel + y * Shape.columns + left, right - left, 0.0f);
 }
 
-template <shape Shape, interpolation Interpolation, border_mode Border, class Count>
+template <shape Shape, interpolation_mode Interpolation, border_mode Border, class Count>
 void transform_image(const image_transform& t, const Count* from, float* to) {
     static_assert(Shape.size() > 0,
                   "transform_image: there must be at least one row, one column and one channel");
     if constexpr (Shape.size() > 0) { // avoids further errors
         using sampling = kernels::affine_sampling<Shape.rows, Shape.columns,
-                                                  Interpolation == interpolation::bilinear ? 2 : 4>;
+                                                  Interpolation == interpolation_mode::bilinear ? 2 : 4>;
         constexpr double middle_row = static_cast<double>(Shape.rows - 1) / 2,
                          middle_column = static_cast<double>(Shape.columns - 1) / 2;
         const kernels::affine_positions positions{t.row_shift + middle_row, t.row_by_row,
@@ -93,14 +93,14 @@ void transform_image(const image_transform& t, const Count* from, float* to) {
 /// Transforms all channels of an image. Positions are in single precision: within 10⁻⁵ of a pixel for images
 /// of up to 64 pixels. Pixel-aligned transforms are bit-exact: identity, reflections, translations by whole
 /// pixels, half turns, and quarter turns of squares. NaN and infinity reach the outputs that weigh them.
-template <shape Shape, interpolation Interpolation = interpolation::bilinear,
+template <shape Shape, interpolation_mode Interpolation = interpolation_mode::bilinear,
           border_mode Border = border_mode::zero>
 void transform_image(const image_transform& t, std::span<const std::uint8_t, Shape.size()> from,
                      tensor_view<float, Shape> to) {
     detail::transform_image<Shape, Interpolation, Border>(t, from.data(), to.data());
 }
 /// Transforms an image of floats. `from` and `to` may be the same.
-template <shape Shape, interpolation Interpolation = interpolation::bilinear,
+template <shape Shape, interpolation_mode Interpolation = interpolation_mode::bilinear,
           border_mode Border = border_mode::zero>
 void transform_image(const image_transform& t, tensor_view<const float, Shape> from,
                      tensor_view<float, Shape> to) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/file_error.hpp>
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/sensors/warning.hpp>
 
@@ -52,7 +53,7 @@ struct decoding_error {
     }
     /// The error as a sentence: "file: byte 812, line 31, frame 1: expected …, found …".
     [[nodiscard]] std::string message(const std::string& file = {}) const {
-        return detail::sentence_text(file, place(), expected, outcome());
+        return error_sentence(file, place(), expected, outcome());
     }
 };
 

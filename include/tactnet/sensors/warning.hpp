@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/io/file_error.hpp>
 #include <tactnet/text/numbers.hpp>
 
 #include <algorithm>
@@ -27,15 +28,6 @@ namespace detail {
 [[nodiscard]] inline std::string place_text(std::size_t byte, std::size_t line, std::uint64_t frame) {
     return "byte " + std::to_string(byte) + (line > 0 ? ", line " + std::to_string(line) : "") +
            (frame > 0 ? ", frame " + std::to_string(frame) : "");
-}
-
-/// The sentence of every error about a file: "file: place: expected …, found …"; a file without name is left
-/// out.
-[[nodiscard]] inline std::string sentence_text(const std::string& file, const std::string& place,
-                                               std::string_view expected, std::string_view found) {
-    std::string text = file;
-    (file.empty() ? text : text += ": ") += place;
-    return text.append(": expected ").append(expected).append(", found ").append(found);
 }
 
 } // namespace detail
@@ -88,7 +80,7 @@ struct decoding_warning {
     [[nodiscard]] std::string place() const { return detail::place_text(byte, line, frame); }
     /// The warning as a sentence: "file: place: expected …, found …".
     [[nodiscard]] std::string message(const std::string& file = {}) const {
-        return detail::sentence_text(file, place(), expected.view(), found.view());
+        return error_sentence(file, place(), expected.view(), found.view());
     }
     friend bool operator==(const decoding_warning&, const decoding_warning&) = default;
 };

@@ -322,11 +322,11 @@ TEST_CASE("contact: one tactel, and no force") {
 
 // A wire of 0.2 mm between two rows of tactels of 2 mm: the heights are those of the middles of cells, of
 // which it covers none. Cells of 0.4 mm see it from the middle of a row to half a cell beside it.
-TEST_CASE("lay: objects thinner than a tactel") {
+TEST_CASE("compute_heights: objects thinner than a tactel") {
     const object wire{.parts = {rod{{-0.005, 0}, {0.005, 0}, 1e-4, 1e-4}}};
     const auto found = [&]<shape Shape>(double of_cell, double beside) {
         tensor<float, Shape> heights;
-        lay<Shape>(wire, {.position = {0, beside}}, of_cell, heights.view());
+        compute_heights<Shape>(wire, {.position = {0, beside}}, of_cell, heights.view());
         return support::press(elastic_half_space{}, of_cell, heights, pressing::to_force(1)).report;
     };
     const auto between = found.operator()<shape{4, 6}>(2e-3, 0);

@@ -21,7 +21,7 @@ TEST_CASE("simulate: a frame is that of the heights, the pressing and the moment
     CHECK(said(result, 1) == now.seed);
     CHECK(said(result, 2) == now.frame);
     tactnet::tensor<float, watched::surface> heights;
-    lay<watched::surface>(ball.shape, ball.at, scene.cell(), heights.view());
+    compute_heights<watched::surface>(ball.shape, ball.at, scene.cell(), heights.view());
     scene.touch(heights.view(), ball.press, now, expected);
     CHECK(std::ranges::equal(result.clean, expected.clean));
     CHECK(result.contact.depth == doctest::Approx(5e-4).epsilon(1e-9).scale(0));

@@ -23,7 +23,7 @@ doctest::Approx metres(double length) {
 
 tactnet::tensor<float, size> laid(const object& body, const pose& at) {
     tactnet::tensor<float, size> heights;
-    lay<size>(body, at, cell, heights.view());
+    compute_heights<size>(body, at, cell, heights.view());
     return heights;
 }
 
@@ -61,7 +61,7 @@ TEST_CASE("object: a height map of the array's size reaches all of its tactels, 
     for (const double shift : {0.0, 1e-3, 7e-3, 0.1}) {
         object moved = map;
         std::get<relief>(moved.parts[0]).centre = {shift, -shift};
-        lay<size>(moved, {.position = {-shift, shift}}, odd_cell, heights.view());
+        compute_heights<size>(moved, {.position = {-shift, shift}}, odd_cell, heights.view());
         CHECK(std::ranges::all_of(heights, [](float height) { return height == 1e-3f; }));
     }
 }

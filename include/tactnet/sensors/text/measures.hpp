@@ -179,14 +179,14 @@ inline constexpr measure_unit time_units[] = {
 }
 
 /// A number and the unit behind it, without blanks.
-struct measure {
+struct scanned_measure {
     double number = 0;
     std::string_view unit; ///< may be empty
 };
 
 /// Parses `text` as a measure. Returns nothing if it does not start with a number, or if the number has a
 /// decimal comma or a second point.
-[[nodiscard]] inline std::optional<measure> scan_measure(std::string_view text) noexcept {
+[[nodiscard]] inline std::optional<scanned_measure> scan_measure(std::string_view text) noexcept {
     text = trimmed(text);
     const char* const end = text.data() + text.size();
     const scanned_number number = scan_number(text.data(), end);
@@ -198,7 +198,7 @@ struct measure {
     // A spreadsheet that splits lines at blanks puts a comma between number and unit.
     while (!rest.empty() && (rest.front() == ',' || detail::is_blank(rest.front())))
         rest.remove_prefix(1);
-    return measure{number.value, trimmed(rest)};
+    return scanned_measure{number.value, trimmed(rest)};
 }
 
 } // namespace TACTNET_ARCH

@@ -80,7 +80,7 @@ struct touch {
 /// Computes the heights of an object over the cells of an array, whose middle is the origin. `cell` is in
 /// metres.
 template <shape Shape>
-void lay(const object& body, const pose& at, double cell, signal<Shape> heights) {
+void compute_heights(const object& body, const pose& at, double cell, signal<Shape> heights) {
     for (std::size_t row = 0; row < Shape.rows; ++row)
         for (std::size_t column = 0; column < Shape.columns; ++column) {
             const point place{(static_cast<double>(column) - (static_cast<double>(Shape.columns) - 1) / 2) *
@@ -96,7 +96,7 @@ void lay(const object& body, const pose& at, double cell, signal<Shape> heights)
 template <class Scene>
 void simulate(Scene& scene, const touch& some, const moment& now, typename Scene::frames& result) {
     tensor<float, Scene::surface> heights;
-    lay<Scene::surface>(some.shape, some.at, scene.cell(), heights.view());
+    compute_heights<Scene::surface>(some.shape, some.at, scene.cell(), heights.view());
     scene.touch(heights.view(), some.press, now, result);
 }
 
