@@ -16,6 +16,11 @@ TEST_CASE("conv2d: two groups whose channels fill vectors, stride 2") {
 TEST_CASE("conv2d: depthwise, without bias") {
     check_layer<conv2d<3, 3, 1, padding::same, conv2d_options{.groups = 3, .bias = false}>, shape{4, 5, 3}>();
 }
+TEST_CASE("conv2d: depthwise, wider than a register block, stride 2, several filters for each channel") {
+    check_layer<conv2d<3, 3, 1, padding::same, in_groups(3)>, shape{4, 13, 3}>();
+    check_layer<conv2d<3, 5, 2, padding::same, in_groups(3)>, shape{7, 6, 3}>();
+    check_layer<conv2d<4, 3, 1, padding::same, in_groups(2)>, shape{4, 5, 2}>();
+}
 TEST_CASE("conv2d: without bias") {
     using spec = conv2d<5, 3, 1, padding::valid, without_bias>;
     check_layer<spec, shape{5, 4, 3}>();
