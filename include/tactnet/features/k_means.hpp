@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/features/points.hpp>
 #include <tactnet/kernels/rows/nearest.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
@@ -68,7 +69,7 @@ public:
           settings_(settings),
           threads_(threads),
           distances_(count_, std::numeric_limits<double>::infinity()),
-          block_sums_((count_ + block - 1) / block) {}
+          block_sums_(detail::ceil_div(count_, block)) {}
 
     /// The seeds of k-means++.
     [[nodiscard]] aligned_vector<float> seeds() && {

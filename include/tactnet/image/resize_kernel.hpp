@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/detail/round_up.hpp>
 
 #include <algorithm>
 #include <array>
@@ -125,7 +126,7 @@ struct resize_taps {
 
 /// Upper bound of the taps of an output.
 [[nodiscard]] constexpr std::size_t most_taps(std::size_t from, std::size_t to) {
-    return std::min(from, (from > to ? 4 * ((from + to - 1) / to) : 4) + 2);
+    return std::min(from, (from > to ? 4 * detail::ceil_div(from, to) : 4) + 2);
 }
 
 /// Computes the taps of one output. `taps.weights` holds most_taps zeros before.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/layers/composition/fused.hpp>
 #include <tactnet/layers/softmax.hpp>
 
@@ -174,9 +175,9 @@ public:
     /// As `infer`, in front of a last softmax.
     void logits(thread_pool& threads, workspace& space, const_input in, output_type out) const {
         const std::size_t groups = in.lane_blocks(), most = threads.threads();
-        const std::size_t parts = (groups + most - 1) / most;
+        const std::size_t parts = detail::ceil_div(groups, most);
         // As equal as can be, a largest one first: the workspace then has room for all.
-        const auto begin = [&](std::size_t part) { return (groups * part + parts - 1) / parts; };
+        const auto begin = [&](std::size_t part) { return detail::ceil_div(groups * part, parts); };
         for (std::size_t part = 0; part < parts; ++part) {
             const std::size_t first = begin(part), last = begin(part + 1);
             const std::size_t count =

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/feature_rows.hpp>
@@ -131,7 +132,7 @@ private:
         check_finite(rows);
     }
     void find_values(feature_rows<Features> rows, std::span<double> values, thread_pool& threads) const {
-        const std::size_t blocks = (rows.size() + block_rows - 1) / block_rows;
+        const std::size_t blocks = detail::ceil_div(rows.size(), block_rows);
         threads.for_each(blocks, [&](std::size_t block) {
             const std::size_t first = block * block_rows, count = std::min(block_rows, rows.size() - first);
             evaluate({rows.values().subspan(first * features(), count * features()), features()},

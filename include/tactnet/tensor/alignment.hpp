@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/detail/round_up.hpp>
 
 #include <cstddef>
 
@@ -16,7 +17,7 @@ inline constexpr std::size_t alignment = 64;
 template <class Element = float>
 [[nodiscard]] constexpr std::size_t whole_lines(std::size_t count) {
     constexpr std::size_t line = alignment / sizeof(Element);
-    return (count + line - 1) / line * line;
+    return detail::round_up(count, line);
 }
 
 } // namespace TACTNET_ARCH

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
@@ -34,7 +35,7 @@ public:
 
     [[nodiscard]] constexpr T* data() const { return data_; }
     [[nodiscard]] constexpr std::size_t samples() const { return samples_; }
-    [[nodiscard]] constexpr std::size_t lane_blocks() const { return (samples_ + Lanes - 1) / Lanes; }
+    [[nodiscard]] constexpr std::size_t lane_blocks() const { return detail::ceil_div(samples_, Lanes); }
     [[nodiscard]] constexpr T* lane_block(std::size_t index) const { return data_ + index * lane_block_size; }
     /// Samples in one group: `Lanes`, or fewer in the last.
     [[nodiscard]] constexpr std::size_t samples_in(std::size_t group) const {
@@ -66,7 +67,7 @@ public:
     /// Afterwards all elements are zero. Keeps its memory when it shrinks.
     void resize(std::size_t samples) {
         samples_ = samples;
-        elements_.assign((samples + Lanes - 1) / Lanes * view_type::lane_block_size, T{});
+        elements_.assign(detail::ceil_div(samples, Lanes) * view_type::lane_block_size, T{});
     }
     [[nodiscard]] std::size_t samples() const { return samples_; }
     [[nodiscard]] view_type view() { return {elements_.data(), samples_}; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
@@ -62,7 +63,7 @@ struct average_axis {
     /// outputs); they may overlap.
     [[nodiscard]] constexpr pixel_range pixels(std::size_t i) const {
         if (kernel == 0)
-            return {i * size / outputs, ((i + 1) * size + outputs - 1) / outputs};
+            return {i * size / outputs, detail::ceil_div((i + 1) * size, outputs)};
         const std::size_t begin = i * stride;
         return {std::min(std::max(begin, before) - before, size),
                 std::min(std::max(begin + kernel, before) - before, size)};

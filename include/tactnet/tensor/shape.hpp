@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/detail/round_up.hpp>
 
 #include <array>
 #include <cstddef>
@@ -119,7 +120,7 @@ struct sliding_window {
 
 private:
     static constexpr std::size_t missing(std::size_t size, std::size_t kernel, std::size_t stride) {
-        const std::size_t outputs = (size + stride - 1) / stride;
+        const std::size_t outputs = detail::ceil_div(size, stride);
         const std::size_t reach = (outputs - 1) * stride + kernel;
         return reach > size ? reach - size : 0;
     }
@@ -128,7 +129,7 @@ private:
                                            std::size_t before, std::size_t after) {
         if (size + before + after < kernel)
             return after;
-        std::size_t outputs = (size + before + after - kernel + stride - 1) / stride + 1;
+        std::size_t outputs = detail::ceil_div(size + before + after - kernel, stride) + 1;
         while (outputs > 1 && (outputs - 1) * stride >= size + before)
             --outputs;
         const std::size_t reach = (outputs - 1) * stride + kernel;
@@ -139,8 +140,8 @@ private:
         std::size_t taps = 0;
         for (std::size_t k = 0; k < kernel; ++k) {
             // Outputs o with before <= o * stride + k < before + size.
-            const std::size_t first = k >= before ? 0 : (before - k + stride - 1) / stride;
-            const std::size_t end = k >= before + size ? 0 : (before + size - k + stride - 1) / stride;
+            const std::size_t first = k >= before ? 0 : detail::ceil_div(before - k, stride);
+            const std::size_t end = k >= before + size ? 0 : detail::ceil_div(before + size - k, stride);
             taps += end > first ? (end < outputs ? end : outputs) - (first < outputs ? first : outputs) : 0;
         }
         return taps;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/training/data/input_batch.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/early_stopping.hpp>
@@ -289,7 +290,7 @@ private:
     void remeasure_statistics(trainable& network) {
         const std::span<const std::size_t> chosen = split_.training;
         const std::size_t most = how_.batch == 0 ? chosen.size() : std::min(how_.batch, chosen.size());
-        const std::size_t batches = (chosen.size() + most - 1) / most;
+        const std::size_t batches = detail::ceil_div(chosen.size(), most);
         const double momentum = network.momentum();
         network.prepare(threads_, *space_);
         for (std::size_t batch = 0; batch < batches; ++batch) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/tensor/batch.hpp>
 
 #include <algorithm>
@@ -19,7 +20,7 @@ struct logit_layout {
     [[nodiscard]] std::size_t operator()(std::size_t sample, std::size_t output) const {
         return (sample / lanes * outputs + output) * lanes + sample % lanes;
     }
-    [[nodiscard]] std::size_t size() const { return (samples + lanes - 1) / lanes * outputs * lanes; }
+    [[nodiscard]] std::size_t size() const { return detail::ceil_div(samples, lanes) * outputs * lanes; }
 };
 
 template <class T>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
@@ -25,8 +26,8 @@ struct tap_axis {
         const auto gap = static_cast<std::ptrdiff_t>(spacing);
         const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(phase * stride) - before;
         const std::size_t first = static_cast<std::size_t>(((-start) % gap + gap) % gap);
-        return {.outputs = output > phase ? (output - phase + spacing - 1) / spacing : 0,
-                .taps = kernel > first ? (kernel - first + spacing - 1) / spacing : 0,
+        return {.outputs = output > phase ? ceil_div(output - phase, spacing) : 0,
+                .taps = kernel > first ? ceil_div(kernel - first, spacing) : 0,
                 .first = first,
                 .base = (start + static_cast<std::ptrdiff_t>(first)) / gap,
                 .step = spacing == 1 ? stride : 1,

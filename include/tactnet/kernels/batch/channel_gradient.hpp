@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/batch/direct_convolution.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/transpose.hpp>
@@ -62,11 +63,11 @@ struct channel_gradient {
     /// Rows of the transposed input that fit into half of the cache, but at least one.
     static constexpr std::size_t tile_rows =
         std::clamp<std::size_t>(cache_bytes / 2 / row_bytes(block_vectors), 1, C.input.rows);
-    static constexpr std::size_t cost = direct_gradient_cost(C, (C.output.rows + tile_rows - 1) / tile_rows);
+    static constexpr std::size_t cost = direct_gradient_cost(C, ceil_div(C.output.rows, tile_rows));
     /// Pieces of work write different weights: they may run on different threads. For each block of channels
     /// there are blocks of filters.
-    static constexpr std::size_t filter_blocks = (C.output.channels + block_filters - 1) / block_filters;
-    static constexpr std::size_t pieces = (vectors + block_vectors - 1) / block_vectors * filter_blocks;
+    static constexpr std::size_t filter_blocks = ceil_div(C.output.channels, block_filters);
+    static constexpr std::size_t pieces = ceil_div(vectors, block_vectors) * filter_blocks;
     static constexpr std::size_t totals = C.weights();
     static constexpr std::size_t workspace_elements = tile_rows * row_bytes(block_vectors) / sizeof(T);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/batch/channel_gradient.hpp>
 #include <tactnet/kernels/batch/direct_convolution.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
@@ -48,9 +49,9 @@ template <std::size_t Filters, std::size_t Taps, class T>
 add_across_lanes(const std::array<std::array<vector<T>, Taps>, Filters>& sums, double* totals,
                  std::size_t filter_stride) {
     constexpr std::size_t width = lanes<T>;
-    alignas(alignment) std::array<T, (Filters * Taps + width - 1) / width * width> flat;
+    alignas(alignment) std::array<T, round_up(Filters * Taps, width)> flat;
 #pragma GCC unroll 64
-    for (std::size_t block = 0; block < (Filters * Taps + width - 1) / width; ++block) {
+    for (std::size_t block = 0; block < ceil_div(Filters * Taps, width); ++block) {
         std::array<vector<T>, width> rows;
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < width; ++r) {
@@ -125,9 +126,9 @@ struct direct_gradient {
     static constexpr std::size_t filters =
         std::min({std::max<std::size_t>(max_block_sums / taps, 1), std::size_t{8}, C.output.channels});
     static constexpr std::size_t tile_rows = gradient_tile_rows<T>(C, filters);
-    static constexpr std::size_t cost = direct_gradient_cost(C, (C.output.rows + tile_rows - 1) / tile_rows);
+    static constexpr std::size_t cost = direct_gradient_cost(C, ceil_div(C.output.rows, tile_rows));
     /// Pieces of work write different weights: they may run on different threads.
-    static constexpr std::size_t pieces = (C.output.channels + filters - 1) / filters * C.input.channels;
+    static constexpr std::size_t pieces = ceil_div(C.output.channels, filters) * C.input.channels;
     static constexpr std::size_t totals = C.weights();
     static constexpr std::size_t workspace_elements = 0;
 

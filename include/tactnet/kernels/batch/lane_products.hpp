@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
@@ -29,8 +30,8 @@ inline constexpr std::size_t lane_product_rows = 12;
 template <std::size_t Rows, std::size_t Columns, matrix_layout Layout, class T, class Put>
 [[gnu::flatten]] void lane_product(const T* matrix, const T* values, Put&& put) {
     // Blocks as equal as can be: a single row left over would wait for itself.
-    constexpr std::size_t passes = (Rows + lane_product_rows - 1) / lane_product_rows;
-    blocked<Rows, (Rows + passes - 1) / passes>([&](auto block, std::size_t first) {
+    constexpr std::size_t passes = ceil_div(Rows, lane_product_rows);
+    blocked<Rows, ceil_div(Rows, passes)>([&](auto block, std::size_t first) {
         constexpr std::size_t rows = block;
         const T* from = matrix + first * Layout.row;
         std::array<vector<T>, rows> sums;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -27,7 +28,7 @@ class even_stencil {
                                  vectors = row_vectors(Shape.columns, width);
     using wide = sized_vector<float, width>;
     // Rows with room for the longest radius on both sides.
-    static constexpr std::size_t margin = (Shape.columns + width - 1) / width * width, row_size = 3 * margin;
+    static constexpr std::size_t margin = round_up(Shape.columns, width), row_size = 3 * margin;
 
 public:
     /// `weight(rows, columns)`; a radius beyond the map is cut.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -190,9 +191,9 @@ template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToSt
     using wide = sized_vector<float, width>;
     // As many rows at a time as registers hold and as hide the latency, in blocks of about the same size.
     constexpr std::size_t most = std::min<std::size_t>(vector_registers - 4, 14),
-                          blocks = (Rows + most - 1) / most;
+                          blocks = ceil_div(Rows, most);
     for (const auto& band : bands::table)
-        blocked<Rows, (Rows + blocks - 1) / blocks>([&](auto count, std::size_t row) {
+        blocked<Rows, ceil_div(Rows, blocks)>([&](auto count, std::size_t row) {
             constexpr std::size_t rows = count;
             std::array<wide, rows> sums;
 #pragma GCC unroll 64

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
@@ -57,7 +58,7 @@ struct panel_plan {
         stride = !staged ? convolution.input_stride : w.input.channels + (clashes ? 16 : 0);
         joined = stride == w.input.channels;
         line_taps = joined ? w.kernel.columns * w.input.channels : w.input.channels;
-        parts_of_line = (line_taps + most_taps - 1) / most_taps;
+        parts_of_line = ceil_div(line_taps, most_taps);
         lines_of_part =
             std::clamp<std::size_t>(most_taps / line_taps, 1, joined ? w.kernel.rows : w.kernel.columns);
         cut_bands();
@@ -121,8 +122,8 @@ private:
         const sliding_window& w = convolution.window;
         const std::size_t pixels =
             std::clamp(most_inputs / (stride * w.stride.area()), fewest_pixels, most_pixels);
-        const std::size_t bands = (w.output_columns() + pixels - 1) / pixels;
-        band_columns = (w.output_columns() + bands - 1) / bands;
+        const std::size_t bands = ceil_div(w.output_columns(), pixels);
+        band_columns = ceil_div(w.output_columns(), bands);
         band_rows = std::clamp<std::size_t>(pixels / band_columns, 1, w.output_rows());
     }
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -29,8 +30,7 @@ struct filter_panels {
     std::size_t vectors, count;
 
     constexpr explicit filter_panels(std::size_t padded_filters)
-        : vectors(padded_filters / lanes<float>),
-          count((vectors + most_panel_vectors - 1) / most_panel_vectors) {}
+        : vectors(padded_filters / lanes<float>), count(ceil_div(vectors, most_panel_vectors)) {}
     /// The first vector of a panel, and the first filter.
     [[nodiscard]] constexpr std::size_t vector(std::size_t panel) const { return vectors * panel / count; }
     [[nodiscard]] constexpr std::size_t begin(std::size_t panel) const {
@@ -179,7 +179,7 @@ inline void multiply_panels(panel_rows rows, std::size_t count, const filter_pan
             continue;
         }
         // Evenly: a rest of few rows would wait for its own sums.
-        const std::size_t most = most_panel_rows(vectors), pieces = (count + most - 1) / most;
+        const std::size_t most = most_panel_rows(vectors), pieces = ceil_div(count, most);
         for (std::size_t p = 0; p < pieces; ++p) {
             const std::size_t size = count / pieces + (p < count % pieces);
             blocks[vectors - 1][size - 1](some, from, 0, some_end);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/kernels/panels/staging.hpp>
@@ -44,9 +45,7 @@ struct tile_plan {
     }
     [[nodiscard]] constexpr std::size_t side() const { return outputs + 2; }
     [[nodiscard]] constexpr std::size_t elements() const { return side() * side(); }
-    [[nodiscard]] constexpr std::size_t columns() const {
-        return (convolution.columns() + outputs - 1) / outputs;
-    }
+    [[nodiscard]] constexpr std::size_t columns() const { return ceil_div(convolution.columns(), outputs); }
     /// Tiles of one frame.
     [[nodiscard]] constexpr std::size_t count() const { return tiles(outputs); }
 
@@ -63,11 +62,11 @@ struct tile_plan {
         const std::size_t most =
             std::max(channels() * convolution.padded_filters() / (channels() + convolution.padded_filters()),
                      std::size_t{28});
-        const std::size_t bands = (tiles_of_all + most - 1) / most;
-        return (tiles_of_all + bands - 1) / bands;
+        const std::size_t bands = ceil_div(tiles_of_all, most);
+        return ceil_div(tiles_of_all, bands);
     }
     /// Parts that the channels are cut into.
-    [[nodiscard]] constexpr std::size_t parts() const { return (channels() + most_depth - 1) / most_depth; }
+    [[nodiscard]] constexpr std::size_t parts() const { return ceil_div(channels(), most_depth); }
     [[nodiscard]] constexpr std::size_t part_begin(std::size_t part) const {
         return channels() * part / parts();
     }
@@ -86,7 +85,7 @@ struct tile_plan {
 
 private:
     [[nodiscard]] constexpr std::size_t tiles(std::size_t size) const {
-        return (convolution.rows() + size - 1) / size * ((convolution.columns() + size - 1) / size);
+        return ceil_div(convolution.rows(), size) * ceil_div(convolution.columns(), size);
     }
 };
 

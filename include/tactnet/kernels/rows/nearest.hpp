@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -24,7 +25,7 @@ class nearest_row {
 public:
     /// `rows`: one after the other. Throws std::bad_alloc.
     explicit nearest_row(std::span<const float> rows = {})
-        : panels_((rows.size() / Values + panel - 1) / panel),
+        : panels_(ceil_div(rows.size() / Values, panel)),
           packed_(panels_ * panel * Values),
           offsets_(panels_ * panel,
                    -std::numeric_limits<float>::infinity()) { // lanes without a row never win

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -39,9 +40,7 @@ public:
     [[nodiscard]] std::size_t rows() const { return rows_; }
     [[nodiscard]] std::size_t features() const { return features_; }
     /// Rows in whole panels: what `products` writes for each row of A. Those behind the last are zero.
-    [[nodiscard]] std::size_t padded_rows() const {
-        return (rows_ + panel_width - 1) / panel_width * panel_width;
-    }
+    [[nodiscard]] std::size_t padded_rows() const { return round_up(rows_, panel_width); }
 
     /// out[i][j] = row i of A · row j of B. Rows of A begin `stride` floats apart, those of `out` (aligned)
     /// `out_stride`, a multiple of the panel width.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
@@ -178,7 +179,7 @@ template <class Vector>
 /// How many vectors cover `count` elements, and where each begins. The last one reaches back over its
 /// neighbour, so that none reaches beyond the end, unless there are fewer elements than lanes.
 [[nodiscard]] constexpr std::size_t row_vectors(std::size_t count, std::size_t lanes_of_one) {
-    return (count + lanes_of_one - 1) / lanes_of_one;
+    return ceil_div(count, lanes_of_one);
 }
 [[nodiscard]] constexpr std::size_t row_vector_begin(std::size_t index, std::size_t count,
                                                      std::size_t lanes_of_one) {

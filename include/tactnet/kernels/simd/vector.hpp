@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/detail/round_up.hpp>
 
 #include <array>
 #include <cmath>
@@ -247,7 +248,7 @@ template <class T>
 /// Elements in whole vectors that hold `count`.
 template <class T>
 [[nodiscard]] constexpr std::size_t padded_size(std::size_t count) {
-    return (count + lanes<T> - 1) / lanes<T> * lanes<T>;
+    return round_up(count, lanes<T>);
 }
 
 /// Vector registers that kernels may plan with.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/kernel/functions.hpp>
@@ -59,7 +60,7 @@ private:
 
     [[nodiscard]] static std::size_t padded(std::size_t samples) {
         constexpr std::size_t width = kernels::packed_rows::panel_width;
-        return (samples + width - 1) / width * width;
+        return detail::round_up(samples, width);
     }
     [[nodiscard]] float* row(std::size_t index) { return values_.data() + index * stride_; }
 

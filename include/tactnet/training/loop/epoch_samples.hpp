@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/trainable.hpp>
@@ -47,7 +48,7 @@ public:
 
     /// Samples of an epoch. Each has a place, whatever their order.
     [[nodiscard]] std::size_t size() const { return chosen_.size() * copies(); }
-    [[nodiscard]] std::size_t steps() const { return (size() + batch_ - 1) / batch_; }
+    [[nodiscard]] std::size_t steps() const { return detail::ceil_div(size(), batch_); }
 
     /// The places in the order of an epoch.
     [[nodiscard]] std::vector<std::size_t> order(std::size_t epoch) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/batch/channel_gradient.hpp>
 #include <tactnet/kernels/batch/direct_gradient.hpp>
 #include <tactnet/kernels/batch/winograd/gradient_plan.hpp>
@@ -96,7 +97,7 @@ struct winograd_gradient {
     static constexpr std::size_t elements = tiles.elements(); ///< of an input tile
     static constexpr auto block = gradient_block<T>::of(C);
     static constexpr std::size_t vectors = block.in_lanes / lanes<T>, numbers = block.others;
-    static constexpr std::size_t number_blocks = (numbers + block.numbers - 1) / block.numbers;
+    static constexpr std::size_t number_blocks = ceil_div(numbers, block.numbers);
     /// Pieces of work write different sums: they may run on different threads.
     static constexpr std::size_t pieces = block.vector_blocks() * number_blocks;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/batch/winograd/tile_grid.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
@@ -35,7 +36,7 @@ struct gradient_block {
     }
     [[nodiscard]] constexpr bool fills_vectors() const { return lanes<T> > 1 && in_lanes % lanes<T> == 0; }
     [[nodiscard]] constexpr std::size_t vector_blocks() const {
-        return (in_lanes + vectors * lanes<T> - 1) / (vectors * lanes<T>);
+        return ceil_div(in_lanes, vectors * lanes<T>);
     }
 };
 
@@ -70,7 +71,7 @@ template <class T>
     const tile_grid tiles = tile_grid::of(c, outputs);
     const auto block = gradient_block<T>::of(c);
     const std::size_t weights = block.in_lanes * block.others, rows = tile_rows_of_band<T>(c, outputs),
-                      bands = (tiles.rows + rows - 1) / rows,
+                      bands = ceil_div(tiles.rows, rows),
                       transformed = block.in_lanes + block.others * block.vector_blocks();
     return tiles.elements() *
            (tiles.count() * (2 * weights + transform_cost(tiles.side) * transformed) + 2 * bands * weights);

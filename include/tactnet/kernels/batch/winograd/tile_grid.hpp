@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/batch/direct_convolution.hpp>
 #include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -22,8 +23,8 @@ struct tile_grid {
 
     [[nodiscard]] static constexpr tile_grid of(const batch_convolution& c, extent2d outputs) {
         return {{outputs.rows + c.kernel.rows - 1, outputs.columns + c.kernel.columns - 1},
-                (c.output.rows + outputs.rows - 1) / outputs.rows,
-                (c.output.columns + outputs.columns - 1) / outputs.columns};
+                ceil_div(c.output.rows, outputs.rows),
+                ceil_div(c.output.columns, outputs.columns)};
     }
     /// Elements of an input tile.
     [[nodiscard]] constexpr std::size_t elements() const { return side.area(); }
@@ -35,7 +36,7 @@ struct tile_grid {
 template <class T>
 [[nodiscard]] constexpr std::size_t odd_lines(std::size_t count) {
     constexpr std::size_t line = alignment / sizeof(T);
-    return ((count + line - 1) / line / 2 * 2 + 1) * line;
+    return (ceil_div(count, line) / 2 * 2 + 1) * line;
 }
 
 /// The packed elements before an output channel that begins a block.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/batch/winograd/tile_grid.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
@@ -32,7 +33,7 @@ template <batch_convolution C, extent2d Outputs, class T, class Weight>
 [[gnu::flatten]] void pack_tile_weights(T* packed, Weight&& weight) {
     constexpr extent2d side = tile_grid::of(C, Outputs).side;
     constexpr std::size_t kernel = C.kernel.rows, taps = kernel * kernel, width = lanes<double>,
-                          block = (block_channels + width - 1) / width * width;
+                          block = round_up(block_channels, width);
     // Input channels that are collected before the first is read: a vector load cannot forward from several
     // narrow stores that are still in flight.
     constexpr std::size_t inputs = 8;
