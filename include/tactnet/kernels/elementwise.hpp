@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-// Element by element over `count` values, a multiple of the lanes. Outputs may be the same memory as inputs.
+// Elementwise operations on `count` values, a multiple of the lanes. Outputs may be the inputs' memory.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -20,7 +20,7 @@ void relu_forward(const T* input, T* output, std::size_t count) {
     }
 }
 
-/// The gradient passes where the output is positive.
+/// input_gradient = the output gradient where the output is positive, else 0.
 template <class T>
 void relu_backward(const T* output, const T* output_gradient, T* input_gradient, std::size_t count) {
     const vector<T> zero(T{});
@@ -28,8 +28,8 @@ void relu_backward(const T* output, const T* output_gradient, T* input_gradient,
         store(input_gradient + i, choose<T>(load(output + i) > zero, load(output_gradient + i), zero));
 }
 
-/// output = √(input + offset) − √offset, and 0 where the input is below 0; NaN stays NaN. As a quotient,
-/// which keeps small inputs exact where the difference would cancel.
+/// output = √(input + offset) − √offset, and 0 where the input is below 0; NaN stays NaN. Computed as a
+/// quotient, since the difference would cancel for small inputs.
 template <class T>
 void shifted_root_forward(T offset, const T* input, T* output, std::size_t count) {
     const vector<T> zero(T{}), shift(offset), root = square_root<T>(shift);
@@ -39,7 +39,8 @@ void shifted_root_forward(T offset, const T* input, T* output, std::size_t count
     }
 }
 
-/// 1 ÷ (2 √(input + offset)), found from the output, where it is positive.
+/// input_gradient = the output gradient ÷ (2 √(input + offset)), computed from the output, where that is
+/// positive.
 template <class T>
 void shifted_root_backward(T offset, const T* output, const T* output_gradient, T* input_gradient,
                            std::size_t count) {

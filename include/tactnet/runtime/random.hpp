@@ -31,21 +31,22 @@ inline namespace TACTNET_ARCH {
     return counter;
 }
 
-/// One purpose among those of a kind, known by its number. Each has random numbers of its own, so that one
-/// more draw for one does not change another. Numbers below 2³¹ are the library's, which declares its
-/// purposes beside what draws them; your own have names:
+/// A purpose of random numbers, identified by its number. Each purpose has its own numbers, so that one more
+/// draw for one does not change another. Numbers below 2³¹ belong to the library, which declares its purposes
+/// beside the code that draws; name your own:
 ///
 ///     inline constexpr auto slip = tactnet::random_purpose::named("my_gripper/slip");
 template <class Kind>
 class numbered_purpose {
 public:
-    /// One of the library's, or of a test: below 2³¹, or it does not compile.
+    /// A purpose of the library or of a test. A number from 2³¹ on does not compile.
     explicit consteval numbered_purpose(std::uint32_t number) : number_(number) {
         if (number >= first_named)
             throw "numbered_purpose: numbers from 2^31 are those of purposes with a name";
     }
-    /// One of your own: its number is a hash of the name (FNV-1a) from 2³¹ on, so never one of the library's.
-    /// Two names share a number with a probability of 2⁻³¹; `static_assert(a != b)` rules it out.
+    /// A purpose of your own. Its number is a hash of the name (FNV-1a) from 2³¹ on, so it is never one of
+    /// the library's. Two names share a number with a probability of 2⁻³¹; `static_assert(a != b)` excludes
+    /// it.
     [[nodiscard]] static consteval numbered_purpose named(std::string_view name) {
         std::uint32_t hash = 0x811C9DC5;
         for (const char letter : name)
@@ -67,10 +68,10 @@ private:
 /// What a stream of random numbers is drawn for.
 using random_purpose = numbered_purpose<class random_stream>;
 
-/// The library's purposes. Those of one room stand in it; these are drawn in several.
+/// Purposes that several rooms draw for; the others are declared in their rooms.
 namespace random_purposes {
-inline constexpr random_purpose split{0}; ///< which samples go together: sets of data, folds
-inline constexpr random_purpose order{1}; ///< in which order samples are visited
+inline constexpr random_purpose split{0}; ///< assigning samples to data sets and folds
+inline constexpr random_purpose order{1}; ///< the order of samples
 } // namespace random_purposes
 
 /// The numbers of one item: for example (seed, random_purposes::augmentation, epoch, sample).
@@ -108,7 +109,8 @@ public:
             std::swap(range[i - 1], range[below(static_cast<std::uint32_t>(i))]);
     }
 
-    /// What this stream puts into philox: the words of block n, four each, are those of {n, …} and the key.
+    /// The arguments of philox: block n of this stream, of four words, is that of the counter {n, …} and the
+    /// key.
     [[nodiscard]] constexpr const std::array<std::uint32_t, 4>& next_counter() const { return counter_; }
     [[nodiscard]] constexpr const std::array<std::uint32_t, 2>& key() const { return key_; }
 

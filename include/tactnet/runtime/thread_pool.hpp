@@ -15,15 +15,15 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Threads that divide work into equal, fixed shares, for one caller at a time. Which thread does what
-/// depends on the counts alone, and nothing is added up across shares, so results cannot depend on timing.
-/// One thread starts none.
+/// Threads that divide work into equal, fixed shares, for one caller at a time. The shares depend on the
+/// counts alone and nothing is reduced across them, so results do not depend on timing. A pool of one thread
+/// starts none.
 class thread_pool {
 public:
-    /// Throws std::system_error when the system refuses a thread; those that run already are ended first.
+    /// Throws std::system_error if the system refuses a thread, after ending those that already run.
     explicit thread_pool(std::size_t threads = 1) : thread_pool(without_workers{}, threads) {
         if (threads_ > 1)
-            problems_.resize(threads_); // here, since there may be no memory where there are problems
+            problems_.resize(threads_); // here, since an exception may mean that memory is exhausted
         workers_.reserve(threads_ - 1);
         for (std::size_t index = 1; index < threads_; ++index)
             workers_.emplace_back([this, index] { work(index); });
@@ -41,15 +41,14 @@ public:
 
     using share = work_share;
 
-    /// body(share) on every thread; must not call this again. What a body throws reaches the caller once all
-    /// shares have ended, the others undisturbed; of several exceptions it is that of the lowest share, so
-    /// that this too does not depend on timing. The pool can be used on; what the bodies were to write is in
-    /// no defined state.
+    /// Calls body(share) on each thread; the body must not call the pool. If bodies throw, the other shares
+    /// still run to their ends, then the exception of the lowest share is rethrown, so that this does not
+    /// depend on timing either. The pool stays usable; what the bodies wrote is in an unspecified state.
     template <class Body>
     void on_each_thread(const Body& body) {
         share_out(code_of<Body>, &body);
     }
-    /// The same for work of so many parts: a single one wakes up no other thread.
+    /// Calls body(share) as on_each_thread does, but a single part wakes up no other thread.
     template <class Body>
     void on_each_share(std::size_t count, const Body& body) {
         if (count == 1)
@@ -57,7 +56,7 @@ public:
         else
             on_each_thread(body);
     }
-    /// body(i) for 0 … count − 1. An exception ends its share alone, and reaches the caller as above.
+    /// Calls body(i) for 0 … count − 1. An exception ends its own share only, and is rethrown as above.
     template <class Body>
     void for_each(std::size_t count, const Body& body) {
         on_each_share(count, [&](share part) {
@@ -67,12 +66,12 @@ public:
     }
 
 private:
-    // A constructor of its own: once it is done the destructor cleans up, whatever the public one throws.
+    // A delegated constructor: once it has returned, the destructor cleans up whatever the public one throws.
     struct without_workers {};
     thread_pool(without_workers, std::size_t threads) : threads_(threads > 0 ? threads : 1) {}
 
-    // Whoever runs a body runs this one copy of its code, which compilers would else write out for the
-    // calling thread, for its workers and for a pool of one.
+    // The one copy of a body's code. Compilers would otherwise inline it three times: for the calling thread,
+    // for the workers and for a pool of one.
     template <class Body>
     [[gnu::noinline]] static void code_of(const void* body, share part) {
         (*static_cast<const Body*>(body))(part);
@@ -97,8 +96,7 @@ private:
             throw_first_problem();
     }
 
-    // Layers follow each other within microseconds: a short wait in place saves the way through the
-    // scheduler.
+    // Layers follow each other within microseconds: a short spin avoids the scheduler.
     static constexpr std::size_t patience = 4096;
 
     void announce() {
@@ -124,7 +122,7 @@ private:
                  ++spin) {
             }
             round_.wait(seen, std::memory_order_acquire);
-            ++seen; // one at a time: a round is not announced before the last one is done
+            ++seen; // by one: a round is announced only after the last one has ended
             if (!call_)
                 return;
             try {

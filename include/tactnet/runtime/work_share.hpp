@@ -7,12 +7,11 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// One thread's part of some work: which of `threads` it is. Shares of one work are as equal as can be, and
-/// depend on the counts alone.
+/// One thread's share of work. Shares are as equal as possible and depend on the counts alone.
 struct work_share {
     std::size_t index = 0, threads = 1;
 
-    /// Its part of 0 … count − 1.
+    /// This share of 0 … count − 1.
     [[nodiscard]] constexpr std::size_t begin(std::size_t count) const { return count * index / threads; }
     [[nodiscard]] constexpr std::size_t end(std::size_t count) const { return count * (index + 1) / threads; }
 };

@@ -5,15 +5,15 @@
 
 #include <cstddef>
 
-// Apart from aligned.hpp, whose allocator throws: deployed networks do without exceptions and heap.
+// Not in aligned.hpp, whose allocator throws: deployed networks use neither exceptions nor the heap.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// One cache line, and the widest vector register there is.
+/// The bytes of a cache line and of the widest vector register.
 inline constexpr std::size_t alignment = 64;
 
-/// Elements in whole cache lines that hold `count`: what lies behind them is aligned.
+/// `count` elements rounded up to whole cache lines, so that what follows them is aligned.
 template <class Element = float>
 [[nodiscard]] constexpr std::size_t whole_lines(std::size_t count) {
     constexpr std::size_t line = alignment / sizeof(Element);

@@ -8,17 +8,16 @@
 #include <cstddef>
 #include <type_traits>
 
-// Samples side by side. `Lanes` samples form a group, ordered [channel][row][column][lane]: one vector
-// register holds the same element of as many samples. A kernel written for one sample then runs on all lanes
+// Interleaved samples. `Lanes` samples form a lane block, ordered [channel][row][column][lane]: one vector
+// register holds the same element of `Lanes` samples. A kernel written for one sample then runs on all lanes
 // at once, at any image size and channel count, without a remainder and without a sum across lanes in the
-// forward pass; and a sample's result does not depend on its neighbours. Lanes past the last sample hold
-// zeros in inputs and in gradients, on which sums over a batch rely; what layers make of them in between
-// means nothing.
+// forward pass; a sample's result does not depend on its neighbours. Lanes after the last sample hold zeros
+// in inputs and in gradients, on which sums over a batch rely; between layers their values are meaningless.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Samples that someone else owns, as a batch: whole groups of memory, aligned to 64 bytes. T may be const.
+/// A view of a batch: whole lane blocks that belong to the caller, aligned to 64 bytes. T may be const.
 template <class T, shape Shape, std::size_t Lanes>
 class batch_view {
 public:
@@ -37,11 +36,11 @@ public:
     [[nodiscard]] constexpr std::size_t samples() const { return samples_; }
     [[nodiscard]] constexpr std::size_t lane_blocks() const { return detail::ceil_div(samples_, Lanes); }
     [[nodiscard]] constexpr T* lane_block(std::size_t index) const { return data_ + index * lane_block_size; }
-    /// Samples in one group: `Lanes`, or fewer in the last.
+    /// The number of samples in one lane block: `Lanes`, or fewer in the last.
     [[nodiscard]] constexpr std::size_t samples_in(std::size_t group) const {
         return std::min(Lanes, samples_ - group * Lanes);
     }
-    /// Groups first … last − 1 as a batch of their own; of a null view a null view.
+    /// A view of the lane blocks first … last − 1; a part of a null view is a null view.
     [[nodiscard]] constexpr batch_view part(std::size_t first, std::size_t last) const {
         return {data_ ? lane_block(first) : nullptr, std::min(samples_, last * Lanes) - first * Lanes};
     }
@@ -64,7 +63,7 @@ public:
     batch() = default;
     explicit batch(std::size_t samples) { resize(samples); }
 
-    /// Afterwards all elements are zero. Keeps its memory when it shrinks.
+    /// Resizes and sets all elements to zero. Keeps its memory when it shrinks.
     void resize(std::size_t samples) {
         samples_ = samples;
         elements_.assign(detail::ceil_div(samples, Lanes) * view_type::lane_block_size, T{});

@@ -6,13 +6,13 @@
 #include <array>
 #include <cstddef>
 
-// Sizes as compile-time constants. All of these are structural types, so that they can be template arguments.
+// Sizes as compile-time constants. All are structural types, so that they can be template arguments.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The size of one sample: a pressure image of `rows` × `columns` tactels, or a stack of `channels` such
-/// maps. Elements are ordered [channel][row][column].
+/// The size of one sample: a pressure image of `rows` × `columns` tactels, or `channels` feature maps.
+/// Elements are ordered [channel][row][column].
 struct shape {
     std::size_t rows = 1;
     std::size_t columns = 1;
@@ -23,7 +23,7 @@ struct shape {
     friend constexpr bool operator==(const shape&, const shape&) = default;
 };
 
-/// Rows and columns of a kernel, a window or a stride. One number means the same in both directions.
+/// Rows and columns of a kernel, a window or a stride. One number sets both.
 struct extent2d {
     std::size_t rows;
     std::size_t columns;
@@ -72,14 +72,14 @@ inline constexpr padding padding::valid{padding::rule::given};
     return around;
 }
 
-/// A window that slides over an image: everything that is known about where its taps fall.
+/// A window that slides over an image: where its taps fall.
 struct sliding_window {
     shape input;
     extent2d kernel;
     extent2d stride;
     std::size_t top = 0, bottom = 0, left = 0, right = 0;
 
-    /// Resolves a padding rule for one input. A stride of zero counts as one; layers refuse it.
+    /// Resolves a padding rule for one input. A stride of zero counts as one; layers reject it.
     [[nodiscard]] static constexpr sliding_window over(shape input, extent2d kernel, extent2d stride,
                                                        padding around) {
         stride = {stride.rows > 0 ? stride.rows : 1, stride.columns > 0 ? stride.columns : 1};
@@ -110,7 +110,7 @@ struct sliding_window {
         return fits() ? (input.columns + left + right - kernel.columns) / stride.columns + 1 : 1;
     }
 
-    /// Taps of one channel over all outputs that fall on real pixels, not on padding.
+    /// The taps of one channel, over all outputs, that fall on pixels and not on padding.
     [[nodiscard]] constexpr std::size_t taps_on_pixels() const {
         return count(output_rows(), kernel.rows, stride.rows, top, input.rows) *
                count(output_columns(), kernel.columns, stride.columns, left, input.columns);
@@ -124,7 +124,7 @@ private:
         const std::size_t reach = (outputs - 1) * stride + kernel;
         return reach > size ? reach - size : 0;
     }
-    /// Padding behind the image with which the last window that begins in time is whole.
+    /// The padding after the image that completes the last window which begins inside.
     static constexpr std::size_t completed(std::size_t size, std::size_t kernel, std::size_t stride,
                                            std::size_t before, std::size_t after) {
         if (size + before + after < kernel)

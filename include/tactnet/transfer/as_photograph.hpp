@@ -67,7 +67,7 @@ struct as_photograph {
             using vector = kernels::vector<T>;
             p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
                 T* const to = out.lane_block(g);
-                kernels::resample_group<T, down, along>(
+                kernels::resample_lanes<T, down, along>(
                     in.lane_block(g), [&](std::size_t pixel, const vector& value) {
                         for (std::size_t channel = 0; channel < 3; ++channel)
                             kernels::store(to + (channel * output.area() + pixel) * kernels::lanes<T>,
@@ -87,7 +87,7 @@ struct as_photograph {
                 return;
             p.threads.for_each(out_gradient.lane_blocks(), [&](std::size_t g) {
                 const T* const from = out_gradient.lane_block(g);
-                kernels::resample_group_backward<T, down, along>(
+                kernels::resample_lanes_backward<T, down, along>(
                     [&](std::size_t pixel) {
                         vector sum(T{0});
                         for (std::size_t channel = 0; channel < 3; ++channel)

@@ -8,28 +8,28 @@
 #include <array>
 #include <cstddef>
 
-// Products of a matrix and one group of samples, which lie side by side in the lanes: no sum runs across
-// lanes, and a sample's result does not depend on its neighbours. Every sum is taken in one fixed order.
+// The product of a matrix and a lane block. No sum runs across the lanes, so a sample's result does not
+// depend on its neighbours, and each sum has one fixed order.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Where the elements of a matrix lie: (row, column) at row · `row` + column · `column`. A transposed matrix
-/// is the same memory with the two exchanged.
+/// The strides of a matrix: element (r, c) is at r · `row` + c · `column`. Exchanging both transposes the
+/// matrix.
 struct matrix_layout {
     std::size_t row, column;
 };
 
-/// Rows that are summed at once: each input is read once for all of them, their chains of multiply-adds hide
-/// each other's latency, and all fit into 16 registers.
+/// Rows that are summed at once: they share each load of an input, hide each other's latency and fit into 16
+/// registers.
 inline constexpr std::size_t lane_product_rows = 12;
 
-/// put(row, sum) for every row of matrix (Rows × Columns) · values, where `values` holds one vector for each
-/// column of the matrix.
+/// Calls put(row, sum) for each row of the product matrix (Rows × Columns) · values, where `values` holds one
+/// vector per column.
 template <std::size_t Rows, std::size_t Columns, matrix_layout Layout, class T, class Put>
 [[gnu::flatten]] void lane_product(const T* matrix, const T* values, Put&& put) {
-    // Blocks as equal as can be: a single row left over would wait for itself.
+    // Blocks of equal size: a single remaining row could not hide its latency.
     constexpr std::size_t passes = ceil_div(Rows, lane_product_rows);
     blocked<Rows, ceil_div(Rows, passes)>([&](auto block, std::size_t first) {
         constexpr std::size_t rows = block;

@@ -12,7 +12,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// output = the normalised input: one group of samples, [channel][pixel][lane].
+/// Normalises one lane block, [channel][pixel][lane].
 template <class Rule, class T>
 void normalise_responses(std::size_t channels, std::size_t pixels, const T* input, T* output) {
     const std::size_t plane = pixels * lanes<T>;
@@ -31,7 +31,7 @@ void normalise_responses_backward(std::size_t channels, std::size_t pixels, cons
     const vector<T> scale(static_cast<T>(-2 * Rule::share * Rule::beta));
     constexpr std::size_t size = Rule::size, ahead = Rule::before;
     for (std::size_t at = 0; at < plane; at += lanes<T>) {
-        // Of the last `size` channels, in a ring: terms of the sum and factors.
+        // Terms of the sum and factors of the last `size` channels, in a ring.
         std::array<vector<T>, size> terms, factors;
         terms.fill(vector<T>(T{}));
         factors.fill(vector<T>(T{}));

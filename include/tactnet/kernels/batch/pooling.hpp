@@ -13,7 +13,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// output = the largest value of each window.
+/// output = the largest value of each window; NaN wins.
 template <sliding_window W, class T>
 void max_pool_forward(const T* input, T* output) {
     constexpr std::size_t width = lanes<T>;
@@ -30,7 +30,7 @@ void max_pool_forward(const T* input, T* output) {
     }
 }
 
-/// input_gradient = the output's gradient, given to the first largest value of each window.
+/// input_gradient = the output gradient, at the first largest value of each window.
 template <sliding_window W, class T>
 void max_pool_backward(const T* input, const T* output, const T* output_gradient, T* input_gradient) {
     constexpr std::size_t width = lanes<T>;
@@ -73,7 +73,7 @@ void average_pool_forward(const average_windows& windows, std::size_t channels, 
     }
 }
 
-/// input_gradient = each window's gradient ÷ its divisor, given to all of its pixels.
+/// input_gradient = the gradient of each window ÷ its divisor, added to all of its pixels.
 template <class T>
 void average_pool_backward(const average_windows& windows, std::size_t channels, const T* output_gradient,
                            T* input_gradient) {

@@ -7,17 +7,17 @@
 #include <array>
 #include <cstddef>
 
-// Sums over many terms. Short runs are added in the working precision, lane by lane; the runs are added in
-// double. The error stays near that of one rounding however long the whole sum is.
+// Sums of many terms. Short runs are added in the working precision, lane by lane; the runs are accumulated
+// in double. The error stays near that of one rounding, however long the sum is.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Terms added in the working precision before they go to double.
+/// Terms that are added in the working precision.
 inline constexpr std::size_t run_length = 16;
 
-/// `Sums` sums over the vectors 0 … count − 1, all lanes together: term(i) returns one vector for each sum.
+/// Computes `Sums` sums over the vectors 0 … count − 1 and all lanes; term(i) returns one vector per sum.
 template <std::size_t Sums, class T, class Term>
 [[nodiscard]] std::array<double, Sums> sum_terms(std::size_t count, Term&& term) {
     std::array<std::array<double, lanes<T>>, Sums> totals{};
@@ -39,7 +39,7 @@ template <std::size_t Sums, class T, class Term>
     return result;
 }
 
-/// Ones in the first `used` lanes, zeros behind.
+/// Ones in the first `used` lanes, zeros in the others.
 template <class T>
 [[nodiscard]] vector<T> lanes_in_use(std::size_t used) {
     alignas(alignment) std::array<T, lanes<T>> flat{};
@@ -47,8 +47,8 @@ template <class T>
     return load(flat.data());
 }
 
-/// Count, mean and sum of squared deviations. Parts are joined by Chan, Golub and LeVeque's update, which
-/// does not cancel when the mean is large against the deviation.
+/// Count, mean and sum of squared deviations. Parts are merged by the update of Chan, Golub and LeVeque,
+/// which does not cancel if the mean is large compared with the deviation.
 struct moments {
     double count = 0;
     double mean = 0;
@@ -62,11 +62,11 @@ struct moments {
         squares += other.squares + distance * distance * count * other.count / total;
         count = total;
     }
-    /// The variance of the values themselves (divided by the count).
+    /// The population variance (divided by the count).
     [[nodiscard]] double variance() const { return count > 0 ? squares / count : 0; }
 };
 
-/// Moments of the first `used` lanes of `count` vectors. Values are measured from the first one.
+/// The moments of the first `used` lanes of `count` vectors, accumulated relative to the first value.
 template <class T>
 [[nodiscard]] moments moments_of(const T* values, std::size_t count, std::size_t used) {
     const vector<T> origin(values[0]), use = lanes_in_use<T>(used);

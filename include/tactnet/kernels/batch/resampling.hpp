@@ -7,18 +7,18 @@
 #include <array>
 #include <cstddef>
 
-// A separable resize whose weights are compile-time constants, for samples side by side: one group of a
-// batch, of one channel. A `Down` and an `Along` axis (see image/resize_kernel.hpp) tell `inputs`, `outputs`,
-// `taps` and, in `table`, the first input and the weights of each output's taps. A weight of zero is no tap,
-// so that NaN and infinity reach the outputs that they belong to, and no others.
+// A separable resize of one channel of a lane block, with compile-time weights. The axes `Down` and `Along`
+// (image/resize_kernel.hpp) have `inputs`, `outputs`, `taps` and a `table` with the first input and the
+// weights of each output. A weight of zero is no tap, so that NaN and infinity reach only the outputs that
+// they belong to.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// take(output pixel, value of all lanes) for each output of `from`.
+/// Calls take(output pixel, values) for each output of `from`.
 template <class T, class Down, class Along, class Take>
-void resample_group(const T* from, const Take& take) {
+void resample_lanes(const T* from, const Take& take) {
     alignas(alignment) std::array<T, Along::inputs * lanes<T>> line;
     for (std::size_t row = 0; row < Down::outputs; ++row) {
         const auto& above = Down::table[row];
@@ -43,9 +43,9 @@ void resample_group(const T* from, const Take& take) {
     }
 }
 
-/// The way back: `to` becomes the gradient of the inputs, from give(output pixel), that of an output.
+/// The backward pass: `to` becomes the input gradient; give(output pixel) returns the gradient of an output.
 template <class T, class Down, class Along, class Give>
-void resample_group_backward(const Give& give, T* to) {
+void resample_lanes_backward(const Give& give, T* to) {
     const auto add = [](T* place, float weight, const vector<T>& gradient) {
         store(place, multiply_add<T>(vector<T>(static_cast<T>(weight)), gradient,
                                      load<T>(static_cast<const T*>(place))));

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-// exp of a whole vector, the same with and without SIMD. x = n · ln 2 + r with a whole n and |r| ≤ ln 2 / 2;
-// eʳ is a Taylor series, whose first term left out is below 2⁻²⁷, and 2ⁿ is added to the exponent's bits.
+// exp of a vector, bit-identical with and without SIMD. x = n · ln 2 + r with an integer n and |r| ≤ ln 2 /
+// 2; eʳ is a Taylor series whose first omitted term is below 2⁻²⁷, and n is added to the exponent's bits.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -16,16 +16,16 @@ namespace kernels {
 
 namespace detail {
 
-/// A number this large leaves no room for a fraction: what is added to it is rounded to a whole number, which
-/// stands in the lowest bits.
-inline constexpr float whole_number_shift = 0x1.8p23F;
+/// Adding this number rounds to an integer, which is then in the lowest bits: so large a number has no
+/// fraction.
+inline constexpr float integer_shift = 0x1.8p23F;
 
-/// values · 2ⁿ, where `shifted` is n + whole_number_shift and the result a normal number.
+/// values · 2ⁿ, where `shifted` is n + integer_shift. The result must be a normal number.
 [[nodiscard]] inline vector<float> times_power_of_two(const vector<float>& values,
                                                       const vector<float>& shifted) {
     constexpr int mantissa_bits = std::numeric_limits<float>::digits - 1;
 #ifndef TACTNET_NO_SIMD
-    // Not xsimd's own cast, whose template argument is a batch up to version 10 and a number since.
+    // Not xsimd's bitwise_cast, whose template argument is a batch up to version 10 and a scalar since.
     using integers = xsimd::batch<std::int32_t>;
     const integers powers = tactnet::detail::bits_as<integers>(shifted) << mantissa_bits;
     return tactnet::detail::bits_as<vector<float>>(tactnet::detail::bits_as<integers>(values) + powers);
@@ -37,17 +37,17 @@ inline constexpr float whole_number_shift = 0x1.8p23F;
 
 } // namespace detail
 
-/// eˣ to 1.5 units in the last place. Below ln 2⁻¹²⁶ ≈ −87.34, where results would be subnormal, 0; above
-/// ln of the largest float ≈ 88.72 infinity; of NaN NaN.
+/// eˣ with an error of at most 1.5 units in the last place. Below ln 2⁻¹²⁶ ≈ −87.34, where results would be
+/// subnormal, the result is 0; above ln of the largest float ≈ 88.72 it is infinity; for NaN it is NaN.
 [[nodiscard]] inline vector<float> exponential(const vector<float>& x) {
     using v = vector<float>;
     constexpr float log2_e = 0x1.715476p0F;
-    // ln 2 in two parts; n times the first is exact, since its last nine bits are zero.
+    // ln 2 in two parts. n times the first is exact: its last nine bits are zero.
     constexpr float ln2_high = 0x1.63p-1F, ln2_low = -0x1.bd0106p-13F;
     constexpr float lowest = -0x1.5d589ep6F, highest = 0x1.62e42ep6F;
 
-    const v shifted = multiply_add(x, v(log2_e), v(detail::whole_number_shift));
-    const v n = shifted - v(detail::whole_number_shift);
+    const v shifted = multiply_add(x, v(log2_e), v(detail::integer_shift));
+    const v n = shifted - v(detail::integer_shift);
     const v r = multiply_add(n, v(-ln2_low), multiply_add(n, v(-ln2_high), x));
     v series(1.0F / 5040);
     for (const float factorial : {720.0F, 120.0F, 24.0F, 6.0F, 2.0F, 1.0F, 1.0F})
@@ -58,7 +58,7 @@ inline constexpr float whole_number_shift = 0x1.8p23F;
                          choose<float>(x > v(highest), infinity, choose<float>(x == x, result, x)));
 }
 
-/// values = exp(−factor · values), for a multiple of the lanes of values ≥ 0.
+/// values = exp(−factor · values) for values ≥ 0; `count` is a multiple of the lanes.
 inline void negative_exponentials(float* values, std::size_t count, float factor) {
     const vector<float> f(-factor);
     for (std::size_t i = 0; i < count; i += lanes<float>)

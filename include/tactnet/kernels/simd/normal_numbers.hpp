@@ -9,21 +9,20 @@
 #include <cstdint>
 #include <numbers>
 
-// Standard normal numbers by the hundreds: the words of Philox in whole vectors, then Box and Muller's
-// transform.
+// Standard normal numbers by the hundreds: Philox in whole vectors, then the Box-Muller transform.
 //
-// The numbers are bit-exact with every instruction set, with and without fused multiply-adds. For that,
-// no rounded product is ever added to anything, since a compiler may fuse the two: logarithm and tangent are
-// continued fractions (Abramowitz, Stegun, Handbook of Mathematical Functions, 4.1.39 with 4.6.33, and
-// 4.3.94), whose steps are a division and a difference, and those are rounded alike everywhere.
+// The numbers are bit-identical with every instruction set, with and without fused multiply-adds. Therefore
+// no rounded product is added to anything, since a compiler may fuse the two: logarithm and tangent are
+// continued fractions (Abramowitz, Stegun, Handbook of Mathematical Functions, 4.1.39 with 4.6.33,
+// and 4.3.94), whose steps are a division and a difference, which are rounded alike everywhere.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// The normal numbers of a random stream, in groups of which each can be had by itself.
+/// The normal numbers of a random stream, in chunks that can be computed independently.
 class normal_numbers {
-    static constexpr std::size_t blocks = 16; ///< counters side by side: the most lanes that a vector has
+    static constexpr std::size_t blocks = 16; ///< counters at once: the most lanes of any vector
     static_assert(blocks % lanes<float> == 0);
     using words = std::array<std::uint32_t, blocks>;
 
@@ -33,14 +32,14 @@ public:
     explicit normal_numbers(const random_stream& random)
         : key_(random.key()), counter_(random.next_counter()) {}
 
-    /// The numbers index · chunk_size … of the stream, to aligned memory. None is beyond ±6.7.
+    /// Writes the numbers index · chunk_size … of the stream to aligned memory. They are within ±6.7.
     void chunk(std::uint32_t index, float* to) const {
         alignas(64) std::array<words, 4> random;
         philox_blocks(index * static_cast<std::uint32_t>(blocks), random);
         box_muller(random[0], random[1], to);
         box_muller(random[2], random[3], to + 2 * blocks);
     }
-    /// The first `count` numbers of the stream, one call of use(i, number) each.
+    /// Calls use(i, number) for the first `count` numbers of the stream.
     template <class Use>
     void each(std::size_t count, const Use& use) const {
         alignas(64) std::array<float, chunk_size> numbers;
@@ -53,8 +52,8 @@ public:
     }
 
 private:
-    /// philox() of runtime/random.hpp for counters one after the other, the same words. Plain loops, which
-    /// compilers turn into vectors of the products that xsimd has none for.
+    /// The same words as philox() of runtime/random.hpp for consecutive counters. Plain loops, which
+    /// compilers vectorise: xsimd has no such products.
     void philox_blocks(std::uint32_t first, std::array<words, 4>& x) const {
         for (std::size_t i = 0; i < blocks; ++i) {
             x[0][i] = counter_[0] + first + static_cast<std::uint32_t>(i);
@@ -75,11 +74,11 @@ private:
         }
     }
 
-    /// radius · cosine for each block, and then radius · sine.
+    /// Writes radius · cosine of each block, then radius · sine.
     static void box_muller(const words& for_radius, const words& for_angle, float* to) {
         using v = vector<float>;
-        // Uniform in (0, 1] as power · mantissa, with a mantissa in [√½, √2). The angle in half a turn; the
-        // other half is a radius below zero.
+        // A uniform number in (0, 1] is 2^power · mantissa, with a mantissa in [√½, √2). The angle covers
+        // half a turn; a negative radius gives the other half.
         alignas(64) std::array<float, blocks> power, mantissa, quarter_angle, sign;
         constexpr std::uint32_t root_half = tactnet::detail::bits_as<std::uint32_t>(0x1.6a09e6p-1F);
         for (std::size_t i = 0; i < blocks; ++i) {
@@ -98,7 +97,7 @@ private:
             const v logarithm = load(power.data() + i) + log2_of(load(mantissa.data() + i));
             const v radius =
                 square_root<float>(logarithm * v(-2 * std::numbers::ln2_v<float>)) * load(sign.data() + i);
-            // Of half the angle: t = x / d, then cos = (1 − t²) / (1 + t²) and sin = 2 t / (1 + t²).
+            // The tangent of half the angle is t = x / d; cos = (1 − t²) / (1 + t²) and sin = 2 t / (1 + t²).
             const v x = load(quarter_angle.data() + i);
             const v d = tangent_denominator(x * x);
             const v t_squared = (x * x) / (d * d);
@@ -107,7 +106,7 @@ private:
             store<float>(to + blocks + i, scaled * (v(2) * x / d));
         }
     }
-    /// log₂ m = 2 atanh z / ln 2 with z = (m − 1) / (m + 1), to 5·10⁻⁹ of itself and rounding.
+    /// log₂ m = 2 atanh z / ln 2 with z = (m − 1) / (m + 1), with a relative error of 5·10⁻⁹ and rounding.
     static vector<float> log2_of(const vector<float>& m) {
         using v = vector<float>;
         const v z = (m - v(1)) / (m + v(1));
@@ -115,7 +114,7 @@ private:
         return v(2 / std::numbers::ln2_v<float>) * z /
                (v(1) - t / (v(3) - v(4) * t / (v(5) - v(9) * t / v(7))));
     }
-    /// x / tan x for |x| ≤ π / 4, from x², to 2·10⁻⁸ of itself and rounding.
+    /// x / tan x for |x| ≤ π / 4, from x², with a relative error of 2·10⁻⁸ and rounding.
     static vector<float> tangent_denominator(const vector<float>& square) {
         using v = vector<float>;
         return v(1) - square / (v(3) - square / (v(5) - square / (v(7) - square / v(9))));

@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-// Vectors along the rows of images, which are neither aligned nor of whole vectors.
+// Vectors along the rows of images, which are not aligned and not a multiple of the lanes.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -27,7 +27,7 @@ template <class Vector, class T>
 [[gnu::always_inline]] inline void store_anywhere(T* to, const Vector& values) {
     values.store_unaligned(to);
 }
-/// Bytes as floats.
+/// Loads bytes and converts them to floats.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_floats(const std::uint8_t* from) {
     constexpr std::size_t size = Vector::size;
@@ -35,8 +35,8 @@ template <class Vector>
     std::memcpy(&values, from, sizeof(values));
     return Vector(__builtin_convertvector(to_int32<size>(values), float_vec<size>));
 }
-/// Kept within low … high; NaN is `low`. In the compilers' own terms, which become two instructions; as
-/// floats, since a register may say that it holds whole numbers (WebAssembly's does).
+/// Clamps to low … high; NaN becomes `low`. In compiler vectors, which give two instructions; converted to
+/// floats, since WebAssembly's register type is one of integers.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector clamp(const Vector& a, const Vector& low,
                                                          const Vector& high) {
@@ -51,22 +51,22 @@ template <class Vector>
                                                                   const Vector& no) {
     return xsimd::select(a == Vector(0), yes, no);
 }
-/// Whether all are numbers: no NaN and no infinity.
+/// Whether no lane is NaN or infinite.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline bool all_finite(const Vector& a) {
     return xsimd::all(a - a == Vector(0));
 }
-/// Towards zero; for magnitudes below 2³¹.
+/// Rounds towards zero; for magnitudes below 2³¹.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector truncate(const Vector& a) {
     return xsimd::to_float(xsimd::to_int(a));
 }
-/// Whole numbers, as such.
+/// Converts to integers, towards zero, and stores them.
 template <class Vector>
 [[gnu::always_inline]] inline void store_int32(std::int32_t* to, const Vector& a) {
     xsimd::to_int(a).store_unaligned(to);
 }
-/// The elements of even and those of odd number of two vectors that stand for one sequence.
+/// The elements with even indices and those with odd indices of a sequence of two vectors.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> deinterleave(const Vector& a,
                                                                                const Vector& b) {
@@ -76,7 +76,7 @@ template <class Vector>
     }
     (std::make_integer_sequence<int, static_cast<int>(Vector::size)>{});
 }
-/// The other way round: elements of `a` and `b` in turns.
+/// The elements of `a` and `b` in turns: the inverse of deinterleave.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 2> interleave(const Vector& a,
                                                                              const Vector& b) {
@@ -88,7 +88,7 @@ template <class Vector>
     }
     (std::make_integer_sequence<int, size>{});
 }
-/// Each element of a vector three times, as three vectors.
+/// Repeats each element three times, in three vectors.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, 3> repeat_three(const Vector& a) {
     constexpr int size = static_cast<int>(Vector::size);
@@ -110,7 +110,7 @@ template <class Vector, class T>
 inline void store_anywhere(T* to, const Vector& values) {
     *to = values.value;
 }
-/// A byte as a float.
+/// Loads a byte and converts it to a float.
 template <class Vector>
 [[nodiscard]] inline Vector load_floats(const std::uint8_t* from) {
     return static_cast<float>(*from);
@@ -150,8 +150,8 @@ template <class Vector>
 
 #endif
 
-/// Vector i of the result holds the elements i, i + Ways, i + 2 · Ways … of vectors that stand for one
-/// sequence. `Ways` is a power of two.
+/// Vector i of the result holds the elements i, i + Ways, i + 2 · Ways … of a sequence of vectors. `Ways` is
+/// a power of two.
 template <class Vector, std::size_t Ways>
 [[nodiscard]] [[gnu::always_inline]] inline std::array<Vector, Ways>
 deinterleave(const std::array<Vector, Ways>& sequence) {
@@ -170,14 +170,14 @@ deinterleave(const std::array<Vector, Ways>& sequence) {
     }
 }
 
-/// Floats, of any alignment.
+/// Loads floats with any alignment.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_floats(const float* from) {
     return load_anywhere<Vector>(from);
 }
 
-/// How many vectors cover `count` elements, and where each begins. The last one reaches back over its
-/// neighbour, so that none reaches beyond the end, unless there are fewer elements than lanes.
+/// The number of vectors that cover `count` elements, and where each begins. The last one overlaps its
+/// neighbour instead of reaching beyond the end, unless there are fewer elements than lanes.
 [[nodiscard]] constexpr std::size_t row_vectors(std::size_t count, std::size_t lanes_of_one) {
     return ceil_div(count, lanes_of_one);
 }
@@ -187,8 +187,8 @@ template <class Vector>
     return begin + lanes_of_one <= count || count < lanes_of_one ? begin : count - lanes_of_one;
 }
 
-/// Lanes for rows of `count` elements. Where one register of 64 bytes takes as long as two of 32 (it never
-/// takes longer), the halves leave less of the last one unused.
+/// The lanes for rows of `count` elements. One register of 64 bytes takes at most as long as two of 32; the
+/// narrower ones are used if they leave less of the last register unused.
 template <class T>
 [[nodiscard]] constexpr std::size_t row_lanes(std::size_t count) {
     const std::size_t width = lanes_for<T>(count);
@@ -197,7 +197,7 @@ template <class T>
     return halves ? width / 2 : width;
 }
 
-/// Stores a vector along a row of `Count` elements: all of it, or as many as there are.
+/// Stores a vector in a row of `Count` elements: all lanes, or the first `Count`.
 template <std::size_t Count, std::size_t Lanes, class Vector>
 [[gnu::always_inline]] inline void store_in_row(float* to, const Vector& values) {
     if constexpr (Count >= Lanes) {

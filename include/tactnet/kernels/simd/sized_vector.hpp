@@ -6,8 +6,8 @@
 #include <array>
 #include <cstddef>
 
-// Vectors of a chosen number of lanes. The widest register is the best one only where there is enough to fill
-// it: eight filters fit a register of eight lanes, and leave one of sixteen half empty.
+// Vectors with a chosen number of lanes. The widest register is best only if there are enough elements to
+// fill it: eight filters fill a register of eight lanes and half of one of sixteen.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -30,7 +30,7 @@ template <class Vector, class T>
 [[gnu::always_inline]] inline void store_as(T* to, const Vector& values) {
     values.store_aligned(to);
 }
-/// The larger of both; `b` where one is NaN. Not xsimd::max: GCC 12's own header warns of it.
+/// The larger of both; `b` if one is NaN. Not xsimd::max, for which GCC 12 warns in its own header.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
     return xsimd::select(a > b, a, b);
@@ -58,7 +58,7 @@ template <class Vector>
 
 #endif
 
-/// Lanes of the vectors that hold `count` values side by side: the widest that they fill, or the narrowest.
+/// The lanes of the widest vector that `count` values fill, or of the narrowest vector.
 template <class T>
 [[nodiscard]] constexpr std::size_t lanes_for(std::size_t count) {
     std::size_t width = lanes<T>;
@@ -67,7 +67,7 @@ template <class T>
     return width;
 }
 
-/// start + the lanes of a vector, from the first to the last. `Lanes` are those of `Vector`.
+/// start + the lanes of a vector, added from the first to the last.
 template <class T, std::size_t Lanes, class Sum = T, class Vector>
 [[nodiscard]] inline Sum add_lanes(const Vector& values, Sum start = Sum{}) {
     alignas(alignment) std::array<T, Lanes> flat;
@@ -76,7 +76,7 @@ template <class T, std::size_t Lanes, class Sum = T, class Vector>
         start += static_cast<Sum>(lane);
     return start;
 }
-/// totals[i] += lane i, in double.
+/// totals[i] += lane i.
 template <class T>
 inline void add_each_lane(double* totals, const vector<T>& values) {
     alignas(alignment) std::array<T, lanes<T>> flat;
@@ -85,7 +85,7 @@ inline void add_each_lane(double* totals, const vector<T>& values) {
         totals[lane] += static_cast<double>(flat[lane]);
 }
 
-/// Rows × columns × vectors of accumulators that stay in registers.
+/// Accumulators that stay in registers.
 template <class Vector, std::size_t Pixels, std::size_t Vectors>
 using register_block = std::array<std::array<Vector, Vectors>, Pixels>;
 

@@ -5,15 +5,15 @@
 #include <array>
 #include <cstddef>
 
-// Winograd's convolutions in one dimension (Winograd, 1980; Lavin and Gray, 2016): M outputs of a kernel of K
-// numbers take M + K − 1 products instead of M K. With d the input, g the kernel, y the outputs:
-// y = Aᵀ [(G g) ∘ (Bᵀ d)]. Tiles in two dimensions have one such line for rows and one for columns, which may
-// have other sizes.
+// The transforms of Winograd convolution in one dimension (Winograd, 1980; Lavin and Gray, 2016): M outputs
+// of a kernel of K taps take N = M + K − 1 products instead of M K. With the input d, the kernel g and the
+// outputs y: y = Aᵀ [(G g) ∘ (Bᵀ d)]. A tile in two dimensions applies one transform to its rows and one to
+// its columns, which may have different sizes.
 //
-// A line of N products stands for the values of polynomials at N − 1 points and at infinity. B depends on N
-// alone; row j of G holds the powers of point j times a factor, column j of A the powers of point j. The last
-// row of G and the last column of A, of infinity, are 0 but for their last number: 1 in G, and in A −1 for N
-// = 3 and 4, 1 for 5 and 6.
+// The N products are the values of polynomials at N − 1 points and at infinity. B depends on N alone; row j
+// of G holds the powers of point j times a factor, column j of A the powers of point j. The last row of G and
+// the last column of A, for infinity, are 0 except for their last element: 1 in G; in A −1 for N = 3 and 4, 1
+// for 5 and 6.
 //
 //   N   points                    M, K              factors of G
 //   3   0, 1                      2, 2              1, 1
@@ -21,8 +21,8 @@
 //   5   ±√½, ±√2                  3, 3 and 4, 2     ∓√2/3, ±√2/6
 //   6   0, ±√½, ±√2               4, 3 and 5, 2     1, −2/3, −2/3, 1/6, 1/6
 //
-// Points ±√½ and ±√2 instead of whole numbers keep factors small, and errors become a fifth (Barabasz et al.,
-// "Error analysis and improving the accuracy of Winograd convolution", 2020, on the choice of points).
+// The points ±√½ and ±√2 instead of integers keep the factors small and reduce errors to a fifth (Barabasz et
+// al., "Error analysis and improving the accuracy of Winograd convolution", 2020, on the choice of points).
 //
 // clang-format off
 //   N = 3:  Bᵀ = 1 −1  0     N = 4:  Bᵀ = 1  0 −1  0     N = 5:  Bᵀ = −√2  −2   √2/2  1  0
@@ -30,7 +30,7 @@
 //                0  1 −1                  0 −1  1  0                 −√2/2 −½    √2   1  0
 //                                         0  1  0 −1                  √2/2 −½   −√2   1  0
 //                                                                      1    0  −5/2   0  1
-//   N = 6:  the first four rows of N = 5 one place to the right, between 1 0 −5/2 0 1 0 and 0 1 0 −5/2 0 1.
+//   N = 6:  the first four rows of N = 5 shifted right by one, between 1 0 −5/2 0 1 0 and 0 1 0 −5/2 0 1.
 // clang-format on
 
 namespace tactnet {
@@ -39,7 +39,6 @@ namespace kernels::detail {
 
 inline constexpr double root_of_two = 1.41421356237309504880;
 
-/// A number in all lanes.
 template <class Vector>
 [[gnu::always_inline]] inline Vector broadcast(double number) {
     return Vector(static_cast<typename Vector::value_type>(number));
@@ -54,7 +53,7 @@ template <class Vector>
     return fused_multiply_add(broadcast<Vector>(factor), x, y);
 }
 
-/// Bᵀ times a column of d, or a row of d times B.
+/// The input transform: Bᵀ times a column of d, or a row of d times B.
 template <class Vector, std::size_t N>
 [[gnu::always_inline]] inline std::array<Vector, N> tile_input_line(const std::array<Vector, N>& d) {
     static_assert(N >= 3 && N <= 6);
@@ -63,7 +62,7 @@ template <class Vector, std::size_t N>
     } else if constexpr (N == 4) {
         return {d[0] - d[2], d[1] + d[2], d[2] - d[1], d[1] - d[3]};
     } else {
-        // No array in between: GCC 12 would copy it through memory by other vectors than those it holds.
+        // No array of temporaries: GCC 12 would copy it through memory, in vectors of another width.
         constexpr std::size_t first = N - 5;
         const auto half_root = broadcast<Vector>(root_of_two / 2);
         const Vector &d0 = d[first], &d1 = d[first + 1], &d2 = d[first + 2], &d3 = d[first + 3];
@@ -83,7 +82,7 @@ template <class Vector, std::size_t N>
     }
 }
 
-/// Aᵀ times a column of products, or a row of them times A.
+/// The output transform: Aᵀ times a column of products, or a row of products times A.
 template <std::size_t Outputs, class Vector, std::size_t N>
 [[gnu::always_inline]] inline std::array<Vector, Outputs> tile_output_line(const std::array<Vector, N>& m) {
     std::array<Vector, Outputs> y;
@@ -117,8 +116,8 @@ template <std::size_t Outputs, class Vector, std::size_t N>
     return y;
 }
 
-/// A times a column of the outputs' gradient, or a row of it times Aᵀ: what tile_output_line does, the other
-/// way.
+/// The transform of the output gradient, the transpose of tile_output_line: A times a column, or a row times
+/// Aᵀ.
 template <std::size_t N, class Vector, std::size_t Outputs>
 [[gnu::always_inline]] inline std::array<Vector, N> tile_gradient_line(const std::array<Vector, Outputs>& y) {
     const auto none = broadcast<Vector>(0);
@@ -131,7 +130,7 @@ template <std::size_t N, class Vector, std::size_t Outputs>
         return {y[0], even + y[1], even - y[1], none - y[Outputs - 1]};
     } else {
         static_assert(Outputs >= 3 && Outputs < N);
-        // Powers of √½ and √2: what they make of y₀ + y₂ x² + y₄ x⁴ and of y₁ + y₃ x², which x multiplies.
+        // The even part y₀ + y₂ x² + y₄ x⁴ and the odd part y₁ + y₃ x², to be multiplied by x, at √½ and √2.
         Vector even1 = times_and(0.5, y[2], y[0]), even2 = times_and(2, y[2], y[0]);
         if constexpr (Outputs > 4) {
             even1 = times_and(0.25, y[4], even1);
@@ -152,7 +151,7 @@ template <std::size_t N, class Vector, std::size_t Outputs>
     }
 }
 
-/// store(row, column, element) of Bᵀ d B, with d of so many rows and columns by load(row, column).
+/// Calls store(row, column, element) for each element of Bᵀ d B; load(row, column) returns the elements of d.
 template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class Store>
 [[gnu::always_inline]] inline void transform_tile_input(Load&& load, Store&& store) {
     std::array<std::array<Vector, Columns>, Rows> d;
@@ -176,8 +175,8 @@ template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class
     }
 }
 
-/// G times the numbers of a kernel, in double: plain numbers, or one kernel in each lane. All at once:
-/// compilers count the steps of what they compute.
+/// The kernel transform: G times the taps of a kernel, in double; scalars, or one kernel per lane. Without
+/// loops, since compilers limit the steps of a constant evaluation.
 template <std::size_t N, class Number, std::size_t Kernel>
 [[nodiscard]] constexpr std::array<Number, N> tile_kernel_line(const std::array<Number, Kernel>& g) {
     static_assert(Kernel == 2 || Kernel == 3);
@@ -194,14 +193,15 @@ template <std::size_t N, class Number, std::size_t Kernel>
         if constexpr (N == 6) {
             const Number sixth(1.0 / 6), less(-1.0 / 3);
             return {g[0], less * near1, less * near2, sixth * far1, sixth * far2, last};
-        } else { // the products of differences of points: ∓3 √½ and ±3 √2
+        } else { // the products of the differences of points are ∓3 √½ and ±3 √2
             const Number factor(1 / (3 * root_of_two)), less(-1 / (3 * root_of_two));
             return {less * near1, factor * near2, factor * far1, less * far2, last};
         }
     }
 }
 
-/// Gᵀ times a column of sums, or a row of them times G: what tile_kernel_line does, the other way.
+/// The transform of weight gradients, the transpose of tile_kernel_line: Gᵀ times a column of sums, or a row
+/// times G.
 template <std::size_t Kernel, class Number, std::size_t N>
 [[nodiscard]] [[gnu::always_inline]] inline std::array<Number, Kernel>
 tile_weight_line(const std::array<Number, N>& t) {
@@ -215,11 +215,11 @@ tile_weight_line(const std::array<Number, N>& t) {
         g[1] = half * (t[1] - t[2]);
         g[Kernel - 1] = (Kernel == 3 ? sum : g[1]) + t[3];
     } else {
-        // Sums and differences of what belongs to the points ±√½ and ±√2, before their factors.
+        // Sums and differences of the values at ±√½ and at ±√2, before their factors.
         constexpr std::size_t first = N - 5;
         const Number near_sum = t[first] + t[first + 1], near_less = t[first] - t[first + 1],
                      far_sum = t[first + 2] + t[first + 3], far_less = t[first + 2] - t[first + 3];
-        // The factors of N = 6 are alike for both signs, those of N = 5 opposite.
+        // For N = 6 the factors of both signs are equal, for N = 5 opposite.
         const Number &near_even = N == 6 ? near_sum : near_less, &near_odd = N == 6 ? near_less : near_sum,
                      &far_even = N == 6 ? far_sum : far_less, &far_odd = N == 6 ? far_less : far_sum;
         constexpr double near = N == 6 ? -1.0 / 3 : -1 / (3 * root_of_two),

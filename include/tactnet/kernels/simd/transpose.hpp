@@ -14,8 +14,8 @@ namespace kernels {
 
 namespace detail {
 
-/// One pair of rows of a step of transpose: exchanges the lanes of `a` whose number has the bit `Distance`
-/// with those of `b` that have not.
+/// One step for a pair of rows: exchanges the lanes of `a` whose index has the bit `Distance` with the lanes
+/// of `b` whose index has not.
 template <std::size_t Distance, class Vector, std::size_t... I>
 [[gnu::always_inline]] inline void exchange_lanes(Vector& a, Vector& b, std::index_sequence<I...>) {
     constexpr std::size_t count = sizeof...(I);
@@ -37,9 +37,8 @@ template <std::size_t Distance, class Vector, std::size_t Count>
 
 } // namespace detail
 
-/// to[i][j] = from[j][i] of a square with as many rows and columns as a vector has lanes; from one row to the
-/// next it is a stride, in elements. In registers: blocks beside the diagonal are exchanged, of 1 × 1, 2 × 2
-/// and so on.
+/// Transposes a square of `lanes<T>` rows and columns, to[i][j] = from[j][i]; strides are in elements from
+/// one row to the next. In registers: off-diagonal blocks of 1 × 1, 2 × 2 and so on are exchanged.
 template <class T>
 [[gnu::always_inline]] inline void transpose(const T* from, std::size_t from_stride, T* to,
                                              std::size_t to_stride) {

@@ -6,22 +6,22 @@
 #include <type_traits>
 #include <utility>
 
-// Loops over registers must be written out, or what should stay in registers lies in memory. Where the body
-// is the same for every number, that is a plain loop with constant bounds behind `#pragma GCC unroll 64`: the
-// compiler writes it out late, which takes a third of the time that a lambda for each number takes, and gives
-// the same machine code from -O2 on. `unroll` is for what needs the number as a constant: types, template
-// arguments, `if constexpr`. The bound of a loop behind the pragma must be a variable, not a call, or GCC 12
-// ignores the pragma; beyond 64 steps it stays a loop, right but slow.
+// Loops over registers must be unrolled, or arrays of registers are kept in memory. If the body is the same
+// for each index, use a plain loop with constant bounds after `#pragma GCC unroll 64`: the compiler unrolls
+// it late, in a third of the compile time of a lambda per index, to the same machine code from -O2 on.
+// `unroll` is for indices that must be constants: types, template arguments, `if constexpr`. The bound of a
+// loop after the pragma must be a variable, not a call, or GCC 12 ignores the pragma; more than 64 steps stay
+// a loop, correct but slow.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// A number as a type, so that a lambda's argument can be a constant.
+/// A number as a type, so that a lambda's argument is a constant.
 template <std::size_t N>
 using constant = std::integral_constant<std::size_t, N>;
 
-/// body(constant<0>{}), …, body(constant<Count - 1>{}), written out by the compiler.
+/// Calls body(constant<0>{}), …, body(constant<Count - 1>{}), unrolled.
 template <std::size_t Count, class Body>
 [[gnu::always_inline]] inline constexpr void unroll(Body&& body) {
     [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
@@ -30,8 +30,8 @@ template <std::size_t Count, class Body>
     (std::make_index_sequence<Count>{});
 }
 
-/// Splits `Total` into blocks of `Block` and one smaller rest: body(constant<size>{}, first), where the size
-/// is a constant and the first element is not.
+/// Splits `Total` into blocks of `Block` and one smaller rest. Calls body(constant<size>{}, first) for each;
+/// `first` is no constant.
 template <std::size_t Total, std::size_t Block, class Body>
 [[gnu::always_inline]] inline constexpr void blocked(Body&& body) {
     for (std::size_t first = 0; first + Block <= Total; first += Block)

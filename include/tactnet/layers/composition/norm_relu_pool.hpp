@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/normalised_pooling.hpp>
+#include <tactnet/kernels/batch/normalisation.hpp>
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/max_pool.hpp>
 

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/batch/normalised_pooling.hpp>
+#include <tactnet/kernels/batch/normalisation.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

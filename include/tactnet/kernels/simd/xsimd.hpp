@@ -1,0 +1,91 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cmath>
+#include <concepts>
+
+#ifndef TACTNET_NO_SIMD
+// GCC 12 warns about its own AVX-512 intrinsics, which start from an undefined register on purpose (its bug
+// 105593), even in system headers, since it looks at the place where they are inlined. One place on the way
+// that ignores the warning is enough.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+#include <xsimd/xsimd.hpp>
+#if XSIMD_VERSION_MAJOR < 8 || (XSIMD_VERSION_MAJOR == 8 && XSIMD_VERSION_MINOR < 1)
+#error "tactnet needs xsimd 8.1 or newer; without vector instructions, define TACTNET_NO_SIMD"
+#endif
+#if defined(__wasm_simd128__) &&                                                                             \
+    (XSIMD_VERSION_MAJOR < 11 || (XSIMD_VERSION_MAJOR == 11 && XSIMD_VERSION_MINOR < 2))
+#error "tactnet needs xsimd 11.2 or newer for WebAssembly, or TACTNET_NO_SIMD defined"
+#endif
+#endif
+
+// xsimd, and the fused multiply-add that it lacks in old versions.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+namespace kernels {
+
+/// a · b + c, rounded once if the instruction set can, at any optimisation level.
+template <std::floating_point T>
+[[nodiscard]] inline T fused_multiply_add(const T& a, const T& b, const T& c) {
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+    return std::fma(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
+
+#ifndef TACTNET_NO_SIMD
+
+namespace detail {
+#ifdef __FMA__
+// The processor's instruction for each register. xsimd 8 lacks it for some: whether a product is rounded
+// would then depend on the compiler and the optimisation level.
+[[nodiscard]] [[gnu::always_inline]] inline __m128 fused(__m128 a, __m128 b, __m128 c) {
+    return _mm_fmadd_ps(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m128d fused(__m128d a, __m128d b, __m128d c) {
+    return _mm_fmadd_pd(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m256 fused(__m256 a, __m256 b, __m256 c) {
+    return _mm256_fmadd_ps(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m256d fused(__m256d a, __m256d b, __m256d c) {
+    return _mm256_fmadd_pd(a, b, c);
+}
+#ifdef __AVX512F__
+[[nodiscard]] [[gnu::always_inline]] inline __m512 fused(__m512 a, __m512 b, __m512 c) {
+    return _mm512_fmadd_ps(a, b, c);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m512d fused(__m512d a, __m512d b, __m512d c) {
+    return _mm512_fmadd_pd(a, b, c);
+}
+#endif
+#endif
+} // namespace detail
+
+/// a · b + c of vectors of any width, rounded once if the instruction set can.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector fused_multiply_add(const Vector& a, const Vector& b,
+                                                                      const Vector& c) {
+#ifdef __FMA__
+    return Vector(detail::fused(a.data, b.data, c.data));
+#else
+    return xsimd::fma(a, b, c);
+#endif
+}
+
+#endif
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
+
+#if !defined(TACTNET_NO_SIMD) && defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
