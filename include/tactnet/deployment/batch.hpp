@@ -16,13 +16,13 @@
 #include <stdexcept>
 #include <string>
 
-// Many frames through a deployed network, on all threads of a pool: each with the bits that it has alone.
+// Inference of many frames on all threads of a pool. The bits are those of each frame alone.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Memory for calls with many frames. It grows to what a call needs and is kept for the next, of any network.
-/// It serves one call at a time.
+/// A grow-only buffer for calls with many frames. Keep it from call to call, of any network, so that only the
+/// first call allocates. It serves one call at a time.
 class batch_workspace {
 public:
     batch_workspace() = default;
@@ -30,8 +30,8 @@ public:
     batch_workspace& operator=(const batch_workspace&) = delete;
     ~batch_workspace() { release(); }
 
-    /// Room for so many elements, aligned to `alignment`. Not written to: pages that no call touches cost
-    /// nothing.
+    /// Memory for `elements` elements, aligned to `alignment` and not initialised: pages that no call touches
+    /// cost nothing.
     template <class T>
     [[nodiscard]] T* hold(std::size_t elements) {
         const std::size_t bytes = elements * sizeof(T);
@@ -53,29 +53,29 @@ private:
 
 namespace detail {
 
-/// How many frames pass a network. `View` is a deployed_view.
+/// Runs frames through a deployed_view, a few at a time.
 template <class View>
 struct batch_inference {
     using activation = typename View::activation;
     using frames_type = frames_ref<View::input_shape>;
     static constexpr std::size_t pixels = View::input_shape.size(), outputs = View::outputs;
 
-    /// Frames of a large network that pass together at most, beyond one for each thread. Weights are read
-    /// once for all of them, but their maps drive each other out of the caches: so many that the weights'
-    /// share of a frame takes no more than its maps do, and no more than 16.
+    /// Frames at a time through a large network, if there are not more threads. Weights are read once for all
+    /// of them, but their maps evict each other from the caches. Hence the weights divided by the workspace
+    /// of a frame, from 1 to 16.
     static constexpr std::size_t most_on_all_threads = std::clamp<std::size_t>(
         (View::weight_bytes + View::workspace_bytes - 1) / View::workspace_bytes, 1, 16);
-    /// Frames of a smaller one that pass together on one thread, layer by layer, so that weights which are
-    /// read for each frame by itself come from nearer, or once for all of them: up to four, whose memory fits
-    /// the stack. A quarter of a megabyte of it, which threads have on most systems and which stays in a
-    /// second level of cache; more only where the weights outgrow that level.
+    /// Bytes of stack for a smaller network. Threads have a quarter of a megabyte on most systems, and that
+    /// stays in the second level of cache. More pays only if the weights outgrow that level.
     static constexpr std::size_t most_memory =
         View::weight_bytes > kernels::l2_cache_bytes ? View::most_on_stack : std::size_t{256} * 1024;
+    /// Frames at a time through a smaller network on each thread, layer by layer: weights then come from a
+    /// nearer cache, or are read once for all frames.
     static constexpr std::size_t on_one_thread =
         std::clamp<std::size_t>(most_memory / (View::workspace_elements * sizeof(activation)), 1, 4);
     static constexpr bool on_stack = View::workspace_bytes <= View::most_on_stack;
 
-    /// `status` is null, or has one element per frame, of which those of broken frames are written. Throws
+    /// `status` is null, or has one element per frame; those of broken frames become not_finite. Throws
     /// std::invalid_argument unless there is a row of outputs for each frame.
     static frame_status run(const View& view, const frames_type& frames, std::span<float> to,
                             thread_pool& pool, batch_workspace& memory, frame_status* status = nullptr) {

@@ -27,8 +27,8 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// `require<View>(folded)` throws std::invalid_argument for finite numbers that a format cannot have. That of
-/// 8 bits stands in deployment/eight_bit/folded_check.hpp.
+/// `require<View>(folded)` throws std::invalid_argument for finite numbers that a format cannot hold. 8 bits
+/// specialise it in deployment/eight_bit.
 template <class Format>
 struct folded_check;
 template <>
@@ -39,14 +39,14 @@ struct folded_check<single_precision> {
 
 } // namespace detail
 
-/// A deployed network that keeps its weights, packed, on the heap: calls use none. May be copied and moved.
+/// A deployed network, which keeps its packed weights on the heap. Copyable and movable.
 ///
 ///     const auto network = deploy(model);
 ///     if (const auto found = network.classify(frame)) // index, probability and name
 ///         show(found->name);
 ///
-/// Calls with one frame are `const` and `noexcept` and may come from any number of threads. Their last
-/// argument may be a `workspace`; without, workspace_bytes lie on the stack.
+/// Calls with one frame use no heap, are `noexcept`, and any number of threads may call the same object.
+/// Their last argument may be a `workspace`; otherwise they take workspace_bytes of the stack.
 template <class Network, class Format = single_precision>
 class deployed : detail::refused_calls<Network::input_shape, Network::outputs> {
     using plan = lowered_network<Network, Format>;
@@ -87,8 +87,8 @@ public:
         : deployed(trained.network, trained.normalise.mean.view().elements(), trained.normalise.scale) {
         set_classes(trained.classes);
     }
-    /// From the numbers before packing, as folded() gives them. Throws std::invalid_argument if one is NaN or
-    /// infinite, or is none that the number format can have there.
+    /// From folded numbers, as folded() returns them. Throws std::invalid_argument if one is NaN or infinite,
+    /// or if the number format cannot hold it.
     explicit deployed(std::span<const float, view_type::folded_elements> folded)
         : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
         for (std::size_t i = 0; i < folded.size(); ++i) {
@@ -110,7 +110,7 @@ public:
                                         std::to_string(names.size()) + " names");
         classes_ = std::move(names);
     }
-    /// Empty if the classes have no names.
+    /// The names of the classes; empty if they have none.
     [[nodiscard]] std::span<const std::string> classes() const& noexcept { return classes_; }
     std::span<const std::string> classes() const&& = delete;
     /// How many of the outputs stand for a class: the first ones, as many as there are names; all without
@@ -119,7 +119,7 @@ public:
         return classes_.empty() ? outputs : classes_.size();
     }
 
-    /// A view of these weights, which must outlive it.
+    /// A view of these weights, which must outlive the view.
     [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data(), class_count()); }
     view_type view() const&& = delete;
     operator view_type() const& noexcept { return view(); }
@@ -150,13 +150,14 @@ public:
         return named(view().classify(frame));
     }
 
-    /// Writes the outputs of many frames, one row each, on all threads of a pool. The bits are those of each
-    /// frame alone. `not_finite` if one of the frames is broken. A small network takes them one after the
-    /// other on each thread, or a few together if its weights outgrow the second level of cache; through a
-    /// large one, frames pass together, so that weights are read once for all of them, and all threads share
-    /// each layer, for a single frame too. Throws std::invalid_argument unless there is a row of outputs for
-    /// each frame. A network whose workspace does not fit the stack uses the heap, unless `memory` is kept
-    /// from call to call.
+    /// Writes the outputs of many frames, one row per frame, on all threads of a pool. The bits are those of
+    /// each frame alone. Returns `not_finite` if one of the frames is broken. Throws std::invalid_argument
+    /// unless there is a row of outputs for each frame.
+    ///
+    /// A small network takes one frame after the other on each thread, or a few at a time if its weights
+    /// exceed the second level of cache. A large one runs layer by layer over several frames, with all
+    /// threads on each layer, for a single frame too. If the workspace exceeds the stack, it is taken from
+    /// the heap, unless you keep `memory` from call to call.
     frame_status infer(const frames_ref<input_shape>& frames, std::span<float> to, thread_pool& pool,
                        batch_workspace& memory) const {
         return detail::batch_inference<view_type>::run(view(), frames, to, pool, memory);
@@ -165,8 +166,8 @@ public:
         batch_workspace memory;
         return infer(frames, to, pool, memory);
     }
-    /// The classes that many frames most likely show. Throws std::invalid_argument unless there are whole
-    /// frames.
+    /// Returns the class that each frame most likely shows, or std::nullopt for a broken one. Throws
+    /// std::invalid_argument if a frame is cut short.
     [[nodiscard]] std::vector<std::optional<recognition>>
     classify(const frames_ref<input_shape>& frames, thread_pool& pool, batch_workspace& memory) const& {
         std::vector<float> found(frames.size() * outputs);
@@ -184,17 +185,17 @@ public:
         batch_workspace memory;
         return classify(frames, pool, memory);
     }
-    /// The names would be gone with the temporary.
+    /// The names of a temporary would not outlive the call.
     template <class... Arguments>
     std::optional<recognition> classify(Arguments&&...) const&& = delete;
 
 private:
     static constexpr float largest_parameter = 1e30f;
 
-    /// The largest magnitude of the input, a power of ten, with which no sum can overflow, whatever the
-    /// signs. The factors of a tile's lines add up to 13.8 for one weight, 189 in two directions: hence the
-    /// 256. For a network so deep that this bound would refuse counts of 8 bits it says nothing: then
-    /// only NaN and infinity are told.
+    /// Sets the largest magnitude of the input, a power of ten, with which no sum can overflow, whatever the
+    /// signs. The factors of a Winograd tile add up to 13.8 for one weight, 189 in two directions: hence the
+    /// 256. If that bound would reject counts of 8 bits, as in a very deep network, only NaN and infinity are
+    /// rejected.
     void set_limit() {
         constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) / 256;
         double largest = 1e36, needed = 0;
@@ -228,10 +229,10 @@ template <class Network>
 deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale = 1) {
     return deployed<Network>(network, mean, scale);
 }
-/// For inputs that are taken as they are.
+/// As above, for inputs without normalisation.
 template <class Network>
 [[nodiscard]] deployed<Network> deploy(const Network& network) {
-    // Not on the stack: the photographs of large networks take more than half a megabyte.
+    // On the heap: the photographs of large networks take more than half a megabyte.
     const std::vector<float> zero(Network::input_shape.size());
     return deployed<Network>(network, std::span(zero).template first<Network::input_shape.size()>(), 1);
 }

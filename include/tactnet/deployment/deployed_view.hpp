@@ -19,7 +19,7 @@
 #include <span>
 #include <type_traits>
 
-// The part of deployment that a target without files, exceptions and run-time type information needs.
+// The part of deployment that works without files, exceptions and run-time type information.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -80,16 +80,16 @@ struct output_stage<single_precision, Output, Stride> {
 template <std::size_t Needed, std::size_t AtMost>
 concept fits_stack = (Needed <= AtMost);
 
-/// The fastest form of a trained network, over packed weights that someone else keeps (in a `deployed`, or in
-/// a constant of the program). Copies are cheap. A call reads and writes nothing but its arguments, so any
-/// number of threads may call the same object. No heap, no exceptions, no branch on the instruction set.
+/// A deployed network over packed weights that a `deployed` or a constant of the program keeps. Copies are
+/// cheap. A call reads and writes nothing but its arguments, so any number of threads may call the same
+/// object. It uses no heap, no exceptions and no branch on the instruction set.
 ///
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
 class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
     static_assert(
         detail::fills_map<Steps>,
-        "deployed_view: the last step writes among the channels of a wider map, which nobody reads");
+        "deployed_view: the last step writes only some channels of a wider map, which no step reads");
     using format = typename Steps::format;
     using packed_number = typename format::packed;
     using input = input_stage<format, Input>;
@@ -97,34 +97,34 @@ class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
 
 public:
     using steps = Steps;
-    using activation = typename format::activation; ///< what maps between layers hold
+    using activation = typename format::activation; ///< an element of the maps between layers
     static constexpr shape input_shape = Input, output_shape = Steps::output;
     static constexpr std::size_t outputs = output_shape.size();
 
-    /// The mean image, the scale of the input and its largest magnitude (see `not_finite`), then what remains
-    /// of the parameters once batch norms are folded in: the same on every machine.
+    /// Folded numbers are the mean image, the scale of the input and its largest magnitude (see
+    /// `not_finite`), then the parameters once batch norms are folded in. They are the same on every machine.
     static constexpr std::size_t steps_folded = input::folded, folded_elements = steps_folded + Steps::folded;
-    /// The same in the order of use, for one instruction set.
+    /// Packed weights are the folded numbers in the order of use, for one instruction set.
     static constexpr std::size_t packed_elements = input::packed + Steps::packed;
     static constexpr std::size_t weight_bytes = packed_elements * sizeof(packed_number);
 
-    /// Elements of memory for each of the frames or threads, whichever are more, of infer_batch.
+    /// Elements of a workspace, of which infer_batch needs one for each frame or thread, whichever are more.
     static constexpr std::size_t workspace_elements = input::map + output::map + Steps::workspace_elements;
-    /// Memory for one call, on the stack or wherever the caller likes. Nothing in it outlives the call.
+    /// Memory for one call. Nothing in it outlives the call.
     struct workspace {
         alignas(alignment) std::array<activation, workspace_elements> elements;
     };
     static constexpr std::size_t workspace_bytes = sizeof(workspace);
-    /// Networks that need more take their workspace from the caller: stacks end at a few megabytes.
+    /// A call allocates no larger workspace on the stack: pass one from the heap.
     static constexpr std::size_t most_on_stack = std::size_t{1} << 20;
-    /// Whether layer-wise batching pays, and all threads should share one frame.
+    /// Whether to prefer layer-wise batching, and all threads for one frame.
     static constexpr bool large = Steps::large;
 
-    /// Packed weights as a value, for constants of a program.
+    /// Packed weights as a value, for a constant of a program.
     struct packed_weights {
         alignas(alignment) std::array<packed_number, packed_elements> elements{};
     };
-    /// `folded` holds folded_elements numbers, `packed` packed_elements zeros. Usable when compiling.
+    /// Packs folded_elements numbers. `packed` holds packed_elements zeros.
     static constexpr void pack(const float* folded, packed_number* packed) {
         input::pack(folded, packed);
         Steps::pack(folded + input::folded, packed + input::packed);
@@ -141,6 +141,8 @@ public:
         : packed_(packed), classes_(classes) {}
     constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs) noexcept
         : deployed_view(weights.elements.data(), classes) {}
+    explicit deployed_view(const packed_weights&&,
+                           std::size_t = outputs) = delete; // they must outlive the view
 
     using detail::refused_calls<Input, outputs>::infer;
     using detail::refused_calls<Input, outputs>::classify;
@@ -154,25 +156,26 @@ public:
         Steps::run(packed_ + input::packed, in, out, out + output::map);
         return output::write(out, to) && usual ? frame_status::ok : frame_status::not_finite;
     }
-    /// With a workspace on the stack.
+    /// As above, with a workspace on the stack.
     frame_status infer(frame_ref<Input> frame, std::span<float, outputs> to) const noexcept {
         check_stack();
         workspace memory;
         return infer(frame, to, memory);
     }
-    /// The class that a frame most likely shows, without its name. std::nullopt if the frame or its outputs
-    /// are not finite.
+    /// Returns the class that a frame most likely shows, without its name, or std::nullopt if the frame or
+    /// its outputs are not finite.
     [[nodiscard]] std::optional<recognition> classify(frame_ref<Input> frame,
                                                       workspace& memory) const noexcept {
         std::array<float, outputs> found;
         return infer(frame, found, memory) == frame_status::ok ? classify_outputs(found) : std::nullopt;
     }
+    /// As above, with a workspace on the stack.
     [[nodiscard]] std::optional<recognition> classify(frame_ref<Input> frame) const noexcept {
         check_stack();
         workspace memory;
         return classify(frame, memory);
     }
-    /// The class that the outputs of a frame name.
+    /// Returns the class that the outputs of a frame name.
     [[nodiscard]] std::optional<recognition>
     classify_outputs(std::span<const float, outputs> found) const noexcept {
         if constexpr (detail::gives_probabilities<Steps>)
@@ -180,12 +183,13 @@ public:
         else
             return classify_logits(found, classes_);
     }
-    /// How many of the outputs stand for a class: the first ones.
+    /// How many outputs stand for a class: the first ones.
     [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
 
-    /// All frames together, layer by layer, on all threads of the executor (steps/batch_executor.hpp).
-    /// `memory` holds workspace_elements for each of executor.copies(). `status` is null, or has one element
-    /// per frame, of which those of broken frames are written. The bits are those of each frame alone.
+    /// Runs the network layer by layer over executor.frames frames, of `frames` from `first` on
+    /// (steps/batch_executor.hpp). `memory` holds workspace_elements for each of executor.copies(). `status`
+    /// is null, or has one element per frame; those of broken frames become not_finite. The bits are those of
+    /// each frame alone.
     template <class Executor>
     frame_status infer_batch(const frames_ref<Input>& frames, std::size_t first, float* to,
                              activation* memory, const Executor& executor, frame_status* status) const {

@@ -88,8 +88,10 @@ inline constexpr bool is_view<tensor_view<T, Shape>> = true;
 
 /// A contiguous container of bytes, of floats, or of frames that lie in it.
 template <class Frames, shape Shape, class Element = std::remove_cv_t<element_of<const Frames>>>
-concept frames_of = requires(const Frames& frames) { frames.size(); } &&
-    (is_count_or_float<Element> || (frame_of<Element, Shape> && !is_view<Element>));
+concept frames_of = requires(const Frames& frames) {
+    frames.size();
+}
+&&(is_count_or_float<Element> || (frame_of<Element, Shape> && !is_view<Element>));
 
 } // namespace detail
 
@@ -124,8 +126,8 @@ template <shape Shape>
 class frames_ref {
 public:
     template <class Frames>
-        requires detail::frames_of<Frames, Shape>
-    frames_ref(const Frames& frames) noexcept : first_(frames.data()) {
+        requires detail::frames_of<Frames, Shape> frames_ref(const Frames& frames)
+    noexcept : first_(frames.data()) {
         using value = std::remove_cv_t<detail::element_of<const Frames>>;
         if constexpr (detail::is_count_or_float<value>) {
             counts_ = std::is_same_v<value, std::uint8_t>;

@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <utility>
 
-// What the compiler says of a call that a deployed network does not take: one sentence with what was expected
-// and found, in place of a list of all the calls that it was not.
+// The errors for calls that a deployed network does not take: one sentence with what was expected and found,
+// in place of a list of all overloads.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -61,9 +61,9 @@ void refuse_frame() {
     constexpr shape found = shape_of<plain>;
     if constexpr (requires(const plain& frame) { frame.template as<Input>(); })
         static_assert(std::is_void_v<Frame>,
-                      "deployed: the size of this frame is known when running only: compare it by "
-                      "frame.as<network::input_shape>(), which is nothing if it is another, and give what "
-                      "that holds");
+                      "deployed: the size of this frame is known at run time only: check it with "
+                      "frame.as<network::input_shape>(), which returns nothing for another size, and pass "
+                      "what that holds");
     else if constexpr (!frame_has_type<element>)
         refuse_type<element>();
     else if constexpr (found != shape{0, 0, 0})
@@ -72,9 +72,9 @@ void refuse_frame() {
         refuse_size<elements_of<plain>, Input.size()>();
     else
         static_assert(std::is_void_v<Frame>,
-                      "deployed: the type of this frame does not tell its size: compare it by "
-                      "try_view<network::input_shape>(frame), which is nothing if it is another, and give "
-                      "what that holds");
+                      "deployed: the size of this frame is known at run time only: check it with "
+                      "try_view<network::input_shape>(frame), which returns nothing for another size, and "
+                      "pass what that holds");
 }
 
 template <class Found>
@@ -101,8 +101,8 @@ void refuse_outputs() {
         refuse_number_of_outputs<elements_of<plain>, Expected>();
     else
         static_assert(std::is_void_v<Outputs>,
-                      "deployed: the type of these outputs does not tell their number: compare it, then name "
-                      "it, as in std::span<float, network::outputs>(outputs)");
+                      "deployed: the number of these outputs is known at run time only: check it, then pass "
+                      "std::span<float, network::outputs>(outputs)");
 }
 
 /// The error about frames for a pool.

@@ -13,8 +13,8 @@
 #include <type_traits>
 #include <utility>
 
-// Logits and other runs of numbers: what this library takes as a std::span is in Eigen a vector, or a matrix
-// with a row for each frame.
+// Logits, parameters and other sequences of numbers. Where this library takes a std::span, Eigen has a
+// vector, or a matrix with a row for each frame.
 //
 //     Eigen::Vector<float, 22> logits;
 //     network.infer(frame, view_elements(logits));
@@ -41,8 +41,8 @@ constexpr void check_elements() {
 
 } // namespace detail
 
-/// The coefficients of a vector or of a matrix stored row by row, without a copy; the matrix must outlive
-/// them. For control loops: nothing if there are not as many as asked for, or gaps between them.
+/// Views the coefficients of a vector or of a row-major matrix, which must outlive the view. Returns
+/// std::nullopt unless there are `Count` of them, without gaps. For control loops.
 template <std::size_t Count, eigen_dense M>
 [[nodiscard]] auto try_view_elements(M&& matrix) noexcept
     -> std::optional<std::span<detail::coefficient<M>, Count>> {
@@ -58,8 +58,8 @@ template <std::size_t Count, eigen_dense M>
     return std::nullopt;
 }
 
-/// The same; throws std::invalid_argument in place of nothing. For a matrix whose type tells all, it never
-/// throws.
+/// As try_view_elements, but throws std::invalid_argument. It never throws if the type of the matrix
+/// determines its size and strides.
 template <std::size_t Count, eigen_dense M>
 [[nodiscard]] auto view_elements(M&& matrix) noexcept(detail::matrix_elements<std::remove_cvref_t<M>> ==
                                                           Count &&
@@ -77,14 +77,14 @@ template <std::size_t Count, eigen_dense M>
                                         (detail::lies_row_by_row(matrix) ? "" : " with gaps between them"));
     return *view;
 }
-/// As many as the matrix has: known when compiling if its size is.
+/// As above, for as many coefficients as the matrix has; a constant if its size is one.
 template <eigen_dense M>
 [[nodiscard]] auto view_elements(M&& matrix) noexcept(
     noexcept(view_elements<detail::matrix_elements<std::remove_cvref_t<M>>>(std::forward<M>(matrix)))) {
     return view_elements<detail::matrix_elements<std::remove_cvref_t<M>>>(std::forward<M>(matrix));
 }
 
-/// Numbers in memory (a std::span, a std::array, a std::vector, which must outlive it) as a column vector.
+/// Maps numbers in a std::span, std::array or std::vector, which must outlive the map, as a column vector.
 template <std::ranges::contiguous_range R>
     requires std::ranges::borrowed_range<R>
 [[nodiscard]] auto map_vector(R&& numbers) {
@@ -95,8 +95,8 @@ template <std::ranges::contiguous_range R>
         all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
-/// The same as a matrix with rows of so many numbers, such as the logits of a batch. Throws
-/// std::invalid_argument unless they are a whole number of rows.
+/// Maps numbers as a matrix with rows of `Columns` numbers, such as the logits of a batch. Throws
+/// std::invalid_argument unless they are whole rows.
 template <std::size_t Columns, std::ranges::contiguous_range R>
     requires std::ranges::borrowed_range<R>
 [[nodiscard]] auto map_rows(R&& numbers) {
@@ -109,6 +109,30 @@ template <std::size_t Columns, std::ranges::contiguous_range R>
     using matrix = row_major_matrix<std::remove_const_t<element>, Eigen::Dynamic, static_cast<int>(Columns)>;
     return Eigen::Map<std::conditional_t<std::is_const_v<element>, const matrix, matrix>>(
         all.data(), static_cast<Eigen::Index>(all.size() / Columns), static_cast<Eigen::Index>(Columns));
+}
+
+/// Maps a trained array, which must outlive the map, as a matrix with a row for each entry of the first
+/// extent. The weights of a dense layer become outputs × inputs, the weights of a convolution filters ×
+/// (channels · rows · columns), a bias one column. Throws std::invalid_argument unless there are as many
+/// values as the extents say.
+///
+///     network.for_each_parameter([](const parameter& p, auto values) {
+///         if (p.name == "fc.weight")
+///             std::cout << map_parameter(p.extents, values).rowwise().norm();
+///     });
+template <class T>
+[[nodiscard]] auto map_parameter(std::span<const std::size_t> extents, std::span<T> values) {
+    const std::size_t rows = extents.empty() ? 1 : extents[0];
+    std::size_t columns = 1;
+    for (std::size_t e = 1; e < extents.size(); ++e)
+        columns *= extents[e];
+    if (rows * columns != values.size())
+        throw std::invalid_argument("map_parameter: expected " + std::to_string(rows) + " x " +
+                                    std::to_string(columns) + " values, found " +
+                                    std::to_string(values.size()));
+    using matrix = row_major_matrix<std::remove_const_t<T>, Eigen::Dynamic, Eigen::Dynamic>;
+    return Eigen::Map<std::conditional_t<std::is_const_v<T>, const matrix, matrix>>(
+        values.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
 }
 
 } // namespace TACTNET_ARCH

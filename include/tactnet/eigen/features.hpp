@@ -10,8 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-// Feature rows, as support vector machines take them: a float matrix of samples × features, stored row by
-// row.
+// Feature rows for support vector machines: a row-major float matrix of samples × features.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -30,8 +29,9 @@ constexpr void check_columns() {
 
 } // namespace detail
 
-/// A matrix of samples × features as feature rows, without a copy; the matrix must outlive them. Throws
-/// std::invalid_argument if there are gaps between rows, no features, or not as many as asked for.
+/// Views a matrix of samples × features, which must outlive the view, as feature rows. Throws
+/// std::invalid_argument if there are gaps between its rows, or if it has another number of features, or
+/// none.
 template <std::size_t Features, eigen_dense M>
 [[nodiscard]] feature_rows<Features> view_features(M&& matrix) {
     using type = std::remove_cvref_t<M>;
@@ -42,7 +42,7 @@ template <std::size_t Features, eigen_dense M>
     return feature_rows<Features>(view_elements<std::dynamic_extent>(std::forward<M>(matrix)),
                                   static_cast<std::size_t>(matrix.cols()));
 }
-/// As many features as the matrix has columns: known when compiling if those are.
+/// As above, with as many features as the matrix has columns; a constant if that is one.
 template <eigen_dense M>
 [[nodiscard]] auto view_features(M&& matrix) {
     constexpr int columns = std::remove_cvref_t<M>::ColsAtCompileTime;
@@ -51,7 +51,7 @@ template <eigen_dense M>
     return view_features<features>(std::forward<M>(matrix));
 }
 
-/// Feature rows as a matrix of samples × features, without a copy: what they view must outlive it.
+/// Maps feature rows as a matrix of samples × features. What they view must outlive the map.
 template <std::size_t Features>
 [[nodiscard]] auto map_features(feature_rows<Features> rows) noexcept {
     using matrix = row_major_matrix<float, Eigen::Dynamic, detail::eigen_size<Features>>;

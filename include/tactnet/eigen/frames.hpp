@@ -1,6 +1,8 @@
 #pragma once
 
+#include <tactnet/eigen/elements.hpp>
 #include <tactnet/eigen/memory.hpp>
+#include <tactnet/sensors/frame.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
@@ -9,16 +11,17 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
 
-// Frames: a matrix of rows × columns, stored row by row, is a frame of shape{rows, columns}, and has the same
-// memory. A frame of several channels is a matrix of (channels · rows) × columns: its planes, one below the
-// other. A vector of `size()` coefficients is a frame too, such as one row of a matrix that holds a frame a
-// row.
+// Frames. A row-major matrix of rows × columns is a frame of shape{rows, columns} in the same memory. A frame
+// of several channels is a matrix of (channels · rows) × columns: its planes, one below the other. A vector
+// of `size()` coefficients is a frame too, such as one row of a matrix with one frame per row.
 //
 //     Eigen::Matrix<float, 28, 50, Eigen::RowMajor> pressure;        // or frame_matrix<float, shape{28, 50}>
 //     network.infer(view_frame(pressure), logits);               // sizes compared when compiling
@@ -28,7 +31,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The matrix whose memory is a frame of that shape.
+/// The type of a matrix whose memory is a frame of a shape.
 template <class T, shape Shape>
 using frame_matrix =
     row_major_matrix<T, static_cast<int>(Shape.channels* Shape.rows), static_cast<int>(Shape.columns)>;
@@ -49,7 +52,7 @@ template <class M, shape Shape>
 constexpr void check_frame_size() {
     constexpr int rows = static_cast<int>(Shape.channels * Shape.rows),
                   columns = static_cast<int>(Shape.columns), size = static_cast<int>(Shape.size());
-    // What is known when running only is looked at then.
+    // Sizes that are known at run time are compared then.
     constexpr auto known = [](int found, int expected) { return found == Eigen::Dynamic ? expected : found; };
     if constexpr (!(M::IsVectorAtCompileTime && known(M::SizeAtCompileTime, size) == size))
         check_matrix_size<known(M::RowsAtCompileTime, rows), known(M::ColsAtCompileTime, columns), rows,
@@ -65,7 +68,7 @@ template <class M, shape Shape>
                matrix.cols() == static_cast<Eigen::Index>(Shape.columns);
 }
 
-/// Whether nothing about a frame is left to be looked at when called.
+/// Whether the type of a matrix determines its size and strides.
 template <class M>
 inline constexpr bool frame_is_known = M::SizeAtCompileTime != Eigen::Dynamic&& strides_are_known<M>;
 
@@ -80,9 +83,10 @@ template <class M, shape Shape>
 
 template <class M>
 [[nodiscard]] constexpr shape frame_shape() {
-    static_assert(M::SizeAtCompileTime != Eigen::Dynamic,
-                  "view_frame: the matrix's size is known when running only; name the frame's shape, as in "
-                  "view_frame<shape{28, 50}>(matrix)");
+    static_assert(
+        M::SizeAtCompileTime != Eigen::Dynamic,
+        "view_frame: the size of the matrix is known at run time only; name the shape of the frame, as in "
+        "view_frame<shape{28, 50}>(matrix)");
     if (M::SizeAtCompileTime == Eigen::Dynamic)
         return {};
     return {static_cast<std::size_t>(M::RowsAtCompileTime), static_cast<std::size_t>(M::ColsAtCompileTime)};
@@ -90,8 +94,8 @@ template <class M>
 
 } // namespace detail
 
-/// A matrix as a frame of that shape, without a copy; the matrix must outlive it. For control loops: nothing
-/// if a size that is known when running only is another, or if rows do not follow each other without gaps.
+/// Views a matrix, which must outlive the view, as a frame of a shape. Returns std::nullopt if its size at
+/// run time is another, or if there are gaps between its rows. For control loops.
 template <shape Shape, eigen_dense M>
 [[nodiscard]] auto try_view_frame(M&& matrix) noexcept
     -> std::optional<tensor_view<detail::coefficient<M>, Shape>> {
@@ -105,8 +109,8 @@ template <shape Shape, eigen_dense M>
     return std::nullopt;
 }
 
-/// The same; throws std::invalid_argument in place of nothing. For a matrix whose type tells all, it never
-/// throws.
+/// As try_view_frame, but throws std::invalid_argument. It never throws if the type of the matrix determines
+/// its size and strides.
 template <shape Shape, eigen_dense M>
 [[nodiscard]] auto view_frame(M&& matrix) noexcept(detail::frame_is_known<std::remove_cvref_t<M>>)
     -> tensor_view<detail::coefficient<M>, Shape> {
@@ -116,14 +120,14 @@ template <shape Shape, eigen_dense M>
             detail::refuse_frame<std::remove_cvref_t<M>, Shape>(matrix);
     return *view;
 }
-/// A matrix of fixed size as the frame of one channel that it is.
+/// Views a matrix of fixed size as a frame of one channel.
 template <eigen_dense M>
 [[nodiscard]] auto view_frame(M&& matrix) noexcept(detail::frame_is_known<std::remove_cvref_t<M>>) {
     return view_frame<detail::frame_shape<std::remove_cvref_t<M>>()>(std::forward<M>(matrix));
 }
 
-/// A copy, for what cannot be viewed: matrices stored column by column, parts of matrices, expressions.
-/// Throws std::invalid_argument if a size that is known when running only is another.
+/// Copies what cannot be viewed: column-major matrices, blocks, expressions. Throws std::invalid_argument if
+/// the size at run time is another.
 template <shape Shape, eigen_dense M>
 [[nodiscard]] auto copy_frame(const M& matrix) -> tensor<typename M::Scalar, Shape> {
     detail::check_frame_size<M, Shape>();
@@ -133,7 +137,7 @@ template <shape Shape, eigen_dense M>
                                     std::to_string(Shape.columns) + ", found " +
                                     std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()));
     tensor<typename M::Scalar, Shape> frame;
-    // A vector stays one: Eigen does not assign it to a matrix of unknown size.
+    // A vector stays a vector: Eigen does not assign it to a matrix of dynamic size.
     constexpr int rows = M::RowsAtCompileTime, columns = M::ColsAtCompileTime;
     using copied = row_major_matrix<typename M::Scalar, rows, columns>;
     Eigen::Map<copied> copy(frame.data(), matrix.rows(), matrix.cols());
@@ -144,7 +148,7 @@ template <shape Shape, eigen_dense M>
     return frame;
 }
 
-/// A frame as a matrix of (channels · rows) × columns, without a copy; the frame must outlive it.
+/// Maps a frame, which must outlive the map, as a matrix of (channels · rows) × columns.
 template <class T, shape Shape>
 [[nodiscard]] auto map_frame(tensor_view<T, Shape> frame) noexcept {
     using matrix = frame_matrix<std::remove_const_t<T>, Shape>;
@@ -159,9 +163,10 @@ template <class T, shape Shape>
     return map_frame(frame.view());
 }
 template <class T, shape Shape>
-void map_frame(tensor<T, Shape>&&) = delete; // it would be gone before its map
+void map_frame(tensor<T, Shape>&&) = delete; // a temporary would not outlive the map
 
-/// The planes of a frame or of a layer's maps, a matrix of rows × columns for each channel.
+/// Maps the planes of a frame or feature map, which must outlive the maps: a matrix of rows × columns for
+/// each channel.
 template <class T, shape Shape>
 [[nodiscard]] auto map_planes(tensor_view<T, Shape> frame) noexcept {
     constexpr shape plane{Shape.rows, Shape.columns};
@@ -180,6 +185,30 @@ template <class T, shape Shape>
 }
 template <class T, shape Shape>
 void map_planes(tensor<T, Shape>&&) = delete;
+
+/// Maps the frame of a recording or of a live sensor as a matrix of rows × columns. The map is valid as long
+/// as the cells: for the frame of a decoder until its next call. Throws std::invalid_argument unless there
+/// are rows × columns cells.
+[[nodiscard]] inline auto map_frame(const frame_view& frame) {
+    if (frame.cells.size() != frame.rows * frame.columns)
+        throw std::invalid_argument("frame: expected " + std::to_string(frame.rows) + " x " +
+                                    std::to_string(frame.columns) + " cells, found " +
+                                    std::to_string(frame.cells.size()));
+    return Eigen::Map<const row_major_matrix<float, Eigen::Dynamic, Eigen::Dynamic>>(
+        frame.cells.data(), static_cast<Eigen::Index>(frame.rows), static_cast<Eigen::Index>(frame.columns));
+}
+
+/// Views a row-major float matrix, which must outlive the view, as the frame of a decoder. Throws
+/// std::invalid_argument if there are gaps between its rows.
+template <eigen_dense M>
+[[nodiscard]] frame_view view_sensor_frame(M&& matrix, std::uint64_t number = 0,
+                                           std::optional<double> seconds = std::nullopt) {
+    static_assert(std::is_same_v<typename std::remove_cvref_t<M>::Scalar, float>,
+                  "view_sensor_frame: cells are of type float; convert them with cast<float>()");
+    const std::span<const float> cells = view_elements<std::dynamic_extent>(std::forward<M>(matrix));
+    return {number, seconds, static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols()),
+            cells};
+}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

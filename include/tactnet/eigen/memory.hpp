@@ -8,20 +8,20 @@
 #include <type_traits>
 #include <utility>
 
-// Where the coefficients of a matrix lie. Frames, feature rows and weights are stored row by row without
-// gaps; Eigen's matrices column by column unless they are told otherwise, and parts of them with gaps. What
-// a type says of that is decided when compiling, the rest when called.
+// The storage order and strides of a matrix. Frames, feature rows and weights are row-major without gaps;
+// Eigen's matrices are column-major by default, and their blocks have gaps. Strides that the type determines
+// are checked when compiling, the others at run time.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// An Eigen matrix of Rows × Columns, stored row by row. Either may be Eigen::Dynamic.
+/// A row-major Eigen matrix of Rows × Columns. Either may be Eigen::Dynamic.
 template <class T, int Rows, int Columns>
 using row_major_matrix =
-    // Eigen wants a single column to be one in memory, too: the same memory.
+    // Eigen requires a single column to be column-major, which is the same memory.
     Eigen::Matrix<T, Rows, Columns, Columns == 1 && Rows != 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
-/// Anything of Eigen's that has coefficients: a matrix, an array, a map, a block, an expression.
+/// Anything of Eigen with coefficients: a matrix, an array, a map, a block, an expression.
 template <class M>
 concept eigen_dense = requires(const std::remove_reference_t<M>& matrix) {
     []<class Derived>(const Eigen::DenseBase<Derived>&) {}(matrix);
@@ -34,11 +34,11 @@ inline constexpr bool may_own_copy = std::is_base_of_v<Eigen::PlainObjectBase<M>
 template <class M, int Options, class Stride>
 inline constexpr bool may_own_copy<Eigen::Ref<const M, Options, Stride>> = true;
 
-/// Whether coefficients have addresses: an expression such as a + b has none.
+/// Whether coefficients have addresses. An expression such as a + b has none.
 template <class M>
 inline constexpr bool is_in_memory = (std::remove_cvref_t<M>::Flags & Eigen::DirectAccessBit) != 0;
 
-/// Whether coefficients may lie row by row without gaps, as far as the type tells.
+/// Whether the type allows row-major coefficients without gaps.
 template <class M>
 [[nodiscard]] constexpr bool may_lie_row_by_row() {
     using matrix = std::remove_cvref_t<M>;
@@ -51,7 +51,7 @@ template <class M>
                                   outer == matrix::ColsAtCompileTime);
 }
 
-/// Whether coefficients lie row by row without gaps, of a type that may.
+/// Whether coefficients of such a type are row-major without gaps.
 template <class M>
 [[nodiscard]] bool lies_row_by_row(const M& matrix) noexcept {
     if (matrix.size() <= 1)
@@ -61,14 +61,14 @@ template <class M>
     return M::IsVectorAtCompileTime || matrix.rows() == 1 || matrix.outerStride() == matrix.cols();
 }
 
-/// Whether the type alone tells all that lies_row_by_row() asks.
+/// Whether the type determines the result of lies_row_by_row().
 template <class M>
 inline constexpr bool strides_are_known = M::InnerStrideAtCompileTime != Eigen::Dynamic &&
                                           (M::IsVectorAtCompileTime ||
                                            (M::OuterStrideAtCompileTime != Eigen::Dynamic &&
                                             M::ColsAtCompileTime != Eigen::Dynamic));
 
-/// What every view asks of a matrix's type.
+/// The requirements of every view on the type of a matrix.
 template <class M>
 constexpr void check_viewable() {
     static_assert(is_in_memory<M>, "a view of a matrix: an expression has no memory to be viewed; evaluate "
@@ -83,18 +83,18 @@ constexpr void check_viewable() {
 
 template <class M>
 struct coefficient_of {
-    using type = const typename std::remove_cvref_t<M>::Scalar; // of an expression, which has none in memory
+    using type = const typename std::remove_cvref_t<M>::Scalar; // of an expression
 };
 template <class M>
     requires is_in_memory<M>
 struct coefficient_of<M> {
     using type = std::remove_pointer_t<decltype(std::declval<std::remove_reference_t<M>&>().data())>;
 };
-/// The type of a matrix's coefficients, const where they may not be written to.
+/// The type of the coefficients of a matrix; const if they are read-only.
 template <class M>
 using coefficient = typename coefficient_of<M>::type;
 
-/// A number of coefficients as Eigen writes it.
+/// A number of coefficients as Eigen expresses it.
 template <std::size_t Count>
 inline constexpr int eigen_size = Count == static_cast<std::size_t>(-1) ? Eigen::Dynamic
                                                                         : static_cast<int>(Count);

@@ -1,4 +1,4 @@
-// expect: deployed: the size of this frame is known when running only: compare it by frame.as<network::input_shape>.., which is nothing if it is another
+// expect: deployed: the size of this frame is known at run time only: check it with frame.as<network::input_shape>.., which returns nothing for another size
 // at-most: 1
 #include <tactnet/sensors.hpp>
 #include <tactnet/tactnet.hpp>

@@ -1,4 +1,4 @@
-// expect: deployed: the type of this frame does not tell its size: compare it by try_view<network::input_shape>.frame., which is nothing if it is another, and give what that holds
+// expect: deployed: the size of this frame is known at run time only: check it with try_view<network::input_shape>.frame., which returns nothing for another size, and pass what that holds
 // at-most: 1
 #include <tactnet/tactnet.hpp>
 

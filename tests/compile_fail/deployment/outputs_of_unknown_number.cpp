@@ -1,4 +1,4 @@
-// expect: deployed: the type of these outputs does not tell their number: compare it, then name it, as in std::span<float, network::outputs>.outputs.
+// expect: deployed: the number of these outputs is known at run time only: check it, then pass std::span<float, network::outputs>.outputs.
 // at-most: 1
 #include <tactnet/tactnet.hpp>
 

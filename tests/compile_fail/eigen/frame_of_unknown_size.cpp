@@ -1,4 +1,4 @@
-// expect: view_frame: the matrix's size is known when running only; name the frame's shape
+// expect: view_frame: the size of the matrix is known at run time only; name the shape of the frame
 // at-most: 1
 #include <tactnet/eigen.hpp>
 

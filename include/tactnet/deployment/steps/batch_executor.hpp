@@ -12,7 +12,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Runs everything on the calling thread, for at most so many frames: the place of a thread_pool.
+/// Runs inline, on the calling thread, in place of a thread_pool. For at most `MostFrames` frames.
 template <std::size_t MostFrames>
 struct inline_executor {
     static constexpr std::size_t most_frames = MostFrames;
@@ -28,18 +28,15 @@ struct inline_executor {
     }
 };
 
-/// Runs steps layer by layer over several frames, on the threads of a pool: a thread_pool or an
-/// inline_executor. The maps of the frames lie one after the other, each in whole cache lines. There is
-/// memory for as many frames or threads as there are, whichever are more. No bit depends on either number.
-///
-/// A step with `run_share` says what one thread does of it; one with `run_batch` takes several frames at
-/// once, or has steps inside it. Others run frame by frame.
+/// Runs steps layer by layer over several frames. `Pool` is a thread_pool or an inline_executor. The maps of
+/// the frames lie one after the other, each in whole cache lines. The memory holds a workspace for each frame
+/// or for each thread, whichever are more. The bits of the outputs depend on neither number.
 template <class Pool>
 struct batch_executor {
     Pool& pool;
     std::size_t frames;
 
-    /// Frames that there are at most.
+    /// The largest possible number of frames.
     static constexpr std::size_t most_frames = [] {
         if constexpr (requires { Pool::most_frames; })
             return Pool::most_frames;
@@ -48,9 +45,9 @@ struct batch_executor {
     }();
 
     [[nodiscard]] std::size_t threads() const { return pool.threads(); }
-    /// How many times the memory holds what one call needs.
+    /// How many workspaces the memory holds.
     [[nodiscard]] std::size_t copies() const { return std::max(frames, threads()); }
-    /// body(frame) for all of them.
+    /// Calls `body(frame)` for each frame.
     template <class Body>
     void for_each_frame(const Body& body) const {
         pool.for_each(frames, body);
@@ -59,13 +56,13 @@ struct batch_executor {
 
 namespace detail {
 
-/// Elements from the map that a step writes to that of the next frame.
+/// Elements from the output map of one frame to that of the next.
 template <class Step>
 inline constexpr std::size_t
     map_distance = whole_lines<typename Step::format::activation>(Step::output.area() * Step::output_stride *
                                                                   number_elements<Step>);
 
-/// Whether a step has large ones in it, which frames and threads had better pass together.
+/// Whether to prefer layer-wise batching for a step.
 template <class Step>
 inline constexpr bool is_large = [] {
     if constexpr (requires { Step::large; })
@@ -74,13 +71,15 @@ inline constexpr bool is_large = [] {
         return false;
 }();
 
+/// Runs one step over all frames of an executor: by its run_batch or run_share if it has one, otherwise frame
+/// by frame.
 template <class Step, class Executor>
 void run_batch(const typename Step::format::packed* packed, const typename Step::format::activation* in,
                std::size_t in_distance, typename Step::format::activation* out,
                typename Step::format::activation* memory, const Executor& executor) {
-    static_assert(Step::workspace_elements ==
-                      whole_lines<typename Step::format::activation>(Step::workspace_elements),
-                  "a step's workspace must be whole cache lines, so that the next frame's is aligned");
+    static_assert(
+        Step::workspace_elements == whole_lines<typename Step::format::activation>(Step::workspace_elements),
+        "the workspace of a step must be whole cache lines, so that the one of the next frame is aligned");
     if constexpr (requires { Step::run_batch(packed, in, in_distance, out, memory, executor); }) {
         Step::run_batch(packed, in, in_distance, out, memory, executor);
     } else if constexpr (requires { Step::run_share(packed, in, out, memory, kernels::large_job{}); }) {

@@ -14,7 +14,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Steps one after the other, as one step. Maps between them lie in two buffers that take turns.
+/// A sequence of steps as one step. The maps between them alternate between two buffers.
 template <class... Steps>
 struct step_chain {
     static constexpr std::size_t size = sizeof...(Steps);
@@ -27,9 +27,8 @@ struct step_chain {
     static_assert((std::is_same_v<typename Steps::format, format> && ...),
                   "step_chain: all steps must have the same number format");
     static_assert((deployed_step<Steps> && ...),
-                  "step_chain: what is listed must be steps; deployed_step says "
-                  "what that is");
-    /// The last step may write among the channels of a wider map, which is then someone else's.
+                  "step_chain: every type in the list must satisfy deployed_step");
+    /// The last step may write only some channels of a wider map, which a step around this one owns.
     static constexpr bool fills_map = detail::fills_map<at<size - 1>>;
     static_assert((std::size_t{0} + ... + !detail::fills_map<Steps>) == !fills_map,
                   "step_chain: a step that writes among the channels of a wider map cannot stand by itself");
@@ -41,7 +40,7 @@ struct step_chain {
     /// Elements that a number of the last map takes.
     static constexpr std::size_t number_elements = detail::number_elements<at<size - 1>>;
     static constexpr std::size_t folded = (Steps::folded + ...), packed = (Steps::packed + ...);
-    /// The largest map between two steps.
+    /// Elements of the largest map between two steps.
     static constexpr std::size_t buffer = [] {
         std::size_t most = 0;
         kernels::unroll<size - 1>([&](auto i) {
@@ -59,7 +58,7 @@ struct step_chain {
     static constexpr void pack(const float* from, packed_number* to) {
         ((Steps::pack(from, to), from += Steps::folded, to += Steps::packed), ...);
     }
-    /// Of all steps, not only the last: maps between them must stay finite as well.
+    /// The largest bound of all steps: maps between them must stay finite as well.
     static double output_bound(const float* from, double input) {
         double most = input;
         ((input = Steps::output_bound(from, input), most = std::max(most, input), from += Steps::folded),
@@ -76,7 +75,7 @@ struct step_chain {
             in = to;
         });
     }
-    /// Frames whose inputs lie `in_distance` elements apart.
+    /// As `run`, for frames whose inputs lie `in_distance` elements apart.
     template <class Executor>
     static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
                           activation* out, activation* memory, const Executor& executor) {

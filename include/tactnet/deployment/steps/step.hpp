@@ -8,54 +8,53 @@
 #include <concepts>
 #include <cstddef>
 
-// What a deployed network does, step by step. A step stands for one or several layers, and knows sizes only.
+// What a deployed network does, step by step. A step stands for one or several layers and knows only sizes.
 // Its constants:
-//   output, output_stride   the map it writes, pixel by pixel, and elements from one pixel to the next
+//   output, output_stride   the map that it writes, pixel by pixel, and elements from one pixel to the next
 //   folded                  numbers that remain of the layers' parameters once batch norms are folded in
 //                           ([output][channel][row][column], then biases), in single precision
-//   packed                  the same in the order of use, padded to whole vectors, in the number format
-//   workspace_elements                 elements of memory it needs while it runs, whole cache lines
+//   packed                  the same numbers in the order of use, padded to whole vectors, in the number
+//   format workspace_elements      elements of memory that it needs while it runs, in whole cache lines
 // and its functions:
-//   pack                    from folded to packed numbers, into zeros; usable when compiling
-//   run                     from one map to the next
-//   output_bound            the largest magnitude that an output can have where inputs have at most `input`
-// It may say besides:
-//   large                   whether frames had better pass it together, and one frame occupy all threads
-//   fills_map               false if it writes only some channels of a map that others write to as well
-//   run_share               the share of one thread in frames that pass together
-//   run_batch            how frames pass it together, or the steps inside it, on the threads of a executor
-//   gives_probabilities     whether its outputs are probabilities
+//   pack                    writes packed numbers from folded ones; `packed` must be zero-initialised;
+//   constexpr run                     computes one map from another output_bound            the largest
+//   magnitude of an output if inputs have at most `input`
+// Optional members:
+//   large                   whether to prefer layer-wise batching, and all threads for one frame
+//   fills_map               false if it writes only some channels of a map that other steps write to
+//   run_share               computes the share of one thread in several frames
+//   run_batch               computes several frames on an executor (batch_executor.hpp)
+//   gives_probabilities     true if its outputs are probabilities
 //   number_elements         elements of the map that a number of its output takes, if not one
-// A step that says neither run_share nor run_batch takes such frames one by one (batch_executor.hpp).
-// Lanes behind the last channel of a pixel hold zeros in every map.
+// A step with neither run_share nor run_batch computes one frame at a time. In every map, lanes beyond the
+// last channel of a pixel hold zeros.
 //
 // The headers in this folder need neither exceptions nor run-time type information nor files.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The number format of single precision: maps and packed weights are floats. Each step is a template over a
-/// number format, defined where it is specialised for one: another format is another set of specialisations,
-/// with the same plan.
+/// The number format of single precision: maps and packed weights are floats. Each step is a template on a
+/// number format and is defined by its specialisations. A further format is a further set of specialisations.
 struct single_precision {
     using activation = float;                        ///< an element of a map
     using packed = float;                            ///< an element of the packed weights
-    using input_format = single_precision;           ///< of the step that reads the frame
-    using hidden_format = single_precision;          ///< of steps that read what another step has written
-    using output_format = single_precision;          ///< of the step that writes the outputs
-    static constexpr bool has_output_format = false; ///< whether that step is written otherwise than others
+    using input_format = single_precision;           ///< format of the step that reads the frame
+    using hidden_format = single_precision;          ///< format of steps that read the map of another
+    using output_format = single_precision;          ///< format of the step that writes the outputs
+    static constexpr bool has_output_format = false; ///< whether the last step has a format of its own
 };
 
-/// How a frame comes into a deployed network, and how its outputs leave it, specialised for each number
-/// format.
+/// Reads a frame into the map of the first step. Specialised for each number format.
 template <class Format, shape Input>
 struct input_stage;
+/// Writes the map of the last step as outputs. Specialised for each number format.
 template <class Format, shape Output, std::size_t Stride>
 struct output_stage;
 
 namespace detail {
 
-/// Elements of a map that one number of a step's output takes: one, unless the step says otherwise.
+/// Elements of a map that one number of the output of a step takes.
 template <class Step>
 inline constexpr std::size_t number_elements = 1;
 template <class Step>
@@ -66,7 +65,7 @@ inline constexpr std::size_t number_elements<Step> = Step::number_elements;
 
 } // namespace detail
 
-/// What a plan is made of.
+/// The requirements on a step, as above.
 template <class Step>
 concept deployed_step = requires(const float* folded, typename Step::format::packed* to,
                                  const typename Step::format::packed* packed,
@@ -82,8 +81,8 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
     noexcept;
 };
 
-/// What steps without parameters have in common. They must not enlarge what passes, or say so by a
-/// `output_bound` of their own.
+/// The base of steps without parameters. A step whose outputs can exceed its inputs defines an output_bound
+/// of its own.
 template <class Format, shape Output, std::size_t Stride>
 struct step_without_parameters {
     using format = Format;
@@ -114,7 +113,7 @@ inline constexpr bool gives_probabilities = [] {
         return false;
 }();
 
-/// For [output][weights of one], then biases: the largest |bias| + input · Σ |weight|.
+/// The largest |bias| + input · Σ |weight| of all outputs. `weights` holds [output][weight], then biases.
 [[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
                                         double input) {
     double most = 0;

@@ -1,4 +1,4 @@
-#include <tactnet/eigen/parameters.hpp>
+#include <tactnet/eigen/elements.hpp>
 #include <tactnet/layers/dense.hpp>
 #include <tactnet/networks/network.hpp>
 
@@ -9,7 +9,7 @@
 
 using namespace tactnet;
 
-TEST_CASE("parameters: the weights of a dense layer are outputs x inputs, where they lie") {
+TEST_CASE("map_parameter: the weights of a dense layer are outputs x inputs, where they lie") {
     network<shape{2, 3}, dense<4>> net;
     int seen = 0;
     net.for_each_parameter([&](const parameter& p, auto values) {
@@ -30,7 +30,7 @@ TEST_CASE("parameters: the weights of a dense layer are outputs x inputs, where 
     CHECK(net.learnable_values()[12] == 0);
 }
 
-TEST_CASE("parameters: all extents but the first lie side by side, and must fit the values") {
+TEST_CASE("map_parameter: all extents but the first lie side by side, and must fit the values") {
     std::vector<float> values(24);
     const std::vector<std::size_t> filters{2, 3, 2, 2};
     const auto matrix = map_parameter(filters, std::span(values));

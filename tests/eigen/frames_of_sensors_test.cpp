@@ -1,4 +1,4 @@
-#include <tactnet/eigen/sensor_frames.hpp>
+#include <tactnet/eigen/frames.hpp>
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 
 using namespace tactnet;
 
-TEST_CASE("sensor_frames: a decoded frame is a matrix in place, and a matrix a frame") {
+TEST_CASE("map_frame: a decoded frame is a matrix in place, and a matrix a frame") {
     const std::vector<float> cells{1, 2, 3, 4, 5, 6};
     const frame_view frame{7, 0.5, 2, 3, cells};
     const auto matrix = map_frame(frame);
@@ -28,7 +28,7 @@ TEST_CASE("sensor_frames: a decoded frame is a matrix in place, and a matrix a f
     CHECK(!first.seconds);
 }
 
-TEST_CASE("sensor_frames: cells that are not rows x columns, and rows with gaps, are refused") {
+TEST_CASE("map_frame: cells that are not rows x columns, and rows with gaps, are refused") {
     const std::vector<float> cells(5);
     CHECK_THROWS_WITH_AS((void)map_frame(frame_view{1, {}, 2, 3, cells}),
                          "frame: expected 2 x 3 cells, found 5", std::invalid_argument);
