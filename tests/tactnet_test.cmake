@@ -14,17 +14,19 @@ function(tactnet_library_tests)
 endfunction()
 
 # tactnet_test(room SOURCES file... [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED]
-#              [FULL])
+#              [DATA] [FULL])
 #
 # One program test_<room> and one entry in CTest, or, for one that takes minutes, an entry <room>.<word> for the cases
 # in files with each of these words in their names, and <room> for all others, so that they run side by side. A program
 # in which no test case is left fails, rather than passing because nothing was wrong.
 #
 # FULLY_OPTIMISED is for rooms whose subject is the optimised code itself: the kernels, and what is built of them as
-# users build it. FULL leaves the room to the full suite. COST is about what the test takes, so that CTest starts the
+# users build it. DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that
+# do not belong to the project (support/files/data_folder.hpp), and are an entry <room>.data of their own, which CTest
+# reports as skipped where the data are missing. FULL leaves the room to the full suite. COST is about what the test takes, so that CTest starts the
 # longest first.
 function(tactnet_test room)
-    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED;FULL" "TIMEOUT;COST" "SOURCES;LIBRARIES;PARTS")
+    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED;DATA;FULL" "TIMEOUT;COST" "SOURCES;LIBRARIES;PARTS")
     if(test_UNPARSED_ARGUMENTS OR NOT test_SOURCES)
         message(FATAL_ERROR "tactnet_test(${room}): expected SOURCES file..., found '${ARGN}'.")
     endif()
@@ -49,10 +51,17 @@ function(tactnet_test room)
     endif()
     set(entries ${room})
     set(others "")
+    set(not_data "")
+    if(test_DATA)
+        add_test(NAME ${room}.data COMMAND test_${room} --test-suite=data)
+        set_tests_properties(${room}.data PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: there is no ")
+        list(APPEND entries ${room}.data)
+        set(not_data --test-suite-exclude=data)
+    endif()
     # Not where the checkout lies, which may have such a word in its path.
     cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE folder)
     foreach(word IN LISTS test_PARTS)
-        add_test(NAME ${room}.${word} COMMAND test_${room} "--source-file=*/${folder}/*${word}*")
+        add_test(NAME ${room}.${word} COMMAND test_${room} "--source-file=*/${folder}/*${word}*" ${not_data})
         list(APPEND entries ${room}.${word})
         list(APPEND others "*/${folder}/*${word}*")
     endforeach()
@@ -61,7 +70,7 @@ function(tactnet_test room)
     if(others)
         set(all_but "--source-file-exclude=${others}")
     endif()
-    add_test(NAME ${room} COMMAND test_${room} ${all_but})
+    add_test(NAME ${room} COMMAND test_${room} ${all_but} ${not_data})
     set_tests_properties(
         ${entries} PROPERTIES TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
     )

@@ -1,7 +1,7 @@
 # Makes the reference and reports its warnings as errors: cmake -DDOXYGEN=… -DFOLDER=… -P make.cmake
 #
 # Doxygen stands in FOLDER with its Doxyfile. Every type, concept, function and constant needs a sentence; members whose
-# names explain themselves, and the room kernels, do not.
+# names explain themselves, `bound` of an effect and `layer` of a specification, and the room kernels, do not.
 cmake_minimum_required(VERSION 3.22)
 
 file(REMOVE_RECURSE "${FOLDER}/html")
@@ -19,7 +19,7 @@ file(READ "${FOLDER}/warnings.txt" text)
 string(REGEX REPLACE "[][;]" " " text "${text}")
 string(REPLACE "\n" ";" warnings "${text}")
 foreach(warning IN LISTS warnings)
-    if(warning AND NOT warning MATCHES "(Compound tactnet::kernels|of (struct|class|union) |of namespace tactnet::kernels).*is not documented")
+    if(warning AND NOT warning MATCHES "(Compound tactnet::kernels|of (struct|class|union) |of namespace tactnet::kernels).*is not documented|Compound [^ ]*::(bound|layer) is not documented")
         string(APPEND problems "  ${warning}\n")
     endif()
 endforeach()

@@ -161,7 +161,7 @@ TEST_SUITE("decode") {
         refuses(program + " --map /no/such/map" + text.quoted(), "/no/such/map: expected a file");
     }
 
-    TEST_CASE("decode: the real recording with the map of its sensor") {
+    TEST_CASE("decode: the real recording with the map of its sensor" * doctest::test_suite("data")) {
         const auto recorded = support::find_data("tekscan/MySampleRecording.fsx");
         const auto map = support::find_data("tekscan/null.mp");
         if (!recorded || !map)

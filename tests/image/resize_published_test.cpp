@@ -27,7 +27,7 @@ using pixels = std::vector<std::uint8_t>;
 // image of the class comes out the same up to what JPEG takes from both. Of nine kernels (cubics with a of
 // −½, −¾ and −1, with and without antialiasing, linear, box, Lanczos) this one comes nearest: the linear one,
 // for example, is off by 2.4 counts in the mean.
-TEST_CASE("resize_bicubic: small images as the paper's authors made them") {
+TEST_CASE("resize_bicubic: small images as the paper's authors made them" * doctest::test_suite("data")) {
     const auto golden_file = support::find_data("published_tactnet4_14x25_golden.safetensors");
     const auto folder = support::find_data("tactile_images");
     if (!golden_file || !folder)

@@ -245,7 +245,7 @@ TEST_CASE("model_file: one cut short, at any byte") {
                         file_error);
 }
 
-TEST_CASE("model_file: the published TactNet-4 gives the published logits") {
+TEST_CASE("model_file: the published TactNet-4 gives the published logits" * doctest::test_suite("data")) {
     const auto weights = support::find_data("published_tactnet4_14x25.safetensors");
     const auto golden = support::find_data("published_tactnet4_14x25_golden.safetensors");
     if (!weights || !golden)

@@ -316,7 +316,7 @@ TEST_CASE("safetensors: what cannot be written is refused when it is added") {
     CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("safetensors: published files") {
+TEST_CASE("safetensors: published files" * doctest::test_suite("data")) {
     if (const auto path = support::find_data("published_tactnet4_14x25.safetensors")) {
         const auto file = safetensors::read(*path);
         CHECK(file.metadata().at("classes") == "alphabetical");

@@ -32,6 +32,11 @@ foreach(test IN LISTS tests)
         )
     endif()
 
+    file(READ "${TESTS}/${test}" text)
+    if(text MATCHES "find_data\\(" AND NOT text MATCHES "test_suite\\(\"data\"\\)")
+        string(APPEND problems "  ${test}: reads data that do not belong to the project; expected * doctest::test_suite(\"data\")\n")
+    endif()
+
     string(REGEX REPLACE "/.*" "" room "${test}")
     file(GLOB_RECURSE lists "${TESTS}/${room}/CMakeLists.txt")
     set(built OFF)

@@ -60,18 +60,18 @@ TEST_CASE("dropout: keeps the mean, and 70 of 100 elements") {
 TEST_CASE("dropout: a function of seed, step, depth and sample") {
     thread_pool threads;
     const images in = ones(3);
-    const images out = dropped(in, {.threads = threads, .seed = 5, .step = 6, .depth = 7});
-    CHECK(equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 6, .depth = 7}), 1, 1));
-    CHECK(equal(out, dropped(ones(1), {.threads = threads, .seed = 5, .step = 6, .depth = 7}), 0, 0));
+    const images out = dropped(in, {.threads = threads, .seed = 5, .step = 6, .place = 7});
+    CHECK(equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 6, .place = 7}), 1, 1));
+    CHECK(equal(out, dropped(ones(1), {.threads = threads, .seed = 5, .step = 6, .place = 7}), 0, 0));
     CHECK(!equal(out, out, 0, 1));
-    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 4, .step = 6, .depth = 7}), 0, 0));
-    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 5, .depth = 7}), 0, 0));
-    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 6, .depth = 6}), 0, 0));
+    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 4, .step = 6, .place = 7}), 0, 0));
+    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 5, .place = 7}), 0, 0));
+    CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 6, .place = 6}), 0, 0));
 }
 
 TEST_CASE("dropout: the way back goes through what was kept") {
     thread_pool threads;
-    const execution_context p{.threads = threads, .seed = 1, .step = 2, .depth = 3};
+    const execution_context p{.threads = threads, .seed = 1, .step = 2, .place = 3};
     const images in = ones(2), out = dropped(in, p);
     images in_gradient(2);
     no_memory none;

@@ -12,7 +12,7 @@
 
 using namespace tactnet;
 
-TEST_CASE("tactnet4: the published network gives the published logits") {
+TEST_CASE("tactnet4: the published network gives the published logits" * doctest::test_suite("data")) {
     const auto network_file = support::find_data("published_tactnet4_14x25.safetensors");
     const auto golden_file = support::find_data("published_tactnet4_14x25_golden.safetensors");
     if (!network_file || !golden_file)

@@ -73,7 +73,7 @@ TEST_CASE("recording: a few bytes cannot ask for all memory") {
     CHECK(recording.damage->expected == "at most 1000000 cells");
 }
 
-TEST_CASE("recording: the real ones") {
+TEST_CASE("recording: the real ones" * doctest::test_suite("data")) {
     if (const auto path = support::find_data("tekscan/iscan_test.csv"))
         CHECK(read_recording(*path).size() == 309);
     if (const auto path = support::find_data("tekscan/MySampleRecording.fsx")) {

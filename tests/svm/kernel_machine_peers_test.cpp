@@ -49,7 +49,7 @@ TEST_CASE("kernel_machine: synthetic sets, LIBSVM's optimum and answers") {
 }
 
 #ifdef TACTNET_TEST_IMAGES
-TEST_CASE("kernel_machine: real pixels, LIBSVM's optimum and answers") {
+TEST_CASE("kernel_machine: real pixels, LIBSVM's optimum and answers" * doctest::test_suite("data")) {
     const auto folder = support::find_data("tactile_images");
     if (!folder)
         return;

@@ -55,7 +55,7 @@ TEST_CASE("linear_machine: synthetic sets, LIBLINEAR's optimum and answers") {
 }
 
 #ifdef TACTNET_TEST_IMAGES
-TEST_CASE("linear_machine: real pixels, LIBLINEAR's optimum and answers") {
+TEST_CASE("linear_machine: real pixels, LIBLINEAR's optimum and answers" * doctest::test_suite("data")) {
     const auto folder = support::find_data("tactile_images");
     if (!folder)
         return;

@@ -30,6 +30,7 @@ namespace random_purposes {
 inline constexpr random_purpose clusters{5}; ///< seeds of clusters
 } // namespace random_purposes
 
+/// Settings of k-means.
 struct k_means_settings {
     std::size_t centres = 500;
     std::size_t most_iterations = 100;

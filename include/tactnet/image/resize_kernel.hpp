@@ -174,6 +174,7 @@ public:
         return most;
     }();
 
+    /// The taps of one output.
     struct output {
         std::size_t first;
         std::array<float, taps> weights;

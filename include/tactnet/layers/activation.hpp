@@ -22,33 +22,16 @@ struct activation {
     }
 
     template <class T, shape Input>
-    struct layer : layer_base<T, Input, activation> {
-        static constexpr bool by_parts = true;
+    struct layer : lane_block_layer<T, Input, activation> {
+        static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
 
-        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
-                          output_view<T, Input> out) {
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t block) {
-                const T* const x = in.lane_block(block);
-                T* const y = out.lane_block(block);
-                for (std::size_t e = 0; e < in.lane_block_size; ++e)
-                    y[e] = Function::value(x[e]);
-            });
+        static void forward_block(const T* in, T* out) {
+            for (std::size_t e = 0; e < elements; ++e)
+                out[e] = Function::value(in[e]);
         }
-        static void forward(const execution_context& p, const T* none, T*, no_memory& memory,
-                            input_view<T, Input> in, output_view<T, Input> out) {
-            infer(p, none, none, memory, in, out);
-        }
-        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
-                             input_view<T, Input> out, input_view<T, Input> out_gradient,
-                             output_view<T, Input> in_gradient, T*) {
-            if (in_gradient.data() == nullptr)
-                return;
-            p.threads.for_each(out.lane_blocks(), [&](std::size_t block) {
-                const T *const y = out.lane_block(block), *const gradient = out_gradient.lane_block(block);
-                T* const to = in_gradient.lane_block(block);
-                for (std::size_t e = 0; e < out.lane_block_size; ++e)
-                    to[e] = Function::backward(y[e], gradient[e]);
-            });
+        static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
+            for (std::size_t e = 0; e < elements; ++e)
+                in_gradient[e] = Function::backward(out[e], out_gradient[e]);
         }
     };
 };

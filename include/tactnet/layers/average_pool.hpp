@@ -16,36 +16,20 @@ enum class average_over { pixels, pixels_and_padding };
 
 namespace detail {
 
-/// Averages over windows that are known.
+/// Averages over given windows.
 template <class Spec, class T, shape Input, average_windows Windows>
-struct average_layer : layer_base<T, Input, Spec> {
+struct average_layer : lane_block_layer<T, Input, Spec> {
     static constexpr average_windows windows = Windows;
-    using layer_base<T, Input, Spec>::output;
-    static constexpr bool by_parts = true;
 
-    static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
-                      output_view<T, output> out) {
-        p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-            kernels::average_pool_forward(windows, Input.channels, in.lane_block(g), out.lane_block(g));
-        });
+    static void forward_block(const T* in, T* out) {
+        kernels::average_pool_forward(windows, Input.channels, in, out);
     }
-    static void forward(const execution_context& p, const T* none, T*, no_memory& m, input_view<T, Input> in,
-                        output_view<T, output> out) {
-        infer(p, none, none, m, in, out);
-    }
-    static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
-                         input_view<T, output>, input_view<T, output> out_gradient,
-                         output_view<T, Input> in_gradient, T*) {
-        if (in_gradient.data() == nullptr)
-            return;
-        p.threads.for_each(in_gradient.lane_blocks(), [&](std::size_t g) {
-            kernels::average_pool_backward(windows, Input.channels, out_gradient.lane_block(g),
-                                           in_gradient.lane_block(g));
-        });
+    static void backward_block(const T*, const T*, const T* out_gradient, T* in_gradient) {
+        kernels::average_pool_backward(windows, Input.channels, out_gradient, in_gradient);
     }
 };
 
-/// As PyTorch has them: what ceil mode adds behind the padding that was given is not counted as padding.
+/// The windows of PyTorch: what ceil mode adds after the given padding does not count as padding.
 [[nodiscard]] constexpr average_windows average_windows_of(const sliding_window& w, padding given,
                                                            average_over over) {
     const bool completed = given.how == padding::rule::ceil_mode;
@@ -64,7 +48,7 @@ template <std::size_t Rows, std::size_t Columns>
 
 } // namespace detail
 
-/// Average pooling. `same` padding gives ceil(size / stride) outputs.
+/// Average pooling. `padding::same` gives ceil(size / stride) outputs.
 template <extent2d Window, extent2d Stride = Window, padding Padding = padding::same,
           average_over Over = average_over::pixels>
 struct average_pool {
@@ -83,8 +67,8 @@ struct average_pool {
                                         detail::average_windows_of(window<T, Input>, Padding, Over)>;
 };
 
-/// Average pooling to a map of that size, whatever the input: bins as equal as can be. PyTorch's
-/// AdaptiveAvgPool2d, which also makes more of less.
+/// Average pooling to a map of a given size from any input, with bins as equal as possible: PyTorch's
+/// AdaptiveAvgPool2d, which also enlarges.
 template <extent2d Output>
 struct adaptive_average_pool {
     static constexpr std::string_view name = "pool";

@@ -14,20 +14,20 @@ concept kernel_fits_padded_input = (KernelRows <= PaddedRows) && (KernelColumns 
 template <std::size_t Groups, std::size_t Channels, std::size_t Filters>
 concept groups_divide = (Groups > 0) && (Channels % Groups == 0) && (Filters % Groups == 0);
 
-/// What a convolution may be besides its window.
+/// Options of a convolution besides its window.
 struct conv2d_options {
-    std::size_t groups = 1; ///< filters of a group see the channels of that group only
+    std::size_t groups = 1; ///< the filters of a group see its channels only
     bool bias = true;
 
     friend constexpr bool operator==(const conv2d_options&, const conv2d_options&) = default;
 };
 
-/// In groups, as AlexNet's on two processors (Krizhevsky, Sutskever, Hinton, 2012); as many as there are
-/// channels is depthwise.
+/// Grouped convolution, as in AlexNet (Krizhevsky, Sutskever, Hinton, 2012). With as many groups as channels
+/// it is depthwise.
 [[nodiscard]] constexpr conv2d_options in_groups(std::size_t count) {
     return {.groups = count};
 }
-/// Without bias: in front of a batch norm, which has one.
+/// For convolutions before a batch norm, which has a bias of its own.
 inline constexpr conv2d_options without_bias{.bias = false};
 
 namespace detail {
@@ -50,8 +50,7 @@ template <std::size_t Filters, std::size_t KernelArea, std::size_t StrideArea, s
 
 } // namespace detail
 
-/// Two-dimensional convolution (cross-correlation, as everywhere in the field), with bias unless the options
-/// leave it out.
+/// Two-dimensional convolution (cross-correlation), with bias unless the options leave it out.
 /// Weights are [filter][channel][row][column] (PyTorch's OIHW), the channels those of the filter's group.
 template <std::size_t Filters, extent2d Kernel, extent2d Stride = 1, padding Padding = padding::same,
           conv2d_options Options = conv2d_options{}>
@@ -59,7 +58,7 @@ struct conv2d {
     static constexpr std::string_view name = "conv";
     static constexpr bool numbered = true;
 
-    /// None is refused by the layer.
+    /// The layer rejects zero groups.
     static constexpr std::size_t groups = Options.groups > 0 ? Options.groups : 1;
 
     static constexpr layer_costs costs(const shape& input) {
@@ -82,7 +81,7 @@ struct conv2d {
                                   Input.columns + window.left + window.right, Options.groups, Input.channels>(
                 {window.output_rows(), window.output_columns(), Filters});
         static constexpr std::size_t groups = conv2d::groups;
-        /// Of one group.
+        /// In one group.
         static constexpr std::size_t channels = Input.channels / groups, filters = Filters / groups;
         static constexpr bool has_bias = Options.bias;
         static constexpr std::size_t fan_in = channels * Kernel.area();
@@ -110,19 +109,15 @@ struct conv2d {
             });
         }
 
-        static void infer(const execution_context& p, const T* values, const T*, memory& m,
+        static void infer(const execution_context& context, const T* values, const T*, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
-            reserve(m.scratch, p.threads.threads() * ahead::workspace_elements);
-            p.threads.on_each_share(in.lane_blocks(), [&](thread_pool::share part) {
-                for (std::size_t g = part.begin(in.lane_blocks()); g < part.end(in.lane_blocks()); ++g)
+            detail::grow(m.scratch, context.threads.threads() * ahead::workspace_elements);
+            context.threads.on_each_share(in.lane_blocks(), [&](thread_pool::share part) {
+                for (std::size_t b = part.begin(in.lane_blocks()); b < part.end(in.lane_blocks()); ++b)
                     ahead::run(m.forward_weights.data(), has_bias ? values + weights : nullptr,
-                               in.lane_block(g), out.lane_block(g),
+                               in.lane_block(b), out.lane_block(b),
                                m.scratch.data() + part.index * ahead::workspace_elements);
             });
-        }
-        static void forward(const execution_context& p, const T* values, T* none, memory& m,
-                            input_view<T, Input> in, output_view<T, output> out) {
-            infer(p, values, none, m, in, out);
         }
 
         static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
@@ -136,31 +131,31 @@ struct conv2d {
                               (Kernel.columns - 1 - column)];
             });
         }
-        static void backward(const execution_context& p, const T*, memory& m, input_view<T, Input> in,
+        static void backward(const execution_context& context, const T*, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
             constexpr std::size_t needed = std::max(of_weights::workspace_elements, back::workspace_elements);
-            reserve(m.scratch, p.threads.threads() * needed);
+            detail::grow(m.scratch, context.threads.threads() * needed);
             // Threads share the weights and the biases, each adding all lane blocks in order, and the lane
             // blocks of the input gradient. Lane block by lane block, so that each is fetched from memory
             // once.
-            p.threads.on_each_thread([&](thread_pool::share part) {
+            context.threads.on_each_thread([&](thread_pool::share part) {
                 T* const scratch = m.scratch.data() + part.index * needed;
-                for (std::size_t g = 0; g < in.lane_blocks(); ++g) {
-                    of_weights::add(in.lane_block(g), out_gradient.lane_block(g), m.totals.data(), scratch,
+                for (std::size_t b = 0; b < in.lane_blocks(); ++b) {
+                    of_weights::add(in.lane_block(b), out_gradient.lane_block(b), m.totals.data(), scratch,
                                     part.begin(of_weights::pieces), part.end(of_weights::pieces));
                     for (std::size_t f = part.begin(biases); f < part.end(biases); ++f) {
-                        const T* from = out_gradient.lane_block(g) + f * output.area() * kernels::lanes<T>;
+                        const T* from = out_gradient.lane_block(b) + f * output.area() * kernels::lanes<T>;
                         m.totals[of_weights::totals + f] +=
                             kernels::sum_terms<1, T>(output.area(), [&](std::size_t i) {
                                 return std::array<kernels::vector<T>, 1>{
                                     kernels::load(from + i * kernels::lanes<T>)};
                             })[0];
                     }
-                    if (in_gradient.data() != nullptr && g >= part.begin(in.lane_blocks()) &&
-                        g < part.end(in.lane_blocks()))
-                        back::run(m.backward_weights.data(), nullptr, out_gradient.lane_block(g),
-                                  in_gradient.lane_block(g), scratch);
+                    if (in_gradient.data() != nullptr && b >= part.begin(in.lane_blocks()) &&
+                        b < part.end(in.lane_blocks()))
+                        back::run(m.backward_weights.data(), nullptr, out_gradient.lane_block(b),
+                                  in_gradient.lane_block(b), scratch);
                 }
             });
         }
@@ -178,11 +173,6 @@ struct conv2d {
         using back =
             kernels::lane_convolution<kernels::batch_convolution::backward(window, Filters, groups), T>;
         using of_weights = kernels::weight_gradient<description, T>;
-
-        static void reserve(aligned_vector<T>& scratch, std::size_t elements) {
-            if (scratch.size() < elements)
-                scratch.resize(elements);
-        }
     };
 };
 

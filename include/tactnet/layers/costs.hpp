@@ -6,45 +6,51 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
+#include <string_view>
+#include <type_traits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What a layer gives and costs for one sample. A specification tells it for an input of any size,
-/// `Spec::costs(input)`, so that a table over many sizes makes no layer. An input that does not fit is
-/// refused where the layer is made.
+namespace detail {
+
+template <template <class, shape> class>
+struct template_of_layers;
+
+} // namespace detail
+
+template <class... Specs>
+struct sequence;
+
+/// The output and the costs of a layer for one sample. A specification returns them for an input of any size,
+/// `Spec::costs(input)`, so that tables over many sizes instantiate no layer. The layer itself rejects inputs
+/// that do not fit.
 struct layer_costs {
     shape output;
     std::size_t parameters = 0;              ///< learnable: weights, biases, scales, shifts
     std::size_t statistics = 0;              ///< running means and variances
     std::size_t multiply_adds = 0;           ///< all taps
-    std::size_t multiply_adds_on_pixels = 0; ///< without those on padding
-    std::size_t inner_activations = 0;       ///< elements to hold beside input and output
-    bool in_place = false;                   ///< may write over its input
-    bool keeps_output = false;               ///< needs the output on the way back
+    std::size_t multiply_adds_on_pixels = 0; ///< without taps on padding
+    std::size_t inner_activations = 0;       ///< elements to hold besides input and output
+    bool in_place = false;                   ///< can write over its input
+    bool keeps_output = false;               ///< needs its output in the backward pass
     friend constexpr bool operator==(const layer_costs&, const layer_costs&) = default;
 };
 
-/// A specification that tells what its layer costs.
+/// What a list of layers holds: a type with a name for its arrays, its costs, and a template `layer` that
+/// binds it to a number type and an input shape.
 template <class Spec>
-concept tells_costs = requires(const shape& input) {
+concept layer_specification = requires(const shape& input) {
+    { Spec::name } -> std::convertible_to<std::string_view>;
+    { Spec::numbered } -> std::convertible_to<bool>;
     { Spec::costs(input) } -> std::same_as<layer_costs>;
+    typename detail::template_of_layers<Spec::template layer>;
 };
-
-/// Of a layer that is bound to its input.
-template <class Layer>
-inline constexpr layer_costs costs_of_layer{.output = Layer::output,
-                                            .parameters = Layer::parameters,
-                                            .statistics = Layer::statistics,
-                                            .multiply_adds = Layer::multiply_adds,
-                                            .multiply_adds_on_pixels = Layer::multiply_adds_on_pixels,
-                                            .inner_activations = Layer::inner_activations,
-                                            .in_place = Layer::in_place,
-                                            .keeps_output = Layer::keeps_output};
 
 namespace detail {
 
-/// Whether layer I of a list may write over its input: it must be the list's own, and not needed behind it.
+/// Whether layer I of a list writes over its input: the list must own that, and its predecessor must not need
+/// it in the backward pass.
 template <std::size_t Size>
 [[nodiscard]] constexpr std::array<bool, Size> overwriting(const std::array<layer_costs, Size>& layers) {
     std::array<bool, Size> result{};
@@ -53,14 +59,24 @@ template <std::size_t Size>
     return result;
 }
 
-/// Of layers one after the other, as one layer. Without any it passes its input on.
+/// The costs of each specification in a list.
+template <class... Specs>
+[[nodiscard]] constexpr std::array<layer_costs, sizeof...(Specs)>
+costs_of_each([[maybe_unused]] shape input) {
+    std::array<layer_costs, sizeof...(Specs)> layers{};
+    std::size_t i = 0;
+    ((layers[i] = Specs::costs(input), input = layers[i].output, ++i), ...);
+    return layers;
+}
+
+/// The costs of a list of layers as one layer. An empty list is the identity.
 template <std::size_t Size>
 [[nodiscard]] constexpr layer_costs costs_of_list(const shape& input,
                                                   const std::array<layer_costs, Size>& layers) {
     layer_costs list{.output = input};
     if constexpr (Size > 0) {
         const std::array<bool, Size> overwrites = overwriting(layers);
-        // The layers from here on leave what they make in the caller's memory.
+        // Layers from here on write to the caller's memory.
         std::size_t last = Size - 1;
         while (overwrites[last])
             --last;
@@ -80,18 +96,37 @@ template <std::size_t Size>
     return list;
 }
 
-/// Of specifications one after the other.
-template <class... Specs>
-[[nodiscard]] constexpr layer_costs costs_in_order(shape input) {
-    static_assert((tells_costs<Specs> && ...),
-                  "costs: each specification must tell what it costs for an input of "
-                  "any size, costs(const shape&); tells_costs shows it");
-    const shape first = input;
-    std::array<layer_costs, sizeof...(Specs)> layers{};
-    std::size_t i = 0;
-    ((layers[i] = Specs::costs(input), input = layers[i].output, ++i), ...);
-    return costs_of_list(first, layers);
+/// What precedes a layer among its neighbours: their channels and their arrays.
+struct layer_offset {
+    std::size_t channels = 0, parameters = 0, statistics = 0;
+};
+template <std::size_t Size>
+[[nodiscard]] constexpr std::array<layer_offset, Size>
+offsets_of(const std::array<layer_costs, Size>& layers) {
+    std::array<layer_offset, Size> result{};
+    for (std::size_t i = 1; i < Size; ++i)
+        result[i] = {result[i - 1].channels + layers[i - 1].output.channels,
+                     result[i - 1].parameters + layers[i - 1].parameters,
+                     result[i - 1].statistics + layers[i - 1].statistics};
+    return result;
 }
+
+/// Rejects a type that is no layer specification, and stands the identity in for it, so that the sentence comes
+/// alone.
+template <class Spec>
+auto check_specification() {
+    static_assert(layer_specification<Spec>,
+                  "network: each entry of a list must be a layer specification, with name, numbered, "
+                  "costs(const shape&) and a template layer<class, shape>; layer_specification shows what is "
+                  "missing");
+    return std::type_identity<sequence<>>{};
+}
+template <class Spec>
+struct checked_specification : decltype(check_specification<Spec>()) {};
+template <layer_specification Spec>
+struct checked_specification<Spec> : std::type_identity<Spec> {};
+template <class Spec>
+using checked = typename checked_specification<Spec>::type;
 
 } // namespace detail
 } // namespace TACTNET_ARCH

@@ -9,7 +9,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
-inline constexpr random_purpose dropout{4}; ///< which elements of one sample stay in one step
+inline constexpr random_purpose dropout{4}; ///< the mask of one sample in one step
 } // namespace random_purposes
 
 namespace detail {
@@ -22,9 +22,9 @@ template <unsigned Percent>
 
 } // namespace detail
 
-/// Dropout (Srivastava et al., 2014): in training each element is zeroed with the given probability in
-/// percent and the others are scaled to keep the mean; afterwards nothing is done. Which ones depends on
-/// seed, step and sample only.
+/// Dropout (Srivastava et al., 2014): training zeroes each element with the given probability in percent and
+/// scales the others to keep the mean; inference changes nothing. The mask depends on the seed, the step, the
+/// sample and the layer's place in the network alone.
 template <unsigned Percent>
 struct dropout {
     static constexpr std::string_view name = "dropout";
@@ -37,38 +37,38 @@ struct dropout {
         static constexpr shape output = detail::dropout_output<Percent>(Input);
         static constexpr bool by_parts = true;
 
-        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
-                          output_view<T, Input> out) {
+        static void infer(const execution_context& context, const T*, const T*, no_memory&,
+                          input_view<T, Input> in, output_view<T, Input> out) {
             if (in.data() != out.data())
-                p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                    std::copy_n(in.lane_block(g), in.lane_block_size, out.lane_block(g));
+                context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
+                    std::copy_n(in.lane_block(b), in.lane_block_size, out.lane_block(b));
                 });
         }
-        static void forward(const execution_context& p, const T*, T*, no_memory&, input_view<T, Input> in,
-                            output_view<T, Input> out) {
-            scale_kept(p, in, out);
+        static void forward(const execution_context& context, const T*, T*, no_memory&,
+                            input_view<T, Input> in, output_view<T, Input> out) {
+            scale_kept(context, in, out);
         }
-        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
+        static void backward(const execution_context& context, const T*, no_memory&, input_view<T, Input>,
                              input_view<T, Input>, input_view<T, Input> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() != nullptr)
-                scale_kept(p, out_gradient, in_gradient);
+                scale_kept(context, out_gradient, in_gradient);
         }
 
     private:
         static constexpr std::uint64_t threshold = (std::uint64_t{1} << 32) * Percent / 100;
 
-        static void scale_kept(const execution_context& p, input_view<T, Input> in,
+        static void scale_kept(const execution_context& context, input_view<T, Input> in,
                                output_view<T, Input> out) {
             const T scale = static_cast<T>(100.0 / (100 - Percent));
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
+            context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
                 for (std::size_t lane = 0; lane < kernels::lanes<T>; ++lane) {
-                    const std::uint64_t layer_seed = p.seed + (std::uint64_t{p.depth} << 40);
-                    random_stream random(
-                        layer_seed, random_purposes::dropout, p.step,
-                        static_cast<std::uint32_t>((p.first_group + g) * kernels::lanes<T> + lane));
+                    const std::uint64_t layer_seed = context.seed + (std::uint64_t{context.place} << 40);
+                    random_stream random(layer_seed, random_purposes::dropout, context.step,
+                                         static_cast<std::uint32_t>(
+                                             (context.first_lane_block + b) * kernels::lanes<T> + lane));
                     for (std::size_t e = lane; e < in.lane_block_size; e += kernels::lanes<T>)
-                        out.lane_block(g)[e] = random.bits() < threshold ? T{} : in.lane_block(g)[e] * scale;
+                        out.lane_block(b)[e] = random.bits() < threshold ? T{} : in.lane_block(b)[e] * scale;
                 }
             });
         }

@@ -17,10 +17,9 @@
 #include <utility>
 #include <vector>
 
-// What a layer is. A list of layers holds shape-free specifications (`conv2d<8, 5>`); bound to an input shape
-// and a number type, a specification becomes a layer: constants and static functions, without state.
-// Parameters lie in one flat array of the network, what a batch leaves behind for the way back lies in the
-// layer's `memory`.
+// A list of layers holds specifications without sizes (`conv2d<8, 5>`). Bound to a number type and an input
+// shape, a specification becomes a layer: constants and static functions, without state. The parameters of a
+// network lie in one flat array, and what the backward pass of a batch needs lies in the layer's `memory`.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -40,27 +39,35 @@ struct output_view : batch_view<T, Shape, kernels::lanes<T>> {
     constexpr output_view(const base& view) : base(view) {}
 };
 
-/// Groups that hold so many samples.
+/// The number of lane blocks that hold a number of samples.
 template <class T>
-[[nodiscard]] constexpr std::size_t groups_of(std::size_t samples) {
+[[nodiscard]] constexpr std::size_t lane_blocks_of(std::size_t samples) {
     return kernels::padded_size<T>(samples) / kernels::lanes<T>;
 }
 
-/// What a network knows and a layer asks for while a batch passes.
+/// What a network passes to its layers with each batch.
 struct execution_context {
     thread_pool& threads;
-    double epsilon = 1e-5;       ///< added to the variance by batch norms
-    double momentum = 0.1;       ///< share of a batch in the running statistics of batch norms
-    std::uint64_t seed = 0;      ///< for dropout
-    std::uint32_t step = 0;      ///< batches so far, for dropout
-    std::uint32_t depth = 0;     ///< tells the layers of a list apart, for dropout
-    std::size_t first_group = 0; ///< groups of the batch before this part of it
+    double epsilon = 1e-5;            ///< added to the variance by batch norms
+    double momentum = 0.1;            ///< share of a batch in the running statistics of batch norms
+    std::uint64_t seed = 0;           ///< for dropout
+    std::uint32_t step = 0;           ///< batches so far, for dropout
+    std::uint32_t place = 0;          ///< of the layer among all layers of the network, for dropout
+    std::size_t first_lane_block = 0; ///< of the part of the batch that the layer sees
+
+    /// The context of an inner layer, so that no two dropouts of a network draw the same numbers. An index is
+    /// below 64.
+    [[nodiscard]] execution_context of_inner(std::size_t index) const {
+        execution_context inner = *this;
+        inner.place = place * 64 + static_cast<std::uint32_t>(index) + 1;
+        return inner;
+    }
 };
 
 /// What an array of a network is for.
 enum class parameter_role { weight, bias, scale, shift, running_mean, running_variance };
 
-/// Learnable by gradient descent; running statistics are not.
+/// Whether gradient descent changes the array; running statistics are not learnable.
 [[nodiscard]] constexpr bool learnable(parameter_role r) {
     return r != parameter_role::running_mean && r != parameter_role::running_variance;
 }
@@ -75,8 +82,8 @@ struct parameter : named_array {
 /// A specification bound to an input shape and a number type: constants and static functions, without state.
 template <class Layer, class T = typename Layer::value_type>
 concept layer = std::floating_point<T> &&
-    requires(const execution_context& p, const T* parameters, T* statistics, typename Layer::memory& memory,
-             batch_view<const T, Layer::input, kernels::lanes<T>> in,
+    requires(const execution_context& context, const T* parameters, T* statistics,
+             typename Layer::memory& memory, batch_view<const T, Layer::input, kernels::lanes<T>> in,
              batch_view<T, Layer::output, kernels::lanes<T>> out,
              batch_view<const T, Layer::output, kernels::lanes<T>> out_gradient,
              batch_view<T, Layer::input, kernels::lanes<T>> in_gradient, T* parameter_gradients,
@@ -84,54 +91,58 @@ concept layer = std::floating_point<T> &&
     // Costs, as constants: learnable parameters, running statistics, multiply-adds of one sample.
     { Layer::parameters + Layer::statistics + Layer::multiply_adds } -> std::convertible_to<std::size_t>;
     { Layer::multiply_adds_on_pixels } -> std::convertible_to<std::size_t>;
-    // Whether the output may take the input's place: then `backward` must not need the input.
+    // Whether it can write over its input. `backward` then must not need the input.
     { Layer::in_place } -> std::convertible_to<bool>;
-    // Whether `backward` needs the output as it was left.
+    // Whether `backward` needs the output as the layer left it.
     { Layer::keeps_output } -> std::convertible_to<bool>;
-    // Whether it takes a batch by parts (see part_layer).
+    // Whether it processes a batch part by part (see part_layer).
     { Layer::by_parts } -> std::convertible_to<bool>;
-    // Whether it must see all parts before the first of them can pass.
+    // Whether it must see all parts of the batch before it computes the first.
     { Layer::observes } -> std::convertible_to<bool>;
-    // Appends the layer's arrays, offsets counted from its first.
+    // Appends the layer's arrays, with offsets from its first.
     Layer::describe(std::string{}, list);
     memory.resize(std::size_t{});
-    // Once after the parameters changed; `infer` uses the running statistics, `forward` those of the batch.
-    Layer::prepare(p, parameters, statistics, memory);
-    Layer::infer(p, parameters, statistics, memory, in, out);
-    Layer::forward(p, parameters, statistics, memory, in, out);
-    // Sets the input's gradient unless no one asks for it (a null view), and, if it takes no parts, those of
-    // the parameters.
-    Layer::backward(p, parameters, memory, in, out_gradient, out_gradient, in_gradient, parameter_gradients);
+    // Called once after parameters changed.
+    Layer::prepare(context, parameters, statistics, memory);
+    // Inference, with running statistics.
+    Layer::infer(context, parameters, statistics, memory, in, out);
+    // Training, with the statistics of the batch.
+    Layer::forward(context, parameters, statistics, memory, in, out);
+    // Sets the gradient of the input unless its view is null, and those of the parameters unless the layer
+    // works by parts.
+    Layer::backward(context, parameters, memory, in, out_gradient, out_gradient, in_gradient,
+                    parameter_gradients);
 };
 
-/// A layer that must see the whole batch before any of it can pass.
+/// A layer that must see the whole batch before it computes any of it.
 template <class Layer, class T = typename Layer::value_type>
-concept observing_layer = requires(const execution_context& p, typename Layer::memory& memory,
+concept observing_layer = requires(const execution_context& context, typename Layer::memory& memory,
                                    batch_view<const T, Layer::input, kernels::lanes<T>> in,
                                    batch_view<const T, Layer::output, kernels::lanes<T>> out,
                                    batch_view<const T, Layer::output, kernels::lanes<T>> out_gradient) {
-    Layer::observe_forward(p, memory, in);
-    Layer::observe_backward(p, memory, in, out, out_gradient);
+    Layer::observe_forward(context, memory, in);
+    Layer::observe_backward(context, memory, in, out, out_gradient);
 };
 
-/// A layer that takes a batch by parts: what it gives for a part goes to the next layer while it is in the
-/// caches. Parts are whole groups, at most as many as there are threads, and come in order; the views are of
-/// the part, `execution_context::first_group` tells where it begins, the memory is that of the whole batch.
-/// For one batch are called, in this order,
+/// A layer that processes a batch part by part, so that the next layer finds each part in the caches. Parts
+/// are whole lane blocks, at most as many as there are threads, and come in order. Views are of the part,
+/// `execution_context::first_lane_block` is where it begins, and the memory is that of the whole batch. The
+/// calls for one batch are, in this order,
 ///   observe_forward(part) …  begin_forward  forward(part) …
 ///   observe_backward(part) … begin_backward backward(part) … end_backward
-/// and the parameters' gradients are set by the last.
+/// and `end_backward` sets the gradients of the parameters.
 template <class Layer, class T = typename Layer::value_type>
 concept part_layer = layer<Layer> && Layer::by_parts &&
-    (!Layer::observes || observing_layer<Layer>)&&requires(const execution_context& p, const T* parameters,
-                                                           T* statistics, typename Layer::memory& memory,
+    (!Layer::observes || observing_layer<Layer>)&&requires(const execution_context& context,
+                                                           const T* parameters, T* statistics,
+                                                           typename Layer::memory& memory,
                                                            std::size_t samples, T* parameter_gradients) {
-    Layer::begin_forward(p, statistics, memory, samples);
-    Layer::begin_backward(p, parameters, memory, samples);
+    Layer::begin_forward(context, statistics, memory, samples);
+    Layer::begin_backward(context, parameters, memory, samples);
     Layer::end_backward(memory, parameter_gradients);
 };
 
-/// What a list can hold.
+/// A layer that a list can hold.
 template <class Layer>
 concept listed_layer = part_layer<Layer> ||(layer<Layer> && !Layer::by_parts && !Layer::observes);
 
@@ -140,8 +151,8 @@ struct no_memory {
     void resize(std::size_t) {}
 };
 
-/// What most layers are, so that each says only what differs. The constants are what the specification says
-/// of its costs.
+/// The defaults of a layer; its constants are what `Spec::costs` returns. `Spec::layer<T, Input>` derives
+/// from it.
 template <class T, shape Input, class Spec>
 struct layer_base {
 private:
@@ -160,23 +171,69 @@ public:
 
     static void describe(const std::string&, std::vector<parameter>&) {}
     static void prepare(const execution_context&, const T*, const T*, auto&) {}
+    /// Computes what inference does.
+    static void forward(const execution_context& context, const T* values, T* running, auto& memory,
+                        input_view<T, Input> in, output_view<T, output> out) {
+        Spec::template layer<T, Input>::infer(context, values, running, memory, in, out);
+    }
     static void begin_forward(const execution_context&, T*, auto&, std::size_t) {}
     static void begin_backward(const execution_context&, const T*, auto&, std::size_t) {}
     static void end_backward(auto&, T*) {}
 };
 
-// What does not fit is refused by a function on the way to a layer's output shape (detail::…_output), not in
-// the layer itself: of a class with a failed assertion Clang takes no constant, and the sentence would drown
-// in what follows.
+/// A layer without parameters that computes each lane block by itself. `Spec::layer<T, Input>` has only
+///
+///     static void forward_block(const T* in, T* out);
+///     static void backward_block(const T* in, const T* out, const T* out_gradient, T* in_gradient);
+template <class T, shape Input, class Spec>
+struct lane_block_layer : layer_base<T, Input, Spec> {
+    using layer_base<T, Input, Spec>::output;
+    static constexpr bool by_parts = true;
 
-/// How PyTorch names what lies in something named: with a point between, unless there is no name.
+    static void infer(const execution_context& context, const T*, const T*, no_memory&,
+                      input_view<T, Input> in, output_view<T, output> out) {
+        context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
+            Spec::template layer<T, Input>::forward_block(in.lane_block(b), out.lane_block(b));
+        });
+    }
+    static void backward(const execution_context& context, const T*, no_memory&, input_view<T, Input> in,
+                         input_view<T, output> out, input_view<T, output> out_gradient,
+                         output_view<T, Input> in_gradient, T*) {
+        if (in_gradient.data() == nullptr)
+            return;
+        context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
+            Spec::template layer<T, Input>::backward_block(
+                in.lane_block(b), out.lane_block(b), out_gradient.lane_block(b), in_gradient.lane_block(b));
+        });
+    }
+};
+
+// Functions on the way to a layer's output shape (detail::…_output) reject what does not fit, not the layer
+// itself: Clang takes no constants from a class with a failed assertion, and would bury the sentence under
+// further errors.
+
+namespace detail {
+
+/// `Layer::forward` in training, else `Layer::infer`.
+template <bool Training, class Layer, class T, class Statistic>
+void run(const execution_context& context, const T* values, Statistic* running,
+         typename Layer::memory& memory, input_view<T, Layer::input> in, output_view<T, Layer::output> out) {
+    if constexpr (Training)
+        Layer::forward(context, values, running, memory, in, out);
+    else
+        Layer::infer(context, values, running, memory, in, out);
+}
+
+} // namespace detail
+
+/// The names joined by a point, as PyTorch joins them; an empty one adds nothing.
 [[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string joined_name(const std::string& outer,
                                                                           const std::string& inner) {
     return outer.empty() || inner.empty() ? outer + inner : outer + "." + inner;
 }
 
-/// Appends the array "prefix.name" to those that the layer has described so far. `flattened` is the input of
-/// a fully connected layer, for its weights. Not inlined, to save compile time.
+/// Appends the array "prefix.name" to the layer's arrays. `flattened` is the input of a fully connected
+/// layer, for its weights. Not inlined, to save compile time.
 [[gnu::cold, gnu::noinline]] inline void
 describe_array(std::vector<parameter>& list, const std::string& prefix, const char* name, parameter_role what,
                std::initializer_list<std::size_t> extents, std::size_t offset, std::size_t fan_in = 1,

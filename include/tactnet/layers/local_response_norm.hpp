@@ -23,8 +23,8 @@ template <std::size_t Size, class K>
 
 /// Local response normalisation across channels (Krizhevsky, Sutskever, Hinton, 2012, section 3.3):
 /// y(c) = x(c) · (k + α ÷ size · Σ x(i)²)^−β over the `size` channels around c. As in Caffe, MATLAB and
-/// PyTorch, α is divided by the size: the paper's α = 1e-4 at size 5, k = 2, is their 5e-4. Of an even size
-/// the odd channel is in front, as in PyTorch. The constants are fractions (std::ratio).
+/// PyTorch, α is divided by the size: the paper's α = 1e-4 at size 5, k = 2, is their 5e-4. Of an even size,
+/// one more channel lies before c than after it, as in PyTorch. The constants are fractions (std::ratio).
 template <std::size_t Size = 5, class Alpha = std::ratio<1, 10000>, class Beta = std::ratio<3, 4>,
           class K = std::ratio<1>>
 struct local_response_norm {
@@ -35,31 +35,15 @@ struct local_response_norm {
     static constexpr layer_costs costs(const shape& input) { return {.output = input}; }
 
     template <class T, shape Input>
-    struct layer : layer_base<T, Input, local_response_norm> {
+    struct layer : lane_block_layer<T, Input, local_response_norm> {
         static constexpr shape output = detail::local_response_output<Size, K>(Input);
-        static constexpr bool by_parts = true;
 
-        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
-                          output_view<T, Input> out) {
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                kernels::normalise_responses<rule>(Input.channels, Input.area(), in.lane_block(g),
-                                                   out.lane_block(g));
-            });
+        static void forward_block(const T* in, T* out) {
+            kernels::normalise_responses<rule>(Input.channels, Input.area(), in, out);
         }
-        static void forward(const execution_context& p, const T* none, T*, no_memory& m,
-                            input_view<T, Input> in, output_view<T, Input> out) {
-            infer(p, none, none, m, in, out);
-        }
-        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input> in,
-                             input_view<T, Input>, input_view<T, Input> out_gradient,
-                             output_view<T, Input> in_gradient, T*) {
-            if (in_gradient.data() == nullptr)
-                return;
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                kernels::normalise_responses_backward<rule>(Input.channels, Input.area(), in.lane_block(g),
-                                                            out_gradient.lane_block(g),
-                                                            in_gradient.lane_block(g));
-            });
+        static void backward_block(const T* in, const T*, const T* out_gradient, T* in_gradient) {
+            kernels::normalise_responses_backward<rule>(Input.channels, Input.area(), in, out_gradient,
+                                                        in_gradient);
         }
     };
 };

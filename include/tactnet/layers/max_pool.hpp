@@ -10,7 +10,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Max pooling. `same` padding gives ceil(size / stride) outputs; padding is never looked at.
+/// Max pooling. `padding::same` gives ceil(size / stride) outputs; padding is ignored.
 template <extent2d Window, extent2d Stride = Window, padding Padding = padding::same>
 struct max_pool {
     static constexpr std::string_view name = "pool";
@@ -23,31 +23,14 @@ struct max_pool {
     }
 
     template <class T, shape Input>
-    struct layer : layer_base<T, Input, max_pool> {
+    struct layer : lane_block_layer<T, Input, max_pool> {
         static constexpr sliding_window window = detail::pool_window<Input, Window, Stride, Padding>();
-        // By the window, which refuses an input that it does not fit.
+        // Depends on the window, which rejects an input that it does not fit.
         static constexpr shape output{window.output_rows(), window.output_columns(), Input.channels};
-        static constexpr bool by_parts = true;
 
-        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
-                          output_view<T, output> out) {
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                kernels::max_pool_forward<window>(in.lane_block(g), out.lane_block(g));
-            });
-        }
-        static void forward(const execution_context& p, const T* none, T*, no_memory& m,
-                            input_view<T, Input> in, output_view<T, output> out) {
-            infer(p, none, none, m, in, out);
-        }
-        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input> in,
-                             input_view<T, output> out, input_view<T, output> out_gradient,
-                             output_view<T, Input> in_gradient, T*) {
-            if (in_gradient.data() == nullptr)
-                return;
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                kernels::max_pool_backward<window>(in.lane_block(g), out.lane_block(g),
-                                                   out_gradient.lane_block(g), in_gradient.lane_block(g));
-            });
+        static void forward_block(const T* in, T* out) { kernels::max_pool_forward<window>(in, out); }
+        static void backward_block(const T* in, const T* out, const T* out_gradient, T* in_gradient) {
+            kernels::max_pool_backward<window>(in, out, out_gradient, in_gradient);
         }
     };
 };

@@ -18,28 +18,12 @@ struct relu {
     }
 
     template <class T, shape Input>
-    struct layer : layer_base<T, Input, relu> {
-        static constexpr bool by_parts = true;
+    struct layer : lane_block_layer<T, Input, relu> {
+        static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
 
-        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
-                          output_view<T, Input> out) {
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                kernels::relu_forward(in.lane_block(g), out.lane_block(g), in.lane_block_size);
-            });
-        }
-        static void forward(const execution_context& p, const T* none, T*, no_memory& m,
-                            input_view<T, Input> in, output_view<T, Input> out) {
-            infer(p, none, none, m, in, out);
-        }
-        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
-                             input_view<T, Input> out, input_view<T, Input> out_gradient,
-                             output_view<T, Input> in_gradient, T*) {
-            if (in_gradient.data() == nullptr)
-                return;
-            p.threads.for_each(out.lane_blocks(), [&](std::size_t g) {
-                kernels::relu_backward(out.lane_block(g), out_gradient.lane_block(g),
-                                       in_gradient.lane_block(g), out.lane_block_size);
-            });
+        static void forward_block(const T* in, T* out) { kernels::relu_forward(in, out, elements); }
+        static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
+            kernels::relu_backward(out, out_gradient, in_gradient, elements);
         }
     };
 };

@@ -9,16 +9,17 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// y = √(x + offset) − √offset, and 0 for x below 0: in front of a network of counts, which are the noisier
-/// the larger they are; of their root the noise is nearly the same everywhere (Anscombe, "The transformation
-/// of Poisson, binomial and negative-binomial data", 1948, whose offset is ⅜ of a count). What is not touched
-/// stays 0. `Offset` is a fraction (std::ratio) above zero in units of the input; as it is, ⅜ of a count of
-/// 8 bits that was divided by 255. In place.
+/// y = √(x + offset) − √offset, and 0 for x below 0. As the first layer of a network of counts it stabilises
+/// their variance: counts are noisier the larger they are, and the noise of their root is nearly constant
+/// (Anscombe, "The transformation of Poisson, binomial and negative-binomial data", 1948, with an offset of ⅜
+/// of a count). Zero stays zero. `Offset` is a fraction (std::ratio) above zero in units of the input; the
+/// default is ⅜ of a count of 8 bits divided by 255. In place.
 template <class Offset = std::ratio<3, 8 * 255>>
 struct square_root {
     static constexpr std::string_view name = "square_root";
     static constexpr bool numbered = true;
-    static constexpr bool takes_counts = true; ///< inputs below 0 would be lost, as minus a mean image
+    static constexpr bool takes_counts =
+        true; ///< inputs below 0, as after subtracting a mean image, would be lost
     static_assert(std::ratio_greater_v<Offset, std::ratio<0>>, "square_root: the offset must be above zero");
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
 
@@ -27,30 +28,14 @@ struct square_root {
     }
 
     template <class T, shape Input>
-    struct layer : layer_base<T, Input, square_root> {
-        static constexpr bool by_parts = true;
+    struct layer : lane_block_layer<T, Input, square_root> {
+        static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
 
-        static void infer(const execution_context& p, const T*, const T*, no_memory&, input_view<T, Input> in,
-                          output_view<T, Input> out) {
-            p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                kernels::shifted_root_forward(static_cast<T>(offset), in.lane_block(g), out.lane_block(g),
-                                              in.lane_block_size);
-            });
+        static void forward_block(const T* in, T* out) {
+            kernels::shifted_root_forward(static_cast<T>(offset), in, out, elements);
         }
-        static void forward(const execution_context& p, const T* none, T*, no_memory& m,
-                            input_view<T, Input> in, output_view<T, Input> out) {
-            infer(p, none, none, m, in, out);
-        }
-        static void backward(const execution_context& p, const T*, no_memory&, input_view<T, Input>,
-                             input_view<T, Input> out, input_view<T, Input> out_gradient,
-                             output_view<T, Input> in_gradient, T*) {
-            if (in_gradient.data() == nullptr)
-                return;
-            p.threads.for_each(out.lane_blocks(), [&](std::size_t g) {
-                kernels::shifted_root_backward(static_cast<T>(offset), out.lane_block(g),
-                                               out_gradient.lane_block(g), in_gradient.lane_block(g),
-                                               out.lane_block_size);
-            });
+        static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
+            kernels::shifted_root_backward(static_cast<T>(offset), out, out_gradient, in_gradient, elements);
         }
     };
 };

@@ -37,7 +37,7 @@ struct costs_of_type;
 template <class T, shape Input, class... Specs>
 struct costs_of_type<basic_network<T, Input, Specs...>> {
     static constexpr network_costs get() {
-        const layer_costs all = costs_in_order<Specs...>(Input);
+        const layer_costs all = sequence<Specs...>::costs(Input);
         return {.parameters = all.parameters,
                 .statistics = all.statistics,
                 .multiply_adds = all.multiply_adds,

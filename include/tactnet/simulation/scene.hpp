@@ -115,6 +115,7 @@ public:
     static_assert(tactels == Array::extents,
                   "scene: the mechanical effects must end with one value a tactel");
 
+    /// The result of one frame.
     struct frames {
         tensor<float, tactels> clean;   ///< pascals on each tactel, before film and electronics
         tensor<float, output> measured; ///< after all effects: counts with a converter, else pascals

@@ -65,5 +65,16 @@ private:
 template <class T>
 using aligned_vector = std::vector<T, aligned_allocator<T>>;
 
+namespace detail {
+
+/// Makes room for `count` elements; never shrinks.
+template <class T>
+void grow(aligned_vector<T>& elements, std::size_t count) {
+    if (elements.size() < count)
+        elements.resize(count);
+}
+
+} // namespace detail
+
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -75,10 +75,6 @@ struct as_photograph {
                     });
             });
         }
-        static void forward(const execution_context& p, const T* none, T*, memory& m, input_view<T, Input> in,
-                            output_view<T, output> out) {
-            infer(p, none, nullptr, m, in, out);
-        }
         static void backward(const execution_context& p, const T*, memory& m, input_view<T, Input>,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {

@@ -297,7 +297,7 @@ TEST_SUITE("examples/decode_image") {
         CHECK_FALSE(std::filesystem::exists(folder / "x.png"));
     }
 
-    TEST_CASE("decode_image: the real recordings") {
+    TEST_CASE("decode_image: the real recordings" * doctest::test_suite("data")) {
         const auto root = support::find_data("tactile_images");
         if (!root)
             return;

@@ -129,7 +129,7 @@ TEST_CASE("image_folder: pipes, sockets and devices are no images") {
 }
 #endif
 
-TEST_CASE("image_folder: the real recordings") {
+TEST_CASE("image_folder: the real recordings" * doctest::test_suite("data")) {
     const auto root = support::find_data("tactile_images");
     if (!root)
         return;

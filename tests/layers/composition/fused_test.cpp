@@ -38,7 +38,7 @@ struct results {
 template <class List, shape Input, class Alter>
 results train(std::size_t count, const Alter& alter) {
     const auto layer = support::make_layer<List, double, Input>();
-    const std::size_t places = groups_of<double>(count) * kernels::lanes<double>;
+    const std::size_t places = kernels::padded_size<double>(count);
     const auto drawn = [](std::size_t size, std::uint32_t what) {
         aligned_vector<double> values(size);
         random_stream random(what, random_purposes::order);

@@ -1,5 +1,7 @@
 #include <tactnet/layers.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <support/layers/conformance.hpp>
@@ -91,4 +93,26 @@ TEST_CASE("residual: the same bits as the sum of its branches") {
     CHECK(same_bits(out, main_out));
     CHECK(same_bits(in_gradient, main_in));
     CHECK(same_bits(gradients, main_gradients));
+}
+
+TEST_CASE("residual: dropouts of both branches draw masks of their own") {
+    constexpr shape input{8, 16, 1};
+    const auto layer =
+        support::make_layer<residual<sequence<dropout<50>>, sequence<dropout<50>>>, float, input>();
+    const std::size_t count = kernels::lanes<float>, elements = input.size() * count;
+    const array<float> ones(elements, 1.0f);
+    array<float> out(elements), in_gradient(elements), none;
+    thread_pool threads;
+    layer->resize(count);
+    layer->forward({.threads = threads, .seed = 1}, nullptr, none.data(), count, ones.data(), out.data());
+    const auto share = [&](float value) {
+        return static_cast<double>(std::count(out.begin(), out.end(), value)) / static_cast<double>(elements);
+    };
+    const double deviation = 0.5 / std::sqrt(static_cast<double>(elements));
+    CHECK(std::abs(share(0) - 0.25) < 4 * deviation);
+    CHECK(std::abs(share(2) - 0.5) < 4 * deviation);
+    CHECK(std::abs(share(4) - 0.25) < 4 * deviation);
+    layer->backward({.threads = threads, .seed = 1}, nullptr, count, ones.data(), out.data(), ones.data(),
+                    in_gradient.data(), nullptr);
+    CHECK(in_gradient == out); // the masks of the forward pass
 }

@@ -35,7 +35,7 @@ public:
                      std::size_t count) {
         kept_ = {in};
         for (std::size_t i = 0; i < layers_.size(); ++i) {
-            p.depth = static_cast<std::uint32_t>(i) + 1;
+            p.place = static_cast<std::uint32_t>(i) + 1;
             layers_[i]->resize(count);
             layers_[i]->prepare(p, values, running);
             array<T> out(in.size() / layers_[0]->input.size() * layers_[i]->output.size());
@@ -51,7 +51,7 @@ public:
         for (const auto& layer : layers_)
             values += layer->parameters, gradients += layer->parameters;
         for (std::size_t i = layers_.size(); i-- > 0;) {
-            p.depth = static_cast<std::uint32_t>(i) + 1;
+            p.place = static_cast<std::uint32_t>(i) + 1;
             values -= layers_[i]->parameters, gradients -= layers_[i]->parameters;
             array<T> to(kept_[i].size());
             layers_[i]->backward(p, values, count, kept_[i].data(), kept_[i + 1].data(), from.data(),

@@ -12,7 +12,8 @@
 
 using namespace tactnet;
 
-TEST_CASE("squeezenet: the weights of ImageNet load by name, and give PyTorch's features of tactile images") {
+TEST_CASE("squeezenet: the weights of ImageNet load by name, and give PyTorch's features of tactile images" *
+          doctest::test_suite("data")) {
     const auto weights_file = support::find_data("squeezenet1_1_imagenet_features.safetensors");
     const auto images_file = support::find_data("published_tactnet4_14x25_golden.safetensors");
     if (!weights_file || !images_file)

@@ -494,7 +494,8 @@ TEST_CASE("tekscan_ascii: memory does not grow with the stream, nor with what a 
     }
 }
 
-TEST_CASE("tekscan_ascii: the real recording: every frame has the sum that it says") {
+TEST_CASE("tekscan_ascii: the real recording: every frame has the sum that it says" *
+          doctest::test_suite("data")) {
     const auto path = support::find_data("tekscan/iscan_test.csv");
     if (!path)
         return;

@@ -207,7 +207,8 @@ TEST_CASE("tekscan_binary_checks: warnings use no heap and are bounded") {
     CHECK(decoder.warnings().kept().size() == tactnet::decoding_warnings::capacity);
 }
 
-TEST_CASE("tekscan_binary_checks: the real recording is what they are measured on") {
+TEST_CASE("tekscan_binary_checks: the real recording is what they are measured on" *
+          doctest::test_suite("data")) {
     const auto path = support::find_data("tekscan/MySampleRecording.fsx");
     if (!path)
         return;

@@ -150,7 +150,7 @@ TEST_CASE("tekscan_binary: damage of a written recording") {
     check(found);
 }
 
-TEST_CASE("tekscan_binary: damage of the real recording") {
+TEST_CASE("tekscan_binary: damage of the real recording" * doctest::test_suite("data")) {
     const auto path = support::find_data("tekscan/MySampleRecording.fsx");
     if (!path)
         return;

@@ -150,7 +150,7 @@ TEST_CASE("tekscan_binary: memory does not grow with the stream") {
           "byte 262144: expected a header of at most 262144 bytes, found a longer one");
 }
 
-TEST_CASE("tekscan_binary: the real recording") {
+TEST_CASE("tekscan_binary: the real recording" * doctest::test_suite("data")) {
     const auto path = support::find_data("tekscan/MySampleRecording.fsx");
     if (!path)
         return;

@@ -71,7 +71,7 @@ TEST_CASE("tekscan_map: those that make no sense") {
           "byte 0, line 1: expected a line 'ROWS' in the header, found none");
 }
 
-TEST_CASE("tekscan_map: the real one") {
+TEST_CASE("tekscan_map: the real one" * doctest::test_suite("data")) {
     const auto path = support::find_data("tekscan/null.mp");
     if (!path)
         return;

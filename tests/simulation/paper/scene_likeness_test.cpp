@@ -35,7 +35,8 @@ private:
 };
 
 TEST_CASE(
-    "paper_scene: contact and pressure of simulated images are within a factor of 1.5 of the real ones") {
+    "paper_scene: contact and pressure of simulated images are within a factor of 1.5 of the real ones" *
+    doctest::test_suite("data")) {
     const auto folder = support::find_data("tactile_images");
     if (!folder)
         return;

@@ -140,7 +140,7 @@ public:
                 .momentum = 0.1,
                 .seed = 7,
                 .step = 3,
-                .depth = 2};
+                .place = 2};
     }
     array<T> room(std::size_t size, std::size_t count) const {
         return array<T>((count + lanes<T> - 1) / lanes<T> * lanes<T> * size, static_cast<T>(broken));

@@ -30,6 +30,19 @@ struct lowered_skip<Sequence> {
     using type = lowered_identity;
 };
 
+/// The main branch of a residual block whose last step adds the skip. A branch that cannot is rejected here,
+/// and stands in for itself, so that the sentence comes alone.
+template <class Main, bool Rectified>
+auto adding_main() {
+    static_assert(Main::can_add,
+                  "deploy: the main branch of a residual block must end in a convolution, with or "
+                  "without batch norm");
+    if constexpr (Main::can_add)
+        return std::type_identity<typename Main::template adding<Rectified>>{};
+    else
+        return std::type_identity<typename Main::type>{};
+}
+
 } // namespace detail
 
 /// Both branches of a residual block, with the ReLU behind the sum.
@@ -38,10 +51,7 @@ struct lowered_residual {
     using layer = typename Place::layer;
     using lowered_main = lowered_sequence<typename Place::format, as_sequence<Main>, typename layer::main,
                                           Place::input_stride>;
-    static_assert(lowered_main::can_add,
-                  "deploy: the main branch of a residual block must end in a convolution, with or without "
-                  "batch norm");
-    using main = typename lowered_main::template adding<Rectified>;
+    using main = typename decltype(detail::adding_main<lowered_main, Rectified>())::type;
     using skip =
         typename detail::lowered_skip<lowered_sequence<typename Place::format, as_sequence<Skip>,
                                                        typename layer::skip, Place::input_stride>>::type;
@@ -101,15 +111,15 @@ struct lowered_concatenation<Place, std::index_sequence<I...>, Branches...> {
     using form_of = typename detail::lowered_branch<
         lowered_sequence<typename Place::format, as_sequence<Branch>, typename layer::template at<At>,
                          Place::input_stride>,
-        stride, layer::positions[At].channels>::type;
+        stride, layer::offsets[At].channels>::type;
     using step =
         concatenation_step<typename Place::format, layer::input, Place::input_stride, stride,
-                           branch_step<typename form_of<I, Branches>::step, layer::positions[I].channels>...>;
+                           branch_step<typename form_of<I, Branches>::step, layer::offsets[I].channels>...>;
 
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here = Place::parameters(list);
-        ((form_of<I, Branches>::fold(
-              here.behind(layer::positions[I].parameters, layer::positions[I].statistics), to),
+        ((form_of<I, Branches>::fold(here.behind(layer::offsets[I].parameters, layer::offsets[I].statistics),
+                                     to),
           to += form_of<I, Branches>::step::folded),
          ...);
     }

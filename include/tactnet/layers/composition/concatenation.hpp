@@ -33,7 +33,7 @@ template <class First, class... Branches>
             (First::output.channels + ... + Branches::output.channels)};
 }
 
-/// Of branches side by side, each with memory of its own for what it makes.
+/// The costs of branches side by side, each with memory of its own for its output.
 template <std::size_t Size>
 [[nodiscard]] constexpr layer_costs costs_side_by_side(const std::array<layer_costs, Size>& branches) {
     layer_costs all{.output = {branches[0].output.rows, branches[0].output.columns, 0}};
@@ -51,9 +51,9 @@ template <std::size_t Size>
 
 } // namespace detail
 
-/// The channels of several branches over the same input, one branch behind the other (Szegedy et al., 2015).
-/// A branch is a list of layers or a single one; `identity` passes the input on. Arrays go by "branch1",
-/// "branch2" …, or by the names that branches are given.
+/// The channels of several branches over the same input, one branch after the other (Szegedy et al., 2015). A
+/// branch is a list of layers or a single one; `identity_layer` passes the input on. The arrays of the
+/// branches begin with "branch1", "branch2" …, or with the names that branches are given.
 template <class... Branches>
 struct concatenation {
     static_assert(sizeof...(Branches) > 0, "concatenation: there must be at least one branch");
@@ -66,44 +66,17 @@ struct concatenation {
     }
 
     template <class T, shape Input>
-    struct layer {
+    struct layer : layer_base<T, Input, concatenation> { // branches have stages of their own
         template <std::size_t I>
         using at = typename decltype(detail::type_at<I>(
             std::declval<detail::indexed_leaves<
                 std::type_identity<typename as_sequence<Branches>::template layer<T, Input>>...>>()))::type;
 
-        using value_type = T;
-        static constexpr shape input = Input;
         static constexpr shape output =
             detail::concatenation_output<typename as_sequence<Branches>::template layer<T, Input>...>();
-
-    private:
-        static constexpr layer_costs all = detail::costs_side_by_side(
-            std::array{costs_of_layer<typename as_sequence<Branches>::template layer<T, Input>>...});
-
-    public:
-        static constexpr std::size_t parameters = all.parameters, statistics = all.statistics;
-        static constexpr std::size_t multiply_adds = all.multiply_adds,
-                                     multiply_adds_on_pixels = all.multiply_adds_on_pixels;
-        static constexpr std::size_t inner_activations = all.inner_activations;
-        static constexpr bool in_place = false, keeps_output = false;
-        static constexpr bool by_parts = false, observes = false; // branches have stages of their own
-
-        /// What lies in front of each branch: channels of the output, parameters and statistics.
-        struct position {
-            std::size_t channels = 0, parameters = 0, statistics = 0;
-        };
-        static constexpr std::array<position, size> positions = [] {
-            std::array<position, size> all{};
-            position next;
-            kernels::unroll<size>([&](auto i) {
-                all[i] = next;
-                next.channels += at<i>::output.channels;
-                next.parameters += at<i>::parameters;
-                next.statistics += at<i>::statistics;
-            });
-            return all;
-        }();
+        /// What precedes each branch: channels of the output, parameters and statistics.
+        static constexpr std::array<detail::layer_offset, size> offsets =
+            detail::offsets_of(std::array{as_sequence<Branches>::costs(Input)...});
 
         struct memory {
             detail::indexed_leaves<typename as_sequence<Branches>::template layer<T, Input>::memory...> inner;
@@ -114,7 +87,7 @@ struct concatenation {
                 samples = count;
                 kernels::unroll<size>([&](auto i) {
                     detail::get<i>(inner).resize(count);
-                    outputs[i].resize(groups_of<T>(count) * kernels::lanes<T> * at<i>::output.size());
+                    outputs[i].resize(kernels::padded_size<T>(count) * at<i>::output.size());
                 });
             }
         };
@@ -123,58 +96,46 @@ struct concatenation {
             constexpr std::array<std::string_view, size> given{given_name<Branches>()...};
             constexpr std::array<bool, size> has_name{detail::has_given_name<Branches>...};
             kernels::unroll<size>([&](auto i) {
-                const std::size_t first = list.size();
                 const std::string own =
                     has_name[i] ? std::string(given[i]) : "branch" + std::to_string(i + 1);
-                at<i>::describe(joined_name(prefix, own), list);
-                for (std::size_t p = first; p < list.size(); ++p)
-                    list[p].offset +=
-                        learnable(list[p].what) ? positions[i].parameters : positions[i].statistics;
+                detail::describe_inner<at<i>>(joined_name(prefix, own), offsets[i], list);
             });
         }
-        static void prepare(const execution_context& p, const T* values, const T* running, memory& m) {
+        static void prepare(const execution_context& context, const T* values, const T* running, memory& m) {
             kernels::unroll<size>([&](auto i) {
-                at<i>::prepare(p, values + positions[i].parameters, running + positions[i].statistics,
+                at<i>::prepare(context, values + offsets[i].parameters, running + offsets[i].statistics,
                                detail::get<i>(m.inner));
             });
         }
-        static void infer(const execution_context& p, const T* values, const T* running, memory& m,
+        static void infer(const execution_context& context, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
-            kernels::unroll<size>([&](auto i) {
-                const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
-                at<i>::infer(at_depth(p, i), values + positions[i].parameters,
-                             running + positions[i].statistics, detail::get<i>(m.inner), in, own);
-                copy<at<i>::output, true>(p, own.data(), out.data(), in.lane_blocks(), positions[i].channels);
-            });
+            run<false>(context, values, running, m, in, out);
         }
-        static void forward(const execution_context& p, const T* values, T* running, memory& m,
+        static void forward(const execution_context& context, const T* values, T* running, memory& m,
                             input_view<T, Input> in, output_view<T, output> out) {
-            kernels::unroll<size>([&](auto i) {
-                const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
-                at<i>::forward(at_depth(p, i), values + positions[i].parameters,
-                               running + positions[i].statistics, detail::get<i>(m.inner), in, own);
-                copy<at<i>::output, true>(p, own.data(), out.data(), in.lane_blocks(), positions[i].channels);
-            });
+            run<true>(context, values, running, m, in, out);
         }
-        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
-                             input_view<T, output>, input_view<T, output> out_gradient,
-                             output_view<T, Input> in_gradient, T* gradients) {
-            grow(m.in_gradient, in.lane_blocks() * in.lane_block_size);
+        static void backward(const execution_context& context, const T* values, memory& m,
+                             input_view<T, Input> in, input_view<T, output>,
+                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient,
+                             T* gradients) {
+            detail::grow(m.in_gradient, in.lane_blocks() * in.lane_block_size);
             kernels::unroll<size>([&](auto i) {
                 constexpr shape own = at<i>::output;
-                grow(m.out_gradient, in.lane_blocks() * kernels::lanes<T> * own.size());
-                copy<own, false>(p, m.out_gradient.data(), out_gradient.data(), in.lane_blocks(),
-                                 positions[i].channels);
-                // The first branch sets the input's gradient, the others add to it.
+                detail::grow(m.out_gradient, in.lane_blocks() * kernels::lanes<T> * own.size());
+                copy<own, false>(context, m.out_gradient.data(), out_gradient.data(), in.lane_blocks(),
+                                 offsets[i].channels);
+                // The first branch sets the gradient of the input, the others add to it.
                 T* const to =
                     in_gradient.data() == nullptr || i == 0 ? in_gradient.data() : m.in_gradient.data();
-                at<i>::backward(at_depth(p, i), values + positions[i].parameters, detail::get<i>(m.inner), in,
-                                {m.outputs[i].data(), in.samples()}, {m.out_gradient.data(), in.samples()},
-                                {to, in.samples()}, gradients + positions[i].parameters);
+                at<i>::backward(context.of_inner(i), values + offsets[i].parameters, detail::get<i>(m.inner),
+                                in, {m.outputs[i].data(), in.samples()},
+                                {m.out_gradient.data(), in.samples()}, {to, in.samples()},
+                                gradients + offsets[i].parameters);
                 if (i > 0 && to != nullptr)
-                    p.threads.for_each(in.lane_blocks(), [&](std::size_t g) {
-                        T* const sum = in_gradient.lane_block(g);
-                        kernels::add(sum, to + g * in.lane_block_size, sum, in.lane_block_size);
+                    context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
+                        T* const sum = in_gradient.lane_block(b);
+                        kernels::add(sum, to + b * in.lane_block_size, sum, in.lane_block_size);
                     });
             });
         }
@@ -187,27 +148,30 @@ struct concatenation {
             else
                 return "";
         }
-        static void grow(aligned_vector<T>& elements, std::size_t count) {
-            if (elements.size() < count)
-                elements.resize(count);
+        template <bool Training, class Statistic>
+        static void run(const execution_context& context, const T* values, Statistic* running, memory& m,
+                        input_view<T, Input> in, output_view<T, output> out) {
+            kernels::unroll<size>([&](auto i) {
+                const output_view<T, at<i>::output> own(m.outputs[i].data(), in.samples());
+                detail::run<Training, at<i>>(context.of_inner(i), values + offsets[i].parameters,
+                                             running + offsets[i].statistics, detail::get<i>(m.inner), in,
+                                             own);
+                copy<at<i>::output, true>(context, own.data(), out.data(), in.lane_blocks(),
+                                          offsets[i].channels);
+            });
         }
-        static execution_context at_depth(const execution_context& p, std::size_t index) {
-            execution_context inner = p;
-            inner.depth = p.depth * 64 + static_cast<std::uint32_t>(index) + 1;
-            return inner;
-        }
-        /// Between the map of a branch and its channels of the whole map, which comes last.
+        /// Copies between the map of a branch and its channels of the whole map.
         template <shape Branch, bool ToWhole, class BranchElement, class WholeElement>
-        static void copy(const execution_context& p, BranchElement* branch, WholeElement* whole,
-                         std::size_t groups, std::size_t first_channel) {
-            p.threads.for_each(groups, [&](std::size_t g) {
+        static void copy(const execution_context& context, BranchElement* branch, WholeElement* whole,
+                         std::size_t lane_blocks, std::size_t first_channel) {
+            context.threads.for_each(lane_blocks, [&](std::size_t b) {
                 constexpr std::size_t count = Branch.size() * kernels::lanes<T>;
                 WholeElement* const place =
-                    whole + (g * output.size() + first_channel * output.area()) * kernels::lanes<T>;
+                    whole + (b * output.size() + first_channel * output.area()) * kernels::lanes<T>;
                 if constexpr (ToWhole)
-                    std::copy_n(branch + g * count, count, place);
+                    std::copy_n(branch + b * count, count, place);
                 else
-                    std::copy_n(place, count, branch + g * count);
+                    std::copy_n(place, count, branch + b * count);
             });
         }
     };

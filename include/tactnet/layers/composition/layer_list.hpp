@@ -18,120 +18,93 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// Whether a list has named a layer (named.hpp).
+/// Whether a list gives its layer a name (named.hpp).
 template <class Spec>
 concept has_given_name = requires {
     requires Spec::has_given_name;
 };
 
-/// A layer at its place in a list. Offsets count from the start of the list's arrays.
-template <class Layer, std::size_t Parameters, std::size_t Statistics>
-struct placed {
-    using type = Layer;
-    static constexpr std::size_t parameter_offset = Parameters, statistic_offset = Statistics;
-};
+/// Appends the arrays of an inner layer, shifted by its offset.
+template <class Layer>
+void describe_inner(const std::string& name, const layer_offset& offset, std::vector<parameter>& list) {
+    const std::size_t first = list.size();
+    Layer::describe(name, list);
+    for (std::size_t p = first; p < list.size(); ++p)
+        list[p].offset += learnable(list[p].what) ? offset.parameters : offset.statistics;
+}
 
-/// Lets shapes and offsets flow through the list.
-template <class T, shape Input, class Placed, class... Specs>
-struct chain {
-    using layers = Placed;
+/// Binds the specifications of a list one after the other: the output of each is the input of the next.
+template <class T, shape Input, class Bound, class... Specs>
+struct bound_list {
+    using layers = Bound;
     static constexpr shape output = Input;
 };
-template <class T, shape Input, class... Placed, class Spec, class... Rest>
-struct chain<T, Input, indexed_leaves<Placed...>, Spec, Rest...> {
+template <class T, shape Input, class... Bound, class Spec, class... Rest>
+struct bound_list<T, Input, indexed_leaves<Bound...>, Spec, Rest...> {
     using here = typename Spec::template layer<T, Input>;
-    static constexpr std::size_t parameters = (std::size_t{0} + ... + Placed::type::parameters);
-    static constexpr std::size_t statistics = (std::size_t{0} + ... + Placed::type::statistics);
-    using next =
-        chain<T, here::output, indexed_leaves<Placed..., placed<here, parameters, statistics>>, Rest...>;
+    using next = bound_list<T, here::output, indexed_leaves<Bound..., std::type_identity<here>>, Rest...>;
     using layers = typename next::layers;
     static constexpr shape output = next::output;
 };
 
 } // namespace detail
 
-/// What a list of layers is when it is bound to an input shape: its layers and where their arrays begin, what
-/// it costs, and which layers write over their input.
+/// A list of specifications bound to an input shape: its layers, where their arrays begin, and which layers
+/// write over their input.
 template <class T, shape Input, class... Specs>
-class layer_list {
-    using chained = detail::chain<T, Input, detail::indexed_leaves<>, Specs...>;
-    template <std::size_t I>
-    using place = decltype(detail::type_at<I>(std::declval<typename chained::layers>()));
-    template <class... Placed>
-    static constexpr std::array<layer_costs, sizeof...(Placed)>
-    costs_of_all(std::type_identity<detail::indexed_leaves<Placed...>>) {
-        return {costs_of_layer<typename Placed::type>...};
-    }
-    static constexpr std::array<layer_costs, sizeof...(Specs)> of_each =
-        costs_of_all(std::type_identity<typename chained::layers>{});
-    static constexpr layer_costs all = detail::costs_of_list(Input, of_each);
+class layer_list : public layer_base<T, Input, sequence<Specs...>> {
+    using bound = detail::bound_list<T, Input, detail::indexed_leaves<>, detail::checked<Specs>...>;
+    static constexpr std::array<layer_costs, sizeof...(Specs)> costs =
+        detail::costs_of_each<detail::checked<Specs>...>(Input);
+    static constexpr std::array<detail::layer_offset, sizeof...(Specs)> offsets = detail::offsets_of(costs);
 
 public:
     static constexpr std::size_t size = sizeof...(Specs);
+    static constexpr shape output = bound::output;
+    static constexpr bool in_place = false; // inner layers are
     template <std::size_t I>
-    using at = typename place<I>::type;
-    /// Where the arrays of layer I begin in those of the list.
+    using at = typename decltype(detail::type_at<I>(std::declval<typename bound::layers>()))::type;
+    /// Where the arrays of layer I begin among those of the list.
     template <std::size_t I>
-    static constexpr std::size_t parameter_offset = place<I>::parameter_offset;
+    static constexpr std::size_t parameter_offset = offsets[I].parameters;
     template <std::size_t I>
-    static constexpr std::size_t statistic_offset = place<I>::statistic_offset;
+    static constexpr std::size_t statistic_offset = offsets[I].statistics;
 
-    using value_type = T;
-    static constexpr shape input = Input, output = chained::output;
-    static constexpr bool keeps_output = all.keeps_output;
-
-    /// Whether layer I may write over its input.
+    /// The layer whose buffer holds the output of layer I.
     template <std::size_t I>
-    static constexpr bool overwrites() {
-        return detail::overwriting(of_each)[I];
-    }
-    template <std::size_t I>
-    static constexpr std::size_t source() { // the layer whose buffer holds the output of layer I
-        if constexpr (overwrites<I>())
+    static constexpr std::size_t source() {
+        if constexpr (detail::overwriting(costs)[I])
             return source<I - 1>();
         else
             return I;
     }
-    /// Outputs of the list are the caller's memory, all others its own.
+    /// Whether layer I writes to the caller's memory, as the last one does.
     template <std::size_t I>
     static constexpr bool is_last() {
         return source<I>() == source<size - 1>();
     }
 
-    static constexpr std::size_t parameters = all.parameters, statistics = all.statistics;
-    static constexpr std::size_t multiply_adds = all.multiply_adds,
-                                 multiply_adds_on_pixels = all.multiply_adds_on_pixels;
-    /// Elements that must be held at once while one sample passes layer by layer, beside input and
-    /// output.
-    static constexpr std::size_t inner_activations = all.inner_activations;
-
-    /// Appends the arrays of all layers: each under the name that it was given, or that of its kind, with a
-    /// number where there are many.
+    /// Appends the arrays of all layers, each under its given name, or under the name of its kind with a
+    /// number if there are several.
     static void describe(const std::string& prefix, std::vector<parameter>& list) {
         kernels::unroll<size>([&](auto i) {
             std::string own(kinds[i]);
-            if (!spec_given<i> && (spec_numbered<i> || same_kind<i>(size) > 1))
-                own += std::to_string(same_kind<i>(i) + 1);
-            const std::size_t first = list.size();
-            at<i>::describe(joined_name(prefix, own), list);
-            for (std::size_t p = first; p < list.size(); ++p)
-                list[p].offset +=
-                    learnable(list[p].what) ? place<i>::parameter_offset : place<i>::statistic_offset;
+            if (!is_named[i] && (is_numbered[i] || same_kind(i, size) > 1))
+                own += std::to_string(same_kind(i, i) + 1);
+            detail::describe_inner<at<i>>(joined_name(prefix, own), offsets[i], list);
         });
     }
 
 private:
-    static constexpr std::array<std::string_view, size> kinds{Specs::name...};
-    /// Of the first layers those that are of the kind of layer I.
-    template <std::size_t I>
-    static consteval std::size_t same_kind(std::size_t first) {
+    static constexpr std::array<std::string_view, size> kinds{detail::checked<Specs>::name...};
+    static constexpr std::array<bool, size> is_numbered{detail::checked<Specs>::numbered...},
+        is_named{detail::has_given_name<Specs>...};
+
+    /// How many of the first `count` layers are of the kind of layer `index`.
+    static constexpr std::size_t same_kind(std::size_t index, std::size_t count) {
         return static_cast<std::size_t>(
-            std::count(kinds.begin(), kinds.begin() + static_cast<std::ptrdiff_t>(first), kinds[I]));
+            std::count(kinds.begin(), kinds.begin() + static_cast<std::ptrdiff_t>(count), kinds[index]));
     }
-    template <std::size_t I>
-    static constexpr bool spec_numbered = std::array<bool, size>{Specs::numbered...}[I];
-    template <std::size_t I>
-    static constexpr bool spec_given = std::array<bool, size>{detail::has_given_name<Specs>...}[I];
 };
 
 } // namespace TACTNET_ARCH

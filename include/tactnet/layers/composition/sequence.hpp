@@ -11,25 +11,26 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Layers one after the other, as one layer. Without any it passes its input on.
+/// Layers one after the other, as one layer. An empty sequence is the identity.
 template <class... Specs>
 struct sequence {
     static constexpr std::string_view name = "";
     static constexpr bool numbered = true;
     static constexpr std::size_t size = sizeof...(Specs);
 
-    static constexpr layer_costs costs(const shape& input) { return detail::costs_in_order<Specs...>(input); }
+    static constexpr layer_costs costs(const shape& input) {
+        return detail::costs_of_list(input, detail::costs_of_each<detail::checked<Specs>...>(input));
+    }
 
     template <class T, shape Input>
     class layer : public layer_list<T, Input, Specs...> {
         using list = layer_list<T, Input, Specs...>;
-        using staged = stages<list>;
+        using staged = detail::stages<list>;
 
     public:
         template <std::size_t I>
         using at = typename list::template at<I>;
         using list::output;
-        static constexpr bool in_place = false, by_parts = false, observes = false;
 
         struct memory {
             std::array<aligned_vector<T>, size> outputs;
@@ -42,73 +43,73 @@ struct sequence {
             /// The memory of the layers inside.
             decltype(inner_of(std::make_index_sequence<size>{})) inner;
 
-            /// Keeps what is there when it gets less.
+            /// Keeps the contents when it shrinks.
             void resize(std::size_t count) {
                 samples = count;
                 kernels::unroll<size>([&](auto i) {
                     if constexpr (list::template source<i>() == i && !list::template is_last<i>())
-                        grow(outputs[i], groups_of<T>(count) * kernels::lanes<T> * at<i>::output.size());
+                        detail::grow(outputs[i], kernels::padded_size<T>(count) * at<i>::output.size());
                     detail::get<i>(inner).resize(count);
                 });
             }
-            void make_room_for_gradients(std::size_t groups, std::size_t threads) {
-                const std::size_t at_once = std::min(groups, threads);
+            void make_room_for_gradients(std::size_t lane_blocks, std::size_t threads) {
+                const std::size_t at_once = std::min(lane_blocks, threads);
                 kernels::unroll<size>([&](auto i) {
                     for (aligned_vector<T>& g : gradients)
-                        grow(g, at_once * kernels::lanes<T> * at<i>::input.size());
+                        detail::grow(g, at_once * kernels::lanes<T> * at<i>::input.size());
                     if constexpr (i > 0)
                         if constexpr (staged::template starts_backward<i>())
                             for (aligned_vector<T>& g : stage_gradients)
-                                grow(g, groups * kernels::lanes<T> * at<i>::input.size());
+                                detail::grow(g, lane_blocks * kernels::lanes<T> * at<i>::input.size());
                 });
-            }
-
-        private:
-            static void grow(aligned_vector<T>& elements, std::size_t count) {
-                if (elements.size() < count)
-                    elements.resize(count);
             }
         };
 
-        static void prepare(const execution_context& p, const T* values, const T* running, memory& m) {
+        static void prepare(const execution_context& context, const T* values, const T* running, memory& m) {
             kernels::unroll<size>([&](auto i) {
-                static_assert(listed_layer<at<i>>, "sequence: expected layers, by parts or not");
-                at<i>::prepare(p, values + list::template parameter_offset<i>,
+                static_assert(tactnet::layer<at<i>>,
+                              "sequence: expected a layer; the concept layer shows what is missing");
+                static_assert(
+                    !tactnet::layer<at<i>> || listed_layer<at<i>>,
+                    "sequence: expected a layer that works by parts or on whole batches; part_layer "
+                    "shows what is missing");
+                at<i>::prepare(context, values + list::template parameter_offset<i>,
                                running + list::template statistic_offset<i>, detail::get<i>(m.inner));
             });
         }
-        static void infer(const execution_context& p, const T* values, const T* running, memory& m,
+        static void infer(const execution_context& context, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             if constexpr (size == 0)
-                copy(p, in, out);
+                copy(context, in, out);
             kernels::unroll<size>([&](auto i) {
-                at<i>::infer(at_depth(p, i), values + list::template parameter_offset<i>,
+                at<i>::infer(context.of_inner(i), values + list::template parameter_offset<i>,
                              running + list::template statistic_offset<i>, detail::get<i>(m.inner),
                              input_of<i>(m, in, out), output_of<i>(m, out));
             });
         }
-        static void forward(const execution_context& p, const T* values, T* running, memory& m,
+        static void forward(const execution_context& context, const T* values, T* running, memory& m,
                             input_view<T, Input> in, output_view<T, output> out) {
             if constexpr (size == 0)
-                copy(p, in, out);
+                copy(context, in, out);
             else if constexpr (at<0>::observes)
-                forward_stage<0, 0>(p, values, running, m, in, out);
+                forward_stage<0, 0>(context, values, running, m, in, out);
             kernels::unroll<size>([&](auto begin) {
                 if constexpr (staged::template starts_forward<begin>())
-                    forward_stage<begin, staged::template forward_end<begin>()>(p, values, running, m, in,
-                                                                                out);
+                    forward_stage<begin, staged::template forward_end<begin>()>(context, values, running, m,
+                                                                                in, out);
             });
         }
-        static void backward(const execution_context& p, const T* values, memory& m, input_view<T, Input> in,
-                             input_view<T, output> out, input_view<T, output> out_gradient,
-                             output_view<T, Input> in_gradient, T* gradients) {
-            m.make_room_for_gradients(in.lane_blocks(), p.threads.threads());
+        static void backward(const execution_context& context, const T* values, memory& m,
+                             input_view<T, Input> in, input_view<T, output> out,
+                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient,
+                             T* gradients) {
+            m.make_room_for_gradients(in.lane_blocks(), context.threads.threads());
             const T* from = out_gradient.data();
             if constexpr (size == 0) {
                 if (in_gradient.data() != nullptr)
-                    copy(p, out_gradient, in_gradient);
+                    copy(context, out_gradient, in_gradient);
             } else if constexpr (at<size - 1>::observes) {
-                backward_stage<size, size>(p, values, m, in, out, from, nullptr, gradients);
+                backward_stage<size, size>(context, values, m, in, out, from, nullptr, gradients);
             }
             std::size_t stages = 0;
             kernels::unroll<size>([&](auto reversed) {
@@ -116,7 +117,7 @@ struct sequence {
                 if constexpr (staged::template starts_backward<end>()) {
                     constexpr std::size_t begin = staged::template backward_begin<end>();
                     T* to = begin == 0 ? in_gradient.data() : m.stage_gradients[stages++ % 2].data();
-                    backward_stage<begin, end>(p, values, m, in, out, from, to, gradients);
+                    backward_stage<begin, end>(context, values, m, in, out, from, to, gradients);
                     from = to;
                 }
             });
@@ -131,20 +132,21 @@ struct sequence {
             });
         }
 
-        /// Layers Begin … End − 1, and what layer End must see of each part. Stages without a layer only
-        /// show.
+        /// Computes the layers Begin … End − 1, and shows layer End each part that it must see. A stage
+        /// without layers only shows.
         template <std::size_t Begin, std::size_t End>
-        static void forward_stage(const execution_context& p, const T* values, T* running, memory& m,
+        static void forward_stage(const execution_context& context, const T* values, T* running, memory& m,
                                   input_view<T, Input> in, output_view<T, output> out) {
             for_each_part_layer<Begin, End>([&](auto i) {
-                at<i>::begin_forward(p, running + list::template statistic_offset<i>, detail::get<i>(m.inner),
-                                     in.samples());
+                at<i>::begin_forward(context, running + list::template statistic_offset<i>,
+                                     detail::get<i>(m.inner), in.samples());
             });
             for_each_part<at<Begin>::by_parts>(
-                p, in.lane_blocks(), [&](const execution_context& part, std::size_t first, std::size_t last) {
+                context, in.lane_blocks(),
+                [&](const execution_context& part, std::size_t first, std::size_t last) {
                     kernels::unroll<End - Begin>([&](auto offset) {
                         constexpr std::size_t i = Begin + offset;
-                        at<i>::forward(at_depth(part, i), values + list::template parameter_offset<i>,
+                        at<i>::forward(part.of_inner(i), values + list::template parameter_offset<i>,
                                        running + list::template statistic_offset<i>, detail::get<i>(m.inner),
                                        input_of<i>(m, in, out).part(first, last),
                                        output_of<i>(m, out).part(first, last));
@@ -155,18 +157,19 @@ struct sequence {
                                                      input_of<End>(m, in, out).part(first, last));
                 });
         }
-        /// Layers End − 1 … Begin, and what layer Begin − 1 must see of each part. `from` and `to` are
-        /// gradients of whole batches.
+        /// Computes the backward pass of the layers End − 1 … Begin, and shows layer Begin − 1 each part that
+        /// it must see. `from` and `to` are gradients of whole batches.
         template <std::size_t Begin, std::size_t End>
-        static void backward_stage(const execution_context& p, const T* values, memory& m,
+        static void backward_stage(const execution_context& context, const T* values, memory& m,
                                    input_view<T, Input> in, input_view<T, output> out, const T* from, T* to,
                                    T* gradients) {
             for_each_part_layer<Begin, End>([&](auto i) {
-                at<i>::begin_backward(p, values + list::template parameter_offset<i>, detail::get<i>(m.inner),
-                                      in.samples());
+                at<i>::begin_backward(context, values + list::template parameter_offset<i>,
+                                      detail::get<i>(m.inner), in.samples());
             });
             for_each_part<at<End - 1>::by_parts>(
-                p, in.lane_blocks(), [&](const execution_context& part, std::size_t first, std::size_t last) {
+                context, in.lane_blocks(),
+                [&](const execution_context& part, std::size_t first, std::size_t last) {
                     input_view<T, at<End - 1>::output> whole(from, in.samples());
                     const std::size_t samples = whole.part(first, last).samples();
                     const T* above = whole.part(first, last).data();
@@ -175,7 +178,7 @@ struct sequence {
                         output_view<T, at<i>::input> below(m.gradients[i % 2].data(), samples);
                         if constexpr (i == Begin)
                             below = output_view<T, at<i>::input>(to, in.samples()).part(first, last);
-                        at<i>::backward(at_depth(part, i), values + list::template parameter_offset<i>,
+                        at<i>::backward(part.of_inner(i), values + list::template parameter_offset<i>,
                                         detail::get<i>(m.inner), input_of<i>(m, in, out).part(first, last),
                                         output_of<i>(m, out).part(first, last),
                                         input_view<T, at<i>::output>(above, samples), below,
@@ -195,17 +198,13 @@ struct sequence {
         }
 
         template <shape Shape>
-        static void copy(const execution_context& p, input_view<T, Shape> from, output_view<T, Shape> to) {
-            p.threads.for_each(from.lane_blocks(), [&](std::size_t g) {
-                std::copy_n(from.lane_block(g), from.lane_block_size, to.lane_block(g));
+        static void copy(const execution_context& context, input_view<T, Shape> from,
+                         output_view<T, Shape> to) {
+            context.threads.for_each(from.lane_blocks(), [&](std::size_t b) {
+                std::copy_n(from.lane_block(b), from.lane_block_size, to.lane_block(b));
             });
         }
-        static execution_context at_depth(const execution_context& p, std::size_t index) {
-            execution_context inner = p;
-            inner.depth = p.depth * 64 + static_cast<std::uint32_t>(index) + 1;
-            return inner;
-        }
-        /// What layer I makes, to write or to read as `out`, what the last one makes.
+        /// The output of layer I, to write or to read as `out`, the output of the list.
         template <std::size_t I, template <class, shape> class View>
         static View<T, at<I>::output> output_of(memory& m, View<T, output> out) {
             if constexpr (list::template is_last<I>())
@@ -236,7 +235,7 @@ struct as_sequence<sequence<Specs...>> {
 
 } // namespace detail
 
-/// A list of layers as it is, and a single layer as a list of one.
+/// A list of layers unchanged, and a single layer as a list of one.
 template <class Spec>
 using as_sequence = typename detail::as_sequence<Spec>::type;
 

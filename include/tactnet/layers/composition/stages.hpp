@@ -5,24 +5,25 @@
 #include <algorithm>
 #include <cstddef>
 
-// In training, the layers of a list form stages between those that must see the whole batch. Within a stage
-// the batch passes by parts, a group of samples for each thread: what a layer writes the next one finds in
-// the caches. Sums over the batch are added group after group in any case, so results do not depend on the
-// parts.
+// In training, the layers of a list form stages, divided where a layer must see the whole batch. Within a
+// stage the batch is processed in parts, a lane block for each thread, so that each layer finds the output of
+// the one before in the caches. Sums over the batch add one lane block after the other in any case, so
+// results do not depend on the parts.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Where the stages of a list begin and end. Forward, a stage is the layers Begin … End − 1 in this order; on
-/// the way back, End − 1 … Begin.
+namespace detail {
+
+/// Where the stages of a list begin and end. Forward, a stage is the layers Begin … End − 1 in this order; in
+/// the backward pass, End − 1 … Begin.
 template <class List>
 class stages {
     static constexpr std::size_t size = List::size;
     template <std::size_t I>
     using layer = typename List::template at<I>;
 
-    /// Whether all of a batch must be through one of layer I and its predecessor before any of it goes to
-    /// `Next`, the other one.
+    /// Whether one of layer I and its predecessor must finish a batch before `Next`, the other one, begins.
     template <std::size_t I, std::size_t Next>
     static constexpr bool waits() {
         return layer<Next>::observes || !layer<I>::by_parts || !layer<I - 1>::by_parts;
@@ -45,7 +46,7 @@ public:
         else
             return forward_end<Begin + 1>();
     }
-    /// Whether the way back begins a stage with layer End − 1.
+    /// Whether a stage of the backward pass begins with layer End − 1.
     template <std::size_t End>
     static constexpr bool starts_backward() {
         if constexpr (End == size)
@@ -64,16 +65,19 @@ public:
     }
 };
 
-/// body(pass, first, last) for the parts of a batch, or once for all of it.
+} // namespace detail
+
+/// Calls body(context, first, last) for the lane blocks first … last − 1 of each part of a batch, or once for
+/// all of them.
 template <bool ByParts, class Body>
-void for_each_part(const execution_context& p, std::size_t groups, const Body& body) {
+void for_each_part(const execution_context& context, std::size_t lane_blocks, const Body& body) {
     if constexpr (!ByParts)
-        return body(p, 0, groups);
-    const std::size_t most = p.threads.threads();
-    for (std::size_t first = 0; first < groups; first += most) {
-        execution_context part = p;
-        part.first_group = first;
-        body(part, first, std::min(first + most, groups));
+        return body(context, 0, lane_blocks);
+    const std::size_t most = context.threads.threads();
+    for (std::size_t first = 0; first < lane_blocks; first += most) {
+        execution_context part = context;
+        part.first_lane_block = first;
+        body(part, first, std::min(first + most, lane_blocks));
     }
 }
 

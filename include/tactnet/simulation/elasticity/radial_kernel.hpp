@@ -46,6 +46,7 @@ inline constexpr std::array<gauss_point, 4> four_points{{{-0.861136311594052575,
                                                          {0.339981043584856265, 0.652145154862546143},
                                                          {0.861136311594052575, 0.347854845137453857}}};
 
+/// A rectangle to integrate over.
 struct rectangle {
     double left, right, bottom, top;
 };

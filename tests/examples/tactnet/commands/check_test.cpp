@@ -125,7 +125,7 @@ TEST_SUITE("program") {
         shop.refuses({"check"}, "--data is required");
     }
 
-    TEST_CASE("check: the paper's images are known, by their pixels") {
+    TEST_CASE("check: the paper's images are known, by their pixels" * doctest::test_suite("data")) {
         const auto data = find_data("tactile_images");
         if (!data)
             return;

@@ -88,7 +88,7 @@ TEST_SUITE("program") {
         CHECK(without.error.find("older: " + sentence) != std::string::npos);
     }
 
-    TEST_CASE("classify: the published TactNet-4 on real images") {
+    TEST_CASE("classify: the published TactNet-4 on real images" * doctest::test_suite("data")) {
         const auto weights = support::find_data("published_tactnet4_14x25.safetensors");
         const auto images = support::find_data("tactile_images");
         if (!weights || !images)

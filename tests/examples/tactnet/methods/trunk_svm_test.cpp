@@ -237,7 +237,8 @@ TEST_SUITE("program") {
                                 "none");
     }
 
-    TEST_CASE("trunk_svm: SqueezeNet's weights recognise real touches as in the paper") {
+    TEST_CASE("trunk_svm: SqueezeNet's weights recognise real touches as in the paper" *
+              doctest::test_suite("data")) {
         const workshop shop;
         const auto images = find_data("tactile_images"),
                    weights = find_data("squeezenet1_1_imagenet_features.safetensors");

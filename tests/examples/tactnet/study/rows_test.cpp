@@ -226,7 +226,8 @@ TEST_SUITE("program") {
         CHECK(has(study_page(rows, {}, ""), "all blocked splits together"));
     }
 
-    TEST_CASE("published_results: those of the paper's table, number by number") {
+    TEST_CASE("published_results: those of the paper's table, number by number" *
+              doctest::test_suite("data")) {
         const auto path = find_data("published_results.csv");
         if (!path)
             return;
@@ -246,7 +247,8 @@ TEST_SUITE("program") {
               }) == static_cast<std::ptrdiff_t>(lines.size() - 1));
     }
 
-    TEST_CASE("published_results: those of the paper's figure of resolutions, number by number") {
+    TEST_CASE("published_results: those of the paper's figure of resolutions, number by number" *
+              doctest::test_suite("data")) {
         const auto path = find_data("published_resolution_results.csv");
         if (!path)
             return;

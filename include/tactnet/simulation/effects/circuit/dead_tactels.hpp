@@ -18,6 +18,7 @@ struct dead_tactels {
     static constexpr stage place = stage::circuit;
     static constexpr effect_purpose purpose{1};
 
+    /// The place of a tactel.
     struct tactel {
         std::size_t row, column;
     };

@@ -21,6 +21,7 @@ namespace simulation {
 struct hysteresis {
     static constexpr stage place = stage::film;
 
+    /// A play operator.
     struct play {
         double threshold; ///< pascals; at least zero is used
         double weight;    ///< fraction of the reading, 0 … 1; at least zero is used
