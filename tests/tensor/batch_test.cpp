@@ -17,7 +17,7 @@ static_assert(images::view_type::lane_block_size == 48);
 static_assert(std::is_convertible_v<images::view_type, images::const_view_type>);
 static_assert(!std::is_constructible_v<images::view_type, images::const_view_type>);
 
-TEST_CASE("batch: samples lie side by side in groups of lanes") {
+TEST_CASE("batch: samples lie side by side in lane blocks") {
     images b(6);
     CHECK(b.samples() == 6);
     CHECK(b.view().lane_blocks() == 2);
@@ -64,7 +64,7 @@ TEST_CASE("batch: all zero after every resize, also when it shrinks and grows ag
     }
 }
 
-TEST_CASE("batch: parts are whole groups, the last one with the samples that are left") {
+TEST_CASE("batch: parts are whole lane blocks, the last one with the samples that are left") {
     images b(9);
     b(4, 7) = 3, b(8, 1) = 4;
     const auto middle = b.view().part(1, 2), rest = b.view().part(1, 3);

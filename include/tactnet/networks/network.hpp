@@ -174,10 +174,10 @@ public:
     }
     /// As `infer`, in front of a last softmax.
     void logits(thread_pool& threads, workspace& space, const_input in, output_type out) const {
-        const std::size_t groups = in.lane_blocks(), most = threads.threads();
-        const std::size_t parts = detail::ceil_div(groups, most);
+        const std::size_t blocks = in.lane_blocks(), most = threads.threads();
+        const std::size_t parts = detail::ceil_div(blocks, most);
         // As equal as can be, a largest one first: the workspace then has room for all.
-        const auto begin = [&](std::size_t part) { return detail::ceil_div(groups * part, parts); };
+        const auto begin = [&](std::size_t part) { return detail::ceil_div(blocks * part, parts); };
         for (std::size_t part = 0; part < parts; ++part) {
             const std::size_t first = begin(part), last = begin(part + 1);
             const std::size_t count =

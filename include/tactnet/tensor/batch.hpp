@@ -37,8 +37,8 @@ public:
     [[nodiscard]] constexpr std::size_t lane_blocks() const { return detail::ceil_div(samples_, Lanes); }
     [[nodiscard]] constexpr T* lane_block(std::size_t index) const { return data_ + index * lane_block_size; }
     /// The number of samples in one lane block: `Lanes`, or fewer in the last.
-    [[nodiscard]] constexpr std::size_t samples_in(std::size_t group) const {
-        return std::min(Lanes, samples_ - group * Lanes);
+    [[nodiscard]] constexpr std::size_t samples_in(std::size_t block) const {
+        return std::min(Lanes, samples_ - block * Lanes);
     }
     /// A view of the lane blocks first … last − 1; a part of a null view is a null view.
     [[nodiscard]] constexpr batch_view part(std::size_t first, std::size_t last) const {

@@ -13,7 +13,7 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// Samples side by side as in a batch, `outputs` numbers of each in groups of `lanes`.
+/// Samples side by side as in a batch, `outputs` numbers of each in lane blocks.
 struct logit_layout {
     std::size_t samples, outputs, lanes;
 

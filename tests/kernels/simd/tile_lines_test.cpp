@@ -42,18 +42,19 @@ void check_transposed() {
     constexpr std::size_t outputs = N + 1 - Kernel;
     for (std::size_t i = 0; i < N; ++i) {
         const auto forward =
-            first_lanes(detail::tile_output_line<outputs>(unit_vector<N>(i))); // column i of Aᵀ
+            first_lanes(kernels::detail::tile_output_line<outputs>(unit_vector<N>(i))); // column i of Aᵀ
         for (std::size_t o = 0; o < outputs; ++o) {
-            const auto backward = first_lanes(detail::tile_gradient_line<N>(unit_vector<outputs>(o)));
+            const auto backward =
+                first_lanes(kernels::detail::tile_gradient_line<N>(unit_vector<outputs>(o)));
             CHECK(std::abs(forward[o] - backward[i]) <= four_roundings * std::abs(forward[o]));
         }
         std::array<double, N> unit{};
         unit[i] = 1;
-        const auto turned = detail::tile_weight_line<Kernel>(unit);
+        const auto turned = kernels::detail::tile_weight_line<Kernel>(unit);
         for (std::size_t k = 0; k < Kernel; ++k) {
             std::array<double, Kernel> tap{};
             tap[k] = 1;
-            CHECK(std::abs(detail::tile_kernel_line<N>(tap)[i] - turned[k]) <=
+            CHECK(std::abs(kernels::detail::tile_kernel_line<N>(tap)[i] - turned[k]) <=
                   four_roundings * std::abs(turned[k]));
         }
     }
@@ -77,8 +78,8 @@ TEST_CASE("tile_lines: a kernel in each lane is transformed as one alone") {
     for (std::size_t i = 0; i < 3; ++i)
         many[i] = vector<double>(kernel[i]);
     const auto compare = [&]<std::size_t N>(std::integral_constant<std::size_t, N>) {
-        const auto alone = detail::tile_kernel_line<N>(kernel);
-        const auto together = first_lanes(detail::tile_kernel_line<N>(many));
+        const auto alone = kernels::detail::tile_kernel_line<N>(kernel);
+        const auto together = first_lanes(kernels::detail::tile_kernel_line<N>(many));
         // Of at most six roundings that compilers may leave out where they fuse, of sums below 8.
         for (std::size_t i = 0; i < N; ++i)
             CHECK(std::abs(together[i] - alone[i]) <= 8 * 6 * 0x1p-53);

@@ -235,7 +235,7 @@ struct distance_report {
 template <class T>
 void check_results(const subject_in<T>& subject, const reference_layer& reference,
                    const conformance_options& options) {
-    const std::size_t count = lanes<T> + 1; // the last group holds a single sample
+    const std::size_t count = lanes<T> + 1; // the last lane block holds a single sample
     const plain in = distinct_inputs(count, subject.inputs(), options);
     const plain out_gradient = draw_samples(count, subject.outputs(), 300);
     std::vector<double> values(subject.facts().parameters),
