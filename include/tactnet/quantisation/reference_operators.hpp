@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/rows/operations.hpp>
+#include <tactnet/layers/activation_function.hpp>
 #include <tactnet/quantisation/graph.hpp>
 
 #include <algorithm>

@@ -14,20 +14,20 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// The skip of a block that has none, or one that does nothing once trained.
-struct lowered_identity {
-    using step = no_step;
-    static void fold(const parameter_source&, float*) {}
-};
+/// A branch by itself: no step where the branch is empty or does nothing in inference.
+template <class Sequence>
+using lowered_alone = std::conditional_t<Sequence::size == 0, lowered_to<no_step>, typename Sequence::type>;
 
-template <class Sequence>
-struct lowered_skip {
-    using type = typename Sequence::type;
+/// A branch of a concatenation: it writes its slice of a map of `Stride` elements a pixel if its last layer
+/// can.
+template <class Sequence, std::size_t Stride, std::size_t Offset>
+struct lowered_branch {
+    using type = lowered_alone<Sequence>;
 };
-template <class Sequence>
-    requires(Sequence::size == 0)
-struct lowered_skip<Sequence> {
-    using type = lowered_identity;
+template <class Sequence, std::size_t Stride, std::size_t Offset>
+    requires(Sequence::template can_write_slice<Stride, Offset>)
+struct lowered_branch<Sequence, Stride, Offset> {
+    using type = typename Sequence::template slice<Stride, Offset>;
 };
 
 /// The main branch of a residual block whose last step adds the skip. A branch that cannot is rejected here,
@@ -45,16 +45,15 @@ auto adding_main() {
 
 } // namespace detail
 
-/// Both branches of a residual block, with the ReLU behind the sum.
+/// Both branches of a residual block, with the ReLU after the sum.
 template <class Place, class Main, class Skip, bool Rectified = false>
 struct lowered_residual {
     using layer = typename Place::layer;
     using lowered_main = lowered_sequence<typename Place::format, as_sequence<Main>, typename layer::main,
                                           Place::input_stride>;
     using main = typename decltype(detail::adding_main<lowered_main, Rectified>())::type;
-    using skip =
-        typename detail::lowered_skip<lowered_sequence<typename Place::format, as_sequence<Skip>,
-                                                       typename layer::skip, Place::input_stride>>::type;
+    using skip = detail::lowered_alone<lowered_sequence<typename Place::format, as_sequence<Skip>,
+                                                        typename layer::skip, Place::input_stride>>;
     static_assert(
         !std::is_same_v<typename skip::step, no_step> ||
             std::is_same_v<typename Place::format, typename Place::format::hidden_format>,
@@ -65,14 +64,11 @@ struct lowered_residual {
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here = Place::parameters(list);
         main::fold(here, to);
-        skip::fold(here.behind(layer::main::parameters, layer::main::statistics), to + main::step::folded);
+        skip::fold(here.at(layer::main::parameters, layer::main::statistics), to + main::step::folded);
     }
     template <class Spec, class>
     static constexpr auto fuse() {
-        if constexpr (rectifies<Spec>)
-            return std::type_identity<lowered_residual<Place, Main, Skip, true>>{};
-        else
-            return not_fused{};
+        return fuse_relu<Spec, lowered_residual<Place, Main, Skip, true>>();
     }
 };
 
@@ -82,45 +78,28 @@ struct lowering<residual<Main, Skip>> {
     using at = lowered_residual<Place, Main, Skip>;
 };
 
-namespace detail {
-
-/// A branch of a concatenation, at its place in a map of `Stride` elements a pixel if its last form can write
-/// there.
-template <class Sequence, std::size_t Stride, std::size_t Offset>
-struct lowered_branch {
-    using type = typename lowered_skip<Sequence>::type;
-};
-template <class Sequence, std::size_t Stride, std::size_t Offset>
-    requires(Sequence::template can_write_slice<Stride, Offset>)
-struct lowered_branch<Sequence, Stride, Offset> {
-    using type = typename Sequence::template slice<Stride, Offset>;
-};
-
-} // namespace detail
-
-/// Branches that write their channels side by side into one map.
+/// Branches whose channels lie side by side in one map.
 template <class Place, class Indices, class... Branches>
 struct lowered_concatenation;
 
 template <class Place, std::size_t... I, class... Branches>
 struct lowered_concatenation<Place, std::index_sequence<I...>, Branches...> {
     using layer = typename Place::layer;
-    /// The same for any instruction set, so that a header written for one serves all.
+    // The same for all instruction sets, so that one exported header serves them all.
     static constexpr std::size_t stride = whole_lines(layer::output.channels);
     template <std::size_t At, class Branch>
-    using form_of = typename detail::lowered_branch<
+    using branch = typename detail::lowered_branch<
         lowered_sequence<typename Place::format, as_sequence<Branch>, typename layer::template at<At>,
                          Place::input_stride>,
         stride, layer::offsets[At].channels>::type;
     using step =
         concatenation_step<typename Place::format, layer::input, Place::input_stride, stride,
-                           branch_step<typename form_of<I, Branches>::step, layer::offsets[I].channels>...>;
+                           branch_step<typename branch<I, Branches>::step, layer::offsets[I].channels>...>;
 
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here = Place::parameters(list);
-        ((form_of<I, Branches>::fold(here.behind(layer::offsets[I].parameters, layer::offsets[I].statistics),
-                                     to),
-          to += form_of<I, Branches>::step::folded),
+        ((branch<I, Branches>::fold(here.at(layer::offsets[I].parameters, layer::offsets[I].statistics), to),
+          to += branch<I, Branches>::step::folded),
          ...);
     }
 };

@@ -24,7 +24,6 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// That of what is named.
 template <name_text Name, class Spec>
 struct lowering<named<Name, Spec>> : lowering<Spec> {};
 
@@ -33,7 +32,7 @@ struct lowering<dropout<Percent>> {
     static constexpr bool inference_no_op = true;
 };
 
-/// A batch norm with its running statistics: x · factor + offset.
+/// The factor and the offset of a batch norm, from its running statistics.
 template <class Place>
 class norm_constants {
 public:
@@ -42,7 +41,7 @@ public:
         return static_cast<double>(from_.values[channel]) /
                std::sqrt(static_cast<double>(from_.statistics[channels + channel]) + from_.epsilon);
     }
-    /// What becomes of a bias in front of the norm.
+    /// The bias of a convolution before the norm, after the norm.
     [[nodiscard]] double shifted(std::size_t channel, double bias) const {
         return (bias - static_cast<double>(from_.statistics[channel])) * factor(channel) +
                static_cast<double>(from_.values[channels + channel]);
@@ -53,7 +52,7 @@ private:
     parameter_source from_;
 };
 
-/// A batch norm that no convolution has taken up, with the ReLU behind it.
+/// A batch norm that no convolution has fused, with the ReLU after it.
 template <class Place, bool Rectified = false>
 struct lowered_norm {
     using step = norm_step<typename Place::format, Place::layer::output, Place::input_stride, Rectified>;
@@ -67,10 +66,7 @@ struct lowered_norm {
     }
     template <class Spec, class>
     static constexpr auto fuse() {
-        if constexpr (rectifies<Spec>)
-            return std::type_identity<lowered_norm<Place, true>>{};
-        else
-            return not_fused{};
+        return fuse_relu<Spec, lowered_norm<Place, true>>();
     }
 };
 
@@ -94,7 +90,7 @@ struct lowering<Spec> {
 
 template <class Offset>
 struct lowering<square_root<Offset>> {
-    /// The offset in lowest terms, so that equal ones are one step, and one spelling.
+    // A fraction in lowest terms, so that equal ones are one step with one spelling.
     template <class Place>
     using at = lowered_to<square_root_step<typename Place::format, Place::layer::output, Place::input_stride,
                                            typename Offset::type>>;
@@ -102,41 +98,34 @@ struct lowering<square_root<Offset>> {
 
 template <std::size_t Size, class Alpha, class Beta, class K>
 struct lowering<local_response_norm<Size, Alpha, Beta, K>> {
-    /// Constants in lowest terms, so that equal ones are one step, and one spelling.
+    // Fractions in lowest terms, as above.
     using rule = kernels::response_rule<Size, typename Alpha::type, typename Beta::type, typename K::type>;
     template <class Place>
     using at = lowered_to<
         local_response_norm_step<typename Place::format, Place::layer::output, Place::input_stride, rule>>;
 };
 
-/// A form whose outputs become probabilities, where it writes those of the network.
+/// A softmax of the outputs of a lowered layer, in its step. It can only write the outputs of the network.
 template <class Lowered>
 struct lowered_softmax {
     using step = softmax_not_last<typename Lowered::step>;
     static void fold(const parameter_source& list, float* to) { Lowered::fold(list, to); }
 };
-/// The same of a form that can write the outputs of a network.
 template <class Lowered>
     requires requires {
         typename Lowered::as_output;
     }
 struct lowered_softmax<Lowered> {
-    /// Where others follow.
     using step = softmax_not_last<typename Lowered::step>;
-    /// Where none follows.
     struct as_output {
-        /// What the form does there, and the softmax.
         using step = step_with_softmax<typename Lowered::as_output::step>;
-        /// As the form itself.
         static void fold(const parameter_source& list, float* to) { Lowered::as_output::fold(list, to); }
     };
-    /// As the form itself.
     static void fold(const parameter_source& list, float* to) { Lowered::fold(list, to); }
 };
 
 template <>
 struct lowering<softmax> {
-    /// See deployment/lowering/lowering.hpp.
     template <class Lowered>
     using output_fused = lowered_softmax<Lowered>;
     template <class Place>

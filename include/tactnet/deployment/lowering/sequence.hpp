@@ -11,14 +11,13 @@
 #include <type_traits>
 #include <utility>
 
-// From a list of layers to the steps of its deployed form, when compiling. The plan walks the list and asks
-// each layer for its form; what one form can take up of the layers behind it becomes one step, one pass over
-// memory.
+// Lowers a list of layers to steps, when compiling: each layer is lowered in turn, and the layers after it
+// that it can fuse become part of its step, one pass over memory.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Lowered one after the other, as one form.
+/// Lowered layers, one after the other.
 template <class... Lowered>
 struct lowered_chain {
     using step = step_chain<typename Lowered::step...>;
@@ -35,48 +34,61 @@ concept writes_into_slice = requires {
     requires Lowered::template fits_slice<Stride, Offset>;
 };
 
+// Changes of the last layer of a list.
+template <bool IsOutput>
+struct output_of {
+    template <class Last>
+    struct change {
+        using type = Last;
+    };
+};
+template <>
+struct output_of<true> {
+    template <class Last>
+    struct change {
+        static_assert(
+            requires { typename Last::as_output; }, "deploy: in this number format a network must end in a "
+                                                    "convolution, a dense layer or an average pool");
+        using type = typename Last::as_output;
+    };
+};
+template <bool Rectified>
+struct adding_of {
+    template <class Last>
+    struct change {
+        using type = typename Last::template adding<Rectified>;
+    };
+};
+template <std::size_t Stride, std::size_t Offset>
+struct slice_of {
+    template <class Last>
+    struct change {
+        using type = typename Last::template slice<Stride, Offset>;
+    };
+};
+
+/// The lowered layers of a list.
 template <class... Lowered>
 struct lowered_layers {
     static constexpr std::size_t size = sizeof...(Lowered);
-    using type = lowered_chain<Lowered...>;
-    /// Of the last.
+    using type = std::conditional_t<size == 0, void, lowered_chain<Lowered...>>;
+    // About the last layer; false for an empty list.
     static constexpr bool can_add = (
         false, ..., requires { typename Lowered::template adding<false>; });
     template <std::size_t Stride, std::size_t Offset>
     static constexpr bool can_write_slice = (false, ..., writes_into_slice<Lowered, Stride, Offset>);
-};
-template <>
-struct lowered_layers<> {
-    static constexpr std::size_t size = 0;
-    using type = void;
-    static constexpr bool can_add = false;
-    template <std::size_t, std::size_t>
-    static constexpr bool can_write_slice = false;
-};
 
-/// The form that writes the outputs of the network.
-template <class Lowered>
-struct lowered_output {
-    static_assert(
-        requires { typename Lowered::as_output; }, "deploy: in this number format a network must end in a "
-                                                   "convolution, a dense layer or an average pool");
-    using type = typename Lowered::as_output;
+    template <template <class> class Change, std::size_t... I>
+    static auto changed(std::index_sequence<I...>) -> lowered_chain<
+        typename std::conditional_t<I + 1 == size, Change<Lowered>, std::type_identity<Lowered>>::type...>;
+    /// All layers, the last one changed.
+    template <template <class> class Change>
+    using change_last = decltype(changed<Change>(std::make_index_sequence<size>{}));
 };
-
-/// Lowered whose last one writes among the channels of a wider map. First those that are done.
-template <std::size_t Stride, std::size_t Offset, class Done, class Rest>
-struct ending_in_slice;
-template <std::size_t Stride, std::size_t Offset, class... Done, class Last>
-struct ending_in_slice<Stride, Offset, lowered_layers<Done...>, lowered_layers<Last>> {
-    using type = lowered_chain<Done..., typename Last::template slice<Stride, Offset>>;
-};
-template <std::size_t Stride, std::size_t Offset, class... Done, class Lowered, class Next, class... Rest>
-struct ending_in_slice<Stride, Offset, lowered_layers<Done...>, lowered_layers<Lowered, Next, Rest...>>
-    : ending_in_slice<Stride, Offset, lowered_layers<Done..., Lowered>, lowered_layers<Next, Rest...>> {};
 
 } // namespace detail
 
-/// Plans a list in a number format. The input has `Stride` elements from one pixel to the next.
+/// Lowers a list in a number format. Its input has `Stride` elements from one pixel to the next.
 template <class Format, class Specification, class Layers, std::size_t Stride>
 struct lowered_sequence;
 
@@ -87,7 +99,7 @@ private:
     template <std::size_t I>
     using spec = typename decltype(detail::type_at<I>(
         std::declval<detail::indexed_leaves<std::type_identity<Specs>...>>()))::type;
-    /// The first layer that does something reads what the list is given, others what a layer has written.
+    /// The first layer that does something reads the input of the list, the others read maps.
     static constexpr std::size_t first = [] {
         constexpr std::array<bool, layers> nothing{inference_no_op<Specs>...};
         return static_cast<std::size_t>(std::find(nothing.begin(), nothing.end(), false) - nothing.begin());
@@ -96,96 +108,83 @@ private:
     using place = layer_place<std::conditional_t<I == first, Format, typename Format::hidden_format>, Layers,
                               I, InputStride>;
 
-    /// A form and the first layer that it has not taken up.
+    /// A lowered layer with all that it fuses, and the first layer after these.
     template <class Lowered, std::size_t Next>
-    struct extended {
+    struct fused {
         using type = Lowered;
         static constexpr std::size_t next = Next;
     };
     template <class Lowered, std::size_t I>
-    static constexpr auto extend() {
+    static constexpr auto fuse_from() {
         if constexpr (I >= layers) {
-            return extended<Lowered, I>{};
+            return fused<Lowered, I>{};
         } else if constexpr (inference_no_op<spec<I>>) {
-            return extend<Lowered, I + 1>();
+            return fuse_from<Lowered, I + 1>();
         } else {
-            using behind = place<I, Lowered::step::output_stride>;
-            if constexpr (fuses<Lowered, spec<I>, behind>)
-                return extend<typename decltype(Lowered::template fuse<spec<I>, behind>())::type, I + 1>();
-            else if constexpr (fuses_output<Lowered, spec<I>, behind>)
-                return extend<typename lowering<spec<I>>::template output_fused<Lowered>, I + 1>();
+            using next = place<I, Lowered::step::output_stride>;
+            if constexpr (fuses<Lowered, spec<I>, next>)
+                return fuse_from<typename decltype(Lowered::template fuse<spec<I>, next>())::type, I + 1>();
+            else if constexpr (fuses_output<Lowered, spec<I>, next>)
+                return fuse_from<typename lowering<spec<I>>::template output_fused<Lowered>, I + 1>();
             else
-                return extended<Lowered, I>{};
+                return fused<Lowered, I>{};
         }
     }
 
-    /// What the last form does besides.
-    enum class ending { plain, adds, adds_and_rectifies, leaves };
-    template <ending End, std::size_t I, std::size_t InputStride, class... Lowered>
-    static constexpr auto build() {
+    template <std::size_t I, std::size_t InputStride, class... Lowered>
+    static constexpr auto lower_from() {
         if constexpr (I >= layers) {
             return detail::lowered_layers<Lowered...>{};
         } else {
             static_assert(has_lowering<spec<I>>,
                           "deploy: a layer of this kind has no lowering; has_lowering shows it");
             if constexpr (inference_no_op<spec<I>> || !has_lowering<spec<I>>) {
-                return build<End, I + 1, InputStride, Lowered...>();
+                return lower_from<I + 1, InputStride, Lowered...>();
             } else {
                 using alone = typename lowering<spec<I>>::template at<place<I, InputStride>>;
-                using whole = decltype(extend<alone, I + 1>());
-                using last = typename whole::type;
-                if constexpr (whole::next < layers || End == ending::plain)
-                    return build<End, whole::next, last::step::output_stride, Lowered..., last>();
-                else if constexpr (End == ending::leaves)
-                    return detail::lowered_layers<Lowered..., typename detail::lowered_output<last>::type>{};
-                else
-                    return detail::lowered_layers<
-                        Lowered..., typename last::template adding<End == ending::adds_and_rectifies>>{};
+                using whole = decltype(fuse_from<alone, I + 1>());
+                return lower_from<whole::next, whole::type::step::output_stride, Lowered...,
+                                  typename whole::type>();
             }
         }
     }
-    using forms = decltype(build<ending::plain, 0, Stride>());
-    // Not an alias, in which Clang 14 sees no private members.
-    template <bool Leaves>
-    struct ended : decltype(build < Leaves ? ending::leaves : ending::plain, 0, Stride > ()) {};
-    template <bool Rectified>
-    struct summed : decltype(build < Rectified ? ending::adds_and_rectifies : ending::adds, 0, Stride > ()) {
-    };
+    using lowered = decltype(lower_from<0, Stride>());
 
 public:
-    /// Lowered that the list consists of; none, if it does nothing once trained.
-    static constexpr std::size_t size = forms::size;
-    using type = typename forms::type;
-    /// The same; with `Leaves` its last form writes the outputs of the network.
-    template <bool Leaves>
-    using ending_in = typename ended<Leaves>::type;
-    /// Whether its last form can leave a sum in the output: for main branches of residual blocks.
-    static constexpr bool can_add = forms::can_add;
+    /// How many steps the list becomes: none, if it does nothing in inference.
+    static constexpr std::size_t size = lowered::size;
+    /// The lowered list; void if it does nothing in inference.
+    using type = typename lowered::type;
+    /// The lowered list; with `IsOutput` it writes the outputs of the network.
+    template <bool IsOutput>
+    using ending = typename lowered::template change_last<detail::output_of<IsOutput>::template change>;
+    /// Whether the last layer can add to what its output holds: for main branches of residual blocks.
+    static constexpr bool can_add = lowered::can_add;
     template <bool Rectified>
-    using adding = typename summed<Rectified>::type;
-    /// Whether its last form can write its channels from `Offset` on of a map with `MapStride` elements a
+    using adding = typename lowered::template change_last<detail::adding_of<Rectified>::template change>;
+    /// Whether the last layer can write its channels from `Offset` on of a map with `MapStride` elements a
     /// pixel: for branches of a concatenation.
     template <std::size_t MapStride, std::size_t Offset>
-    static constexpr bool can_write_slice = forms::template can_write_slice<MapStride, Offset>;
+    static constexpr bool can_write_slice = lowered::template can_write_slice<MapStride, Offset>;
     template <std::size_t MapStride, std::size_t Offset>
-    using slice = typename detail::ending_in_slice<MapStride, Offset, detail::lowered_layers<>, forms>::type;
+    using slice =
+        typename lowered::template change_last<detail::slice_of<MapStride, Offset>::template change>;
 };
 
 /// The steps of a network whose input lies pixel by pixel without gaps, and how its parameters fold into
-/// them. The forms of its layers must have been included (deployment/lowering.hpp).
+/// them. Include the lowerings of its layers first (deployment/lowering.hpp).
 template <class Network, class Format = single_precision>
     requires(!inference_no_op<typename Network::specification>) // or there is nothing to deploy
 using lowered_network =
     typename lowered_sequence<typename Format::input_format, typename Network::specification,
                               typename Network::layers,
-                              Network::input_shape.channels>::template ending_in<Format::has_output_format>;
+                              Network::input_shape.channels>::template ending<Format::has_output_format>;
 
 /// A list inside a list.
-template <class Place, class Specification, bool Leaves = false>
+template <class Place, class Specification, bool IsOutput = false>
 struct lowered_list {
-    using plan =
-        lowered_sequence<typename Place::format, Specification, typename Place::layer, Place::input_stride>;
-    using list = typename plan::template ending_in<Leaves>;
+    using list = typename lowered_sequence<typename Place::format, Specification, typename Place::layer,
+                                           Place::input_stride>::template ending<IsOutput>;
     using step = typename list::step;
     using as_output = lowered_list<Place, Specification, true>;
 
