@@ -6,7 +6,7 @@
 
 #include "../support/measure.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/sensors/recording.hpp>
 
 #include <array>

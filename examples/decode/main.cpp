@@ -9,8 +9,8 @@
 #include "picture.hpp"
 #endif
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/text/measures.hpp>

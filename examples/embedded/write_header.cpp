@@ -3,8 +3,8 @@
 
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/training/initialise.hpp>
 

@@ -9,8 +9,8 @@
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/training.hpp>
 
 #include <cstddef>

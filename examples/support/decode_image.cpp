@@ -1,7 +1,8 @@
 #include "decode_image.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // The program `tactnet_decode` from outside.
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

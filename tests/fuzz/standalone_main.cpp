@@ -9,8 +9,9 @@
 
 #include "fuzz_target.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <algorithm>
 #include <charconv>

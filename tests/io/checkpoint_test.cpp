@@ -1,6 +1,7 @@
 #include <tactnet/io/checkpoint.hpp>
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/training/trainer.hpp>

@@ -1,5 +1,5 @@
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/training/initialise.hpp>
 

@@ -1,5 +1,6 @@
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/partial_file.hpp>
+#include <tactnet/io/read_file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

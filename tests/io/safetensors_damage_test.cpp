@@ -1,8 +1,9 @@
 #include <tactnet/io/checkpoint.hpp>
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/svm_file.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
@@ -103,8 +104,7 @@ TEST_CASE("safetensors: no single bit of the file of a support vector machine ch
 TEST_CASE("safetensors: no single bit of a checkpoint changes unnoticed") {
     std::vector<float> weights(20, 0.5F);
     std::vector<double> statistics(7, -1);
-    const std::vector<state_array> arrays{{"values", std::span<float>(weights)},
-                                          {"best.statistics", std::span<double>(statistics)}};
+    const std::vector<state_array> arrays{{"values", weights, {}}, {"best.statistics", {}, statistics}};
     const std::vector<double> progress{3, 0.5, 0.25};
     const file_metadata settings{{"seed", "3"}, {"network", "small"}};
     const auto bytes = written([&](const auto& path) { save_checkpoint(path, arrays, progress, settings); });

@@ -24,7 +24,7 @@ set(room_io text kernels runtime tensor) # io/parameters.hpp and others take a n
 set(header_io/model_file.hpp networks) # what this one may include beside: it is the file of a networks/model.hpp
 set(room_sensors io text tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
-set(only_sensors_io file file_error partial_file)
+set(only_sensors_io file_error read_file)
 set(header_io/svm_file.hpp svm)
 set(header_io/deployed_file.hpp deployment networks)
 set(header_io/stored_deployed.hpp deployment)

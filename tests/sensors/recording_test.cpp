@@ -1,5 +1,7 @@
 #include <tactnet/sensors/recording.hpp>
 
+#include <tactnet/io/write_file.hpp>
+
 #include <doctest/doctest.h>
 
 #include <stdexcept>

@@ -2,7 +2,7 @@
 
 // A program from outside: what it prints and how it ends.
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 
 #include <doctest/doctest.h>
 

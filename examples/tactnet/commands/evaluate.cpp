@@ -14,7 +14,7 @@
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

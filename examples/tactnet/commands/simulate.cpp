@@ -9,8 +9,9 @@
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/partial_file.hpp>
+#include <tactnet/io/read_file.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/text/quoting.hpp>

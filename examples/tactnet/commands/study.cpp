@@ -18,7 +18,7 @@
 #include "study/plan.hpp"
 #include "usage_error.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

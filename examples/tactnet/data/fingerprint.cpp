@@ -2,8 +2,8 @@
 
 #include "data/regular_file.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include "data/regular_file.hpp"
 
 #include <tactnet/image/dynamic_resize.hpp>
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>

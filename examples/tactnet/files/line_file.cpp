@@ -3,7 +3,7 @@
 #include "data/regular_file.hpp"
 #include "reports/report.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include "reports/gnuplot.hpp"
 #include "reports/report.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <fmt/format.h>
 

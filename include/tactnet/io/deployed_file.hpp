@@ -18,15 +18,15 @@
 #include <utility>
 #include <vector>
 
-// Networks from weight files to their deployed form: in single precision from the file of a model, in 8 bits
-// from a file of its own; stored_deployed.hpp says what is in that.
+// Deployed networks from files: in single precision from the file of a model, in 8 bits from a file of its
+// own, which stored_deployed.hpp describes.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// The first `classes` outputs of each image.
+/// The first `classes` outputs for each image.
 template <class Network>
 [[nodiscard]] std::vector<float> logits_of(const Network& network, std::span<const std::uint8_t> images,
                                            std::size_t classes) {
@@ -35,7 +35,7 @@ template <class Network>
     std::vector<float> logits;
     for (std::size_t i = 0; i < frames.size(); ++i) {
         std::array<float, Network::outputs> found;
-        // What is not finite agrees with no logit of a file.
+        // A logit that is not finite agrees with no logit of a file.
         (void)network.infer(frames[i], found, *memory);
         logits.insert(logits.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(classes));
     }
@@ -44,8 +44,8 @@ template <class Network>
 
 } // namespace detail
 
-/// The deployed form of a model in a file, as `save_model` writes it: what load_model and deploy give, with
-/// the self-test in the form that is used.
+/// Loads and deploys a model from a file that `save_model` wrote: load_model and deploy in one call, with the
+/// self-test run by the deployed network.
 ///
 ///     const auto network = load_deployed<net>("tactnet6.safetensors");
 ///
@@ -66,18 +66,17 @@ template <class Network>
     });
     return network;
 }
-/// Of the file at a path.
 template <class Network>
 [[nodiscard]] deployed<Network> load_deployed(const std::filesystem::path& path,
                                               std::optional<double> epsilon = std::nullopt) {
     return load_deployed<Network>(safetensors::read(path), epsilon);
 }
 
-/// A network in 8 bits from a file, as `save_deployed` writes it:
+/// Loads a network in 8 bits from a file that `save_deployed` wrote:
 ///
 ///     const auto network = load_deployed<net, eight_bit>("tactnet6_8bit.safetensors");
 ///
-/// Throws file_error as `read_deployed`, also when the self-test in the file does not give its very logits.
+/// Throws file_error as `read_deployed`, also unless the self-test in the file gives exactly its logits.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] deployed<Network, eight_bit> load_deployed(const safetensors& file) {
@@ -92,16 +91,15 @@ template <class Network, class Format>
     network.set_classes(std::move(stored.classes));
     return network;
 }
-/// Of the file at a path.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] deployed<Network, eight_bit> load_deployed(const std::filesystem::path& path) {
     return load_deployed<Network, eight_bit>(safetensors::read(path));
 }
 
-/// Writes a network in 8 bits, all or nothing. `metadata` should say the "network" and may say more;
-/// `selftest` holds images to keep with what came of them, of which loading expects every bit. Throws
-/// file_error, and as `add_deployed`.
+/// Writes a network in 8 bits, all or nothing. `metadata` should state the "network" and may state more;
+/// `selftest` holds images to store with their logits, which loading expects bit by bit. Throws file_error,
+/// and as `add_deployed`.
 template <class Network>
 void save_deployed(const std::filesystem::path& path, const deployed<Network, eight_bit>& network,
                    file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <memory>
 #include <stdexcept>
@@ -52,6 +53,16 @@ private:
     // Shared, since copying an exception must not throw.
     std::shared_ptr<const parts> parts_;
 };
+
+namespace detail {
+
+/// Throws file_error with each text put together out of line.
+[[noreturn]] [[gnu::cold, gnu::noinline]] inline void
+throw_file_error(std::string_view file, text_parts place, text_parts expected, text_parts found) {
+    throw file_error(std::string(file), joined(place), joined(expected), joined(found));
+}
+
+} // namespace detail
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

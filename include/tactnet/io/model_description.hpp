@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/index.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/text/numbers.hpp>
 #include <tactnet/text/quoting.hpp>
@@ -18,13 +18,12 @@
 #include <type_traits>
 #include <vector>
 
-// What the file of a trained network says about itself in its metadata: what it is, and how its inputs are
-// meant.
+// The metadata of a weight file: which network it is for, and how its inputs are meant.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What a weight file says about itself. What it does not say is empty.
+/// What a weight file states about itself. What it does not state is empty.
 struct model_description {
     std::string network;
     std::optional<std::size_t> rows, columns;
@@ -37,65 +36,65 @@ struct model_description {
 
 namespace detail {
 
-/// The shortest text that reads back as the same number.
-template <class Number>
-std::string number_text(Number value) {
-    if constexpr (std::is_floating_point_v<Number>)
-        return shortest_number(value);
-    else
-        return std::to_string(value);
+/// Throws file_error for the metadata under a key, which is `found` or missing.
+[[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_metadata_error(const safetensors_index& file,
+                                                                           std::string_view key,
+                                                                           std::string_view expected,
+                                                                           const std::string* found) {
+    throw_file_error(file.file(), {"metadata '", key, "'"}, {expected},
+                     {found == nullptr ? "none" : in_quotes(*found)});
 }
 
-/// The positive number under a key. Anything else throws if the key is known to be ours (`strict`), and is
-/// passed over if it may be another program's word for something else.
+/// The positive number under a key. Any other text is an error in a file of this library (`ours`), and
+/// ignored in files of other programs, which may use the key for something else.
 template <class Number>
-std::optional<Number> number_in(const safetensors& file, std::string_view key, const char* expected,
-                                bool strict) {
-    const auto found = file.metadata().find(key);
-    if (found == file.metadata().end())
+std::optional<Number> number_in(const safetensors_index& file, std::string_view key, const char* expected,
+                                bool ours) {
+    const std::string* const text = file.find_metadata(key);
+    if (text == nullptr)
         return std::nullopt;
-    const std::string& text = found->second;
     Number value{};
-    const char* end = nullptr;
+    const char *const begin = text->data(), *const end = begin + text->size();
+    const char* stop = nullptr;
     if constexpr (std::is_floating_point_v<Number>) {
-        const auto read = read_floating_point<Number>(text.data(), text.data() + text.size());
-        value = read.value, end = read.end;
-    } else if (const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-               read.ec == std::errc()) {
-        end = read.ptr;
+        const auto read = read_floating_point<Number>(begin, end);
+        value = read.value, stop = read.end;
+    } else if (const auto read = std::from_chars(begin, end, value); read.ec == std::errc()) {
+        stop = read.ptr;
     }
-    if (end != text.data() + text.size() || !(value > Number{}) ||
-        !std::isfinite(static_cast<double>(value))) {
-        if (!strict)
-            return std::nullopt;
-        throw file_error(file.file(), "metadata '" + std::string(key) + "'", expected, in_quotes(text));
-    }
-    return value;
+    if (stop == end && value > Number{} && std::isfinite(static_cast<double>(value)))
+        return value;
+    if (ours)
+        throw_metadata_error(file, key, expected, text);
+    return std::nullopt;
 }
 
-inline std::string json_array(std::span<const std::string> texts) {
+[[gnu::cold]] inline std::string json_array(std::span<const std::string> texts) {
     std::string json = "[";
-    for (const std::string& text : texts) {
-        json += json.size() > 1 ? "," : ""; // by itself: of `"," + string` GCC 12 warns (its bug 105329)
-        json += json_string(text);
-    }
+    for (const std::string& text : texts)
+        json += joined({json.size() > 1 ? "," : "", json_string(text)});
     return json + "]";
 }
 
 } // namespace detail
 
 /// Reads the metadata alone, to find the network that the file is for. Throws file_error for another version
-/// of the format, and for values that mean nothing. Files made elsewhere may say nothing at all, or use the
-/// same keys for anything: of theirs only the name and what reads as a number is taken.
-[[nodiscard]] inline model_description describe_model(const safetensors& file) {
+/// of the format, and for invalid values. Files of other programs may have no metadata, or use the same keys
+/// for anything: only their name and valid numbers are read.
+[[nodiscard]] [[gnu::cold]] inline model_description describe_model(const safetensors_index& file) {
     const auto text = [&](std::string_view key) {
-        const auto found = file.metadata().find(key);
-        return found == file.metadata().end() ? std::string() : found->second;
+        const std::string* const found = file.find_metadata(key);
+        return found == nullptr ? std::string() : *found;
     };
+    const auto require = [&](bool holds, std::string_view key, std::string_view expected) {
+        const std::string found = text(key);
+        if (!holds)
+            detail::throw_metadata_error(file, key, expected, &found);
+    };
+    constexpr const char* eight_bits = "'8', or none for single precision";
     model_description d;
     const bool ours = text("format") == "tactnet";
-    if (ours && text("version") != "1")
-        throw file_error(file.file(), "metadata 'version'", "format version 1", in_quotes(text("version")));
+    require(!ours || text("version") == "1", "version", "format version 1");
     d.network = text("network");
     d.rows = detail::number_in<std::size_t>(file, "rows", "a number of rows", ours);
     d.columns = detail::number_in<std::size_t>(file, "columns", "a number of columns", ours);
@@ -106,20 +105,17 @@ inline std::string json_array(std::span<const std::string> texts) {
     json_scanner scanner(classes, file.file() + ": metadata 'classes'", 0);
     scanner.array([&] { d.classes.push_back(scanner.string()); });
     scanner.end();
-    if (input != "mean" && input != "scale")
-        throw file_error(file.file(), "metadata 'input'", "'mean' or 'scale'", in_quotes(input));
+    require(input == "mean" || input == "scale", "input", "'mean' or 'scale'");
     d.subtracts_mean = input == "mean";
     d.scale = detail::number_in<float>(file, "input_scale", "a positive number", ours);
-    d.bits = detail::number_in<std::size_t>(file, "bits", "'8', or none for single precision", ours);
-    if (d.bits && *d.bits != 8)
-        throw file_error(file.file(), "metadata 'bits'", "'8', or none for single precision",
-                         in_quotes(text("bits")));
+    d.bits = detail::number_in<std::size_t>(file, "bits", eight_bits, ours);
+    require(!d.bits || *d.bits == 8, "bits", eight_bits);
     return d;
 }
 
-/// Adds a description to the metadata of a file, in version 1 of the format. Size, classes and whether a mean
-/// is subtracted must be known; the network's name is for the caller to say under "network".
-inline void add_description(file_metadata& metadata, const model_description& d) {
+/// Adds a description to the metadata of a file, in version 1 of the format. It must state size, classes and
+/// whether a mean is subtracted; the caller adds the name of the network under "network".
+[[gnu::cold]] inline void add_description(file_metadata& metadata, const model_description& d) {
     metadata["format"] = "tactnet";
     metadata["version"] = "1";
     metadata["rows"] = std::to_string(d.rows.value());
@@ -127,9 +123,9 @@ inline void add_description(file_metadata& metadata, const model_description& d)
     metadata["classes"] = detail::json_array(d.classes);
     metadata["input"] = d.subtracts_mean.value() ? "mean" : "scale";
     if (d.epsilon)
-        metadata["epsilon"] = detail::number_text(*d.epsilon);
+        metadata["epsilon"] = shortest_number(*d.epsilon);
     if (d.scale)
-        metadata["input_scale"] = detail::number_text(*d.scale);
+        metadata["input_scale"] = shortest_number(*d.scale);
     if (d.bits)
         metadata["bits"] = std::to_string(*d.bits);
 }

@@ -9,6 +9,7 @@
 #include <tactnet/networks/model.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
+#include <tactnet/text/numbers.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -23,16 +24,16 @@
 #include <vector>
 
 // A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
-// inputs are meant. A file may carry inputs and the logits that they gave; loading then checks that they
-// still do, so that no mistake of a compiler, a processor or a format goes unseen.
+// inputs are meant. A file may carry inputs and their logits; loading then checks them, so that no mistake of
+// a compiler, a processor or a format goes unnoticed.
 //
 // What does not depend on the network's type works on stored_model and model_parts: programs of many networks
-// may call that in one place.
+// may call it in one place.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What a file holds of a model, for a network whose type is known elsewhere.
+/// A model as read from a file, without the network's type.
 struct stored_model {
     std::vector<std::vector<float>> arrays; ///< see read_arrays
     double epsilon = 1e-5;                  ///< of batch norms
@@ -41,18 +42,18 @@ struct stored_model {
     std::vector<std::string> classes;
 };
 
-/// What a file is made of, without the network's type. A view.
+/// A view of a model to be written, without the network's type.
 struct model_parts {
     shape input;
     stored_arrays arrays;
     std::vector<std::span<const float>> values; ///< of each array
     double epsilon = 1e-5;
-    std::span<const float> mean; ///< of the input, one for each pixel
+    std::span<const float> mean; ///< of the input, one per pixel
     float scale = 1;
     std::span<const std::string> classes;
 };
 
-/// As model::logits, whatever the network.
+/// model::logits of any network.
 using logits_function = std::function<std::vector<float>(std::span<const std::uint8_t>)>;
 
 namespace detail {
@@ -60,51 +61,63 @@ namespace detail {
 /// Self-tests compare with what another machine has computed in float.
 inline constexpr float selftest_tolerance = 1e-4F;
 
-/// Of images in a file: [rows, columns], and channels in front where there are several. With a count,
-/// that many of them.
-inline std::vector<std::size_t> image_extents(shape image, std::optional<std::size_t> count = std::nullopt) {
+/// The extents of images in a file: [rows, columns], with the channels before them where there are several,
+/// and the count before those if given.
+[[gnu::cold, gnu::noinline]] inline std::vector<std::size_t>
+image_extents(shape image, std::optional<std::size_t> count = std::nullopt) {
     std::vector<std::size_t> extents;
     if (count)
         extents.push_back(*count);
     if (image.channels > 1)
         extents.push_back(image.channels);
-    extents.insert(extents.end(), {image.rows, image.columns});
+    extents.push_back(image.rows);
+    extents.push_back(image.columns);
     return extents;
 }
 
-/// Throws unless the file says nothing of sizes, or the network's.
-inline void require_size(const safetensors& file, const model_description& d, shape input) {
-    if ((d.rows && *d.rows != input.rows) || (d.columns && *d.columns != input.columns))
-        throw file_error(file.file(), "metadata",
-                         "a network for " + std::to_string(input.rows) + " x " +
-                             std::to_string(input.columns),
-                         "one for " + (d.rows ? std::to_string(*d.rows) : "?") + " x " +
-                             (d.columns ? std::to_string(*d.columns) : "?"));
+/// Throws unless the file states the network's size, or none.
+[[gnu::cold]] inline void require_size(const safetensors_index& file, const model_description& d,
+                                       shape input) {
+    const auto text = [](std::optional<std::size_t> extent) {
+        return extent ? std::to_string(*extent) : std::string("?");
+    };
+    if (d.rows.value_or(input.rows) != input.rows || d.columns.value_or(input.columns) != input.columns)
+        throw_file_error(file.file(), {"metadata"}, {"a network for ", input.rows, " x ", input.columns},
+                         {"one for ", text(d.rows), " x ", text(d.columns)});
 }
 
 /// The names that a file gives, or class_00, class_01, … without any.
-inline std::vector<std::string> class_names(const safetensors& file, std::vector<std::string> names,
-                                            std::size_t classes) {
+[[gnu::cold]] inline std::vector<std::string>
+class_names(const safetensors_index& file, std::vector<std::string> names, std::size_t classes) {
     if (!names.empty() && names.size() != classes)
-        throw file_error(file.file(), "metadata 'classes'",
-                         std::to_string(classes) + " names, as there are logits",
-                         std::to_string(names.size()));
+        throw_file_error(file.file(), {"metadata 'classes'"}, {classes, " names, as there are logits"},
+                         {names.size()});
     for (std::size_t c = names.size(); c < classes; ++c)
-        names.push_back((c < 10 ? "class_0" : "class_") + std::to_string(c));
+        names.push_back(joined({c < 10 ? "class_0" : "class_", c}));
     return names;
+}
+
+/// Adds images to a file, with their logits of `classes` each, if there are any.
+[[gnu::cold]] inline void add_selftest(safetensors_writer& writer, shape input, std::size_t classes,
+                                       std::span<const std::uint8_t> images, const logits_function& logits) {
+    if (images.empty())
+        return;
+    const std::size_t count = images.size() / input.size();
+    writer.add("selftest.logits", {count, classes}, std::span<const float>(logits(images)));
+    writer.add("selftest.input", image_extents(input, count), images);
 }
 
 } // namespace detail
 
-/// Reads a model for a network of these arrays and inputs of that shape; `load_model` tells the rest. The
-/// self-test is left to `check_selftest`.
-[[nodiscard]] inline stored_model read_model(const safetensors& file, shape input,
-                                             const stored_arrays& arrays,
-                                             std::optional<double> epsilon = std::nullopt) {
+/// Reads a model for a network of these arrays and this input shape; `load_model` describes the rest.
+/// `check_selftest` runs the self-test.
+[[nodiscard]] [[gnu::cold]] inline stored_model read_model(const safetensors& file, shape input,
+                                                           const stored_arrays& arrays,
+                                                           std::optional<double> epsilon = std::nullopt) {
     model_description d = describe_model(file);
     if (d.bits)
-        throw file_error(file.file(), "metadata 'bits'", "weights in single precision",
-                         "'8': a network in 8 bits, which load_deployed reads");
+        detail::throw_file_error(file.file(), {"metadata 'bits'"}, {"weights in single precision"},
+                                 {"'8': a network in 8 bits, which load_deployed reads"});
     detail::require_size(file, d, input);
     stored_model m;
     const std::size_t classes = stored_classes(file, arrays);
@@ -120,34 +133,35 @@ inline std::vector<std::string> class_names(const safetensors& file, std::vector
     return m;
 }
 
-/// Throws file_error unless the images that a file carries for that still give their logits, a row of
-/// `classes` each, but for a `tolerance` in parts of the largest. Files may carry none; one that carries no
-/// images under that name, or logits that are not finite and so agree with anything or nothing, throws.
-inline void check_selftest(const safetensors& file, shape input, std::size_t classes,
-                           const logits_function& logits, float tolerance = detail::selftest_tolerance) {
-    if (!file.contains("selftest.input") && !file.contains("selftest.logits"))
+/// Throws file_error unless the self-test's images in the file still give their logits, a row of `classes`
+/// each, up to `tolerance` times the largest logit. A file may have no self-test; a self-test without images,
+/// or with logits that are not finite and could not be compared, throws.
+[[gnu::cold]] inline void check_selftest(const safetensors& file, shape input, std::size_t classes,
+                                         const logits_function& logits,
+                                         float tolerance = detail::selftest_tolerance) {
+    constexpr const char *images = "selftest.input", *outputs = "selftest.logits";
+    if (!file.contains(images) && !file.contains(outputs))
         return;
-    const auto& extents = file.at("selftest.input").extents;
+    const auto& extents = file.at(images).extents;
     const std::size_t count = extents.empty() ? 0 : extents.front();
-    file.require_extents("selftest.input", detail::image_extents(input, count));
-    file.require_extents("selftest.logits", std::vector{count, classes});
+    file.require_extents(images, detail::image_extents(input, count));
+    file.require_extents(outputs, std::vector{count, classes});
     if (count == 0)
-        throw file_error(file.file(), detail::tensor_place("selftest.input"), "one image or more", "none");
-    const std::vector<float> expected = file.values<float>("selftest.logits");
-    detail::check_values(file, "selftest.logits", expected);
-    const std::vector<float> found = logits(file.values<std::uint8_t>("selftest.input"));
+        detail::throw_tensor_error(file.file(), images, {"one image or more"}, {"none"});
+    const std::vector<float> expected = file.values<float>(outputs);
+    detail::check_values(file, outputs, expected);
+    const std::vector<float> found = logits(file.values<std::uint8_t>(images));
     float largest = 0;
     for (const float value : expected)
         largest = std::max(largest, std::abs(value));
     for (std::size_t i = 0; i < expected.size(); ++i)
         if (!(std::abs(found[i] - expected[i]) <= tolerance * largest))
-            throw file_error(file.file(),
-                             "self-test, image " + std::to_string(i / classes) + ", class " +
-                                 std::to_string(i % classes),
-                             "the logit " + detail::number_text(expected[i]), detail::number_text(found[i]));
+            detail::throw_file_error(file.file(), {"self-test, image ", i / classes, ", class ", i % classes},
+                                     {"the logit ", shortest_number(expected[i])},
+                                     {shortest_number(found[i])});
 }
 
-/// A model of what a file holds. The self-test is left to `check_selftest`.
+/// Makes a model of the content of a file. `check_selftest` runs the self-test.
 template <class Network>
 [[nodiscard]] model<Network> make_model(stored_model stored) {
     model<Network> m;
@@ -161,7 +175,7 @@ template <class Network>
 
 namespace detail {
 
-/// The logits of images: those of the classes, which a file holds, without the other outputs.
+/// The logits of the classes, which a file holds, without the other outputs.
 template <class Network>
 [[nodiscard]] std::vector<float> class_logits(const model<Network>& m, std::span<const std::uint8_t> images) {
     thread_pool alone;
@@ -176,8 +190,8 @@ template <class Network>
 
 } // namespace detail
 
-/// Fills a model from a file. Without metadata: epsilon 1e-5, inputs are counts minus `input_mean` where
-/// there is one, classes are named class_00, class_01, …. `epsilon` goes before the file's. Throws
+/// Loads a model from a file. Without metadata epsilon is 1e-5, inputs are counts minus `input_mean` where
+/// there is one, and classes are named class_00, class_01, …. `epsilon` overrides the file's. Throws
 /// file_error, also when a self-test in the file does not give its logits.
 template <class Network>
 [[nodiscard]] model<Network> load_model(const safetensors& file,
@@ -188,14 +202,13 @@ template <class Network>
                    [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
     return m;
 }
-
 template <class Network>
 [[nodiscard]] model<Network> load_model(const std::filesystem::path& path,
                                         std::optional<double> epsilon = std::nullopt) {
     return load_model<Network>(safetensors::read(path), epsilon);
 }
 
-/// The parts of a model, which must outlive them.
+/// A view of a model, which must outlive it.
 template <class Network>
 [[nodiscard]] model_parts parts_of(const model<Network>& m) {
     model_parts parts{.input = Network::input_shape,
@@ -210,14 +223,16 @@ template <class Network>
     return parts;
 }
 
-/// Adds a model to what is to be written: its arrays, and to the metadata what it knows. `selftest` holds
-/// images to keep with their logits, which are asked for then. Throws std::invalid_argument unless there are
-/// 1 to as many classes as outputs.
-inline void add_model(safetensors_writer& writer, const model_parts& m,
-                      std::span<const std::uint8_t> selftest, const logits_function& logits) {
+/// Adds a model to a file: its arrays, and its description to the metadata. `selftest` holds images to store
+/// with their logits, which `logits` computes. Throws std::invalid_argument unless there are 1 to as many
+/// classes as outputs.
+[[gnu::cold]] inline void add_model(safetensors_writer& writer, const model_parts& m,
+                                    std::span<const std::uint8_t> selftest, const logits_function& logits) {
     const std::size_t classes = m.classes.size();
     detail::check_classes("model", classes, m.arrays.outputs);
-    const bool subtracts = std::any_of(m.mean.begin(), m.mean.end(), [](float v) { return v != 0; });
+    bool subtracts = false;
+    for (const float mean : m.mean)
+        subtracts = subtracts || mean != 0;
     add_description(writer.metadata, {.network = {},
                                       .rows = m.input.rows,
                                       .columns = m.input.columns,
@@ -226,26 +241,22 @@ inline void add_model(safetensors_writer& writer, const model_parts& m,
                                       .subtracts_mean = subtracts,
                                       .scale = m.scale});
     for (std::size_t i = 0; i < m.values.size(); ++i)
-        add_array(writer, m.arrays, i, m.values[i], classes);
+        detail::add_array(writer, m.arrays, i, m.values[i], classes);
     if (subtracts)
         writer.add("input_mean", detail::image_extents(m.input), m.mean);
-    if (!selftest.empty()) {
-        const std::size_t count = selftest.size() / m.input.size();
-        writer.add("selftest.logits", {count, classes}, std::span<const float>(logits(selftest)));
-        writer.add("selftest.input", detail::image_extents(m.input, count), selftest);
-    }
+    detail::add_selftest(writer, m.input, classes, selftest, logits);
 }
 
-/// Writes a model, all or nothing. `metadata` should say the "network" and may say more. Throws file_error,
-/// and as `add_model`.
-inline void save_model(const std::filesystem::path& path, const model_parts& m, file_metadata metadata,
-                       std::span<const std::uint8_t> selftest, const logits_function& logits) {
+/// Writes a model, all or nothing. `metadata` should state the "network" and may state more. Throws
+/// file_error, and as `add_model`.
+[[gnu::cold]] inline void save_model(const std::filesystem::path& path, const model_parts& m,
+                                     file_metadata metadata, std::span<const std::uint8_t> selftest,
+                                     const logits_function& logits) {
     safetensors_writer writer;
     writer.metadata = std::move(metadata);
     add_model(writer, m, selftest, logits);
     writer.write(path);
 }
-
 template <class Network>
 void save_model(const std::filesystem::path& path, const model<Network>& m, file_metadata metadata = {},
                 std::span<const std::uint8_t> selftest = {}) {

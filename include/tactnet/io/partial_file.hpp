@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <atomic>
 #include <cerrno>
@@ -9,14 +10,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <string>
 #include <string_view>
 #include <system_error>
 
-// Files under a temporary name while they are being written. A writer that was killed leaves one behind; a
-// lock, which ends with its process however that ends, tells such a file from one that is still being
-// written. A process number in the name would not: numbers are used again, and mean nothing on another
-// machine or in a container.
+// Files have a temporary name while they are written. A writer that was killed leaves such a file behind; a
+// lock, which ends with its process however that ends, distinguishes it from one that is still being written.
+// A process number in the name would not: numbers are reused, and mean nothing on another machine or in a
+// container.
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <fcntl.h>
@@ -33,15 +33,13 @@ namespace detail {
 inline constexpr std::string_view partial_prefix = ".tactnet-", partial_suffix = ".partial";
 
 /// A hidden name that no other writer uses: exclusive creation decides, the number only makes clashes rare.
-inline std::filesystem::path partial_name(const std::filesystem::path& folder) {
+[[gnu::cold]] inline std::filesystem::path partial_name(const std::filesystem::path& folder) {
     static std::atomic<std::uint64_t> calls{0};
     const auto now = static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
-    std::string name(partial_prefix);
-    name += std::to_string(now) + "-" + std::to_string(calls++);
-    return folder / name.append(partial_suffix);
+    return folder / joined({partial_prefix, now, "-", calls++, partial_suffix});
 }
 
-/// Says that a partial file's writer is alive, for as long as this lives.
+/// Marks a partial file as being written, for the lifetime of this object.
 class writer_mark {
 public:
     writer_mark() = default;
@@ -49,8 +47,8 @@ public:
     writer_mark& operator=(const writer_mark&) = delete;
     ~writer_mark() { clear(); }
 
-    /// Marks the file also beyond its closing. False when it was taken for abandoned just before, and must
-    /// not be used. Where the system knows no locks there is no mark, and nobody takes it for abandoned.
+    /// Marks the file, also after it is closed. Returns false if another process has just removed it as
+    /// abandoned; the file must then not be used. Systems without locks have no marks, and remove no files.
     bool set([[maybe_unused]] std::FILE* file) noexcept {
         clear();
 #if defined(__unix__) || defined(__APPLE__)
@@ -79,7 +77,7 @@ private:
 
 } // namespace detail
 
-/// Whether `write_file` gives this name to files that it is writing: ".tactnet-NUMBER-NUMBER.partial".
+/// Whether `write_file` uses this name for files that it is writing: ".tactnet-NUMBER-NUMBER.partial".
 [[nodiscard]] inline bool is_partial_file_name(std::string_view name) noexcept {
     if (!name.starts_with(detail::partial_prefix) || !name.ends_with(detail::partial_suffix) ||
         name.size() < detail::partial_prefix.size() + detail::partial_suffix.size())
@@ -92,10 +90,11 @@ private:
            name.find_first_not_of("0123456789", dash + 1) == std::string_view::npos;
 }
 
-/// Removes the partial files in a folder (not in its subfolders) whose writers are gone; tells how many. What
-/// is still being written stays, and so does all where the system knows no locks. A folder that is missing
-/// or cannot be read is no error: there is nothing to tidy.
-inline std::size_t remove_abandoned_files([[maybe_unused]] const std::filesystem::path& folder) {
+/// Removes the partial files in a folder (not in its subfolders) whose writers have ended, and returns their
+/// number. Files that are still being written stay; without locks in the system all stay. A folder that is
+/// missing or cannot be read is no error: there is nothing to remove.
+[[gnu::cold]] inline std::size_t
+remove_abandoned_files([[maybe_unused]] const std::filesystem::path& folder) {
     std::size_t removed = 0;
 #if defined(__unix__) || defined(__APPLE__)
     std::error_code code;
@@ -107,7 +106,7 @@ inline std::size_t remove_abandoned_files([[maybe_unused]] const std::filesystem
         const int descriptor = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
         if (descriptor < 0)
             continue;
-        // While the lock is held here, a writer that has only just made the file sees that and takes another.
+        // A writer that has just made the file notices this lock and makes another file.
         if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::unlink(path.c_str()) == 0)
             ++removed;
         ::close(descriptor);

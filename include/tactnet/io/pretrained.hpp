@@ -13,22 +13,23 @@
 #include <type_traits>
 #include <vector>
 
-// Weights that others have trained, for networks of up to hundreds of megabytes.
+// Pretrained weights, for networks of up to hundreds of megabytes.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The arrays by the names that they have in a file where a prefix stands before them.
-[[nodiscard]] inline stored_arrays with_prefix(stored_arrays arrays, std::string_view prefix) {
+/// The arrays by their names in a file that puts a prefix before them.
+[[nodiscard]] [[gnu::cold]] inline stored_arrays with_prefix(stored_arrays arrays, std::string_view prefix) {
     for (named_array& a : arrays.list)
         a.name.insert(0, prefix);
     return arrays;
 }
 
 /// Throws as load_pretrained for arrays that are missing, surplus or of other extents, without reading any.
-/// `arrays` are by their names in the file.
-inline void require_pretrained(const safetensors_index& file, const stored_arrays& arrays,
-                               std::span<const std::string> unread = {}, std::string_view prefix = "") {
+/// `arrays` have the names of the file.
+[[gnu::cold]] inline void require_pretrained(const safetensors_index& file, const stored_arrays& arrays,
+                                             std::span<const std::string> unread = {},
+                                             std::string_view prefix = "") {
     std::vector<std::string> others(unread.begin(), unread.end());
     for (std::string& begin : others)
         begin.insert(0, prefix);
@@ -39,15 +40,15 @@ inline void require_pretrained(const safetensors_index& file, const stored_array
 }
 
 /// Fills a network with the arrays of a file, under torchvision's names, in float32, float16, bfloat16 or any
-/// other type that converts to float. The file is read array by array into the network, so that no more
-/// memory is taken than the network's own and one megabyte. Arrays whose names begin with one of `unread`
-/// (such as "classifier.") are passed over, for a trunk that is read from the file of a whole network.
+/// other type that converts to float. Arrays are read one by one into the network, which needs one megabyte
+/// beside the network. Arrays whose names begin with one of `unread` (such as "classifier.") are ignored, for
+/// a trunk that is read from the file of a whole network.
 ///
-/// `prefix` stands before the names in the file, for one that holds a network among other things: of such a
-/// file only what begins with the prefix counts.
+/// If the file holds the network among other things, `prefix` stands before its names there; all names
+/// without the prefix are ignored.
 ///
 /// Throws file_error, one that names all of them, when arrays are missing, surplus or of other extents; the
-/// network is then as it was. Throws file_error for values that are not finite and for negative variances;
+/// network is then unchanged. Throws file_error for values that are not finite and for negative variances;
 /// the network then holds some of the arrays.
 template <class Network>
 void load_pretrained(Network& network, safetensors_source& file, std::span<const std::string> unread = {},

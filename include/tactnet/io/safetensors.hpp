@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>
 #include <tactnet/io/safetensors/elements.hpp>
@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-// Tensors by name, in the file format that the machine-learning world exchanges weights in. This is the
-// reader of whole files, the writer comes with it; large files are better read by safetensors_source.
+// Tensors by name, in the file format in which machine-learning programs exchange weights. This header reads
+// whole files; the writer comes with it. For large files use safetensors_source.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -29,29 +29,29 @@ class safetensors : public safetensors_index {
 public:
     /// Reads the file at `path`, of at most `limit` bytes, and verifies its checksum if it has one. Throws
     /// file_error.
-    static safetensors read(const std::filesystem::path& path, std::size_t limit = default_file_limit) {
+    [[gnu::cold]] static safetensors read(const std::filesystem::path& path,
+                                          std::size_t limit = default_file_limit) {
         return parse(read_file(path, limit), path.string());
     }
 
-    /// Takes the content of a file; `name` stands for it in errors. Throws file_error.
-    static safetensors parse(std::vector<std::byte> bytes, std::string name,
-                             checksum_rule rule = checksum_rule::verify) {
+    /// Takes the content of a file; `name` names it in errors. Throws file_error.
+    [[gnu::cold]] static safetensors parse(std::vector<std::byte> bytes, std::string name,
+                                           checksum_rule rule = checksum_rule::verify) {
         safetensors_header header = parse_safetensors_header(bytes, bytes.size(), name);
         if (header.checksum && rule == checksum_rule::verify)
             require_checksum(header, checksum_around(bytes, header.checksum_place), name);
         return safetensors(std::move(header), std::move(bytes), std::move(name), rule);
     }
 
-    /// The stored bytes of a tensor, of any alignment. Valid as long as this object.
-    std::span<const std::byte> bytes(std::string_view name) const {
+    /// The stored bytes of a tensor, of any alignment. Valid for the lifetime of this object.
+    [[gnu::cold]] std::span<const std::byte> bytes(std::string_view name) const {
         const entry& tensor = at(name);
         return std::span(bytes_).subspan(header().data_begin + tensor.begin, tensor.end - tensor.begin);
     }
 
-    /// The elements in row-major order; see convert_elements for what becomes of other types. Throws
-    /// file_error.
+    /// The elements in row-major order; convert_elements describes conversions. Throws file_error.
     template <storable T>
-    std::vector<T> values(std::string_view name) const {
+    [[gnu::noinline]] std::vector<T> values(std::string_view name) const {
         const std::span<const std::byte> stored = bytes(name);
         std::vector<T> result(stored.size() / element_size(at(name).type));
         convert_elements<T>(at(name).type, stored, result, file(), name);

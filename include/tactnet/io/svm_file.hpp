@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/model_description.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/svm/kernel/functions.hpp>
@@ -22,8 +23,8 @@
 #include <utility>
 #include <vector>
 
-// Trained support vector machines as files: arrays by name, and in the metadata what they are. What is loaded
-// is bit-exact with what was saved. Not part of io.hpp: who uses networks alone does not pay for it.
+// Trained support vector machines as files: arrays by name, and their kind in the metadata. A saved and
+// loaded machine is bit-identical. Not part of io.hpp: programs that use only networks do not include it.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -34,27 +35,26 @@ inline constexpr std::string_view one_versus_one_text = "one versus one",
                                   one_versus_rest_text = "one versus rest";
 
 /// The value under a key of the metadata; throws file_error unless it is one of those expected.
-inline std::string_view metadata_choice(const safetensors& file, std::string_view key,
-                                        std::initializer_list<std::string_view> choices) {
-    const auto found = file.metadata().find(key);
+[[gnu::cold]] inline std::string_view metadata_choice(const safetensors& file, std::string_view key,
+                                                      std::initializer_list<std::string_view> choices) {
+    const std::string* const found = file.find_metadata(key);
     std::string expected;
     for (const std::string_view choice : choices) {
-        if (found != file.metadata().end() && found->second == choice)
+        if (found != nullptr && *found == choice)
             return choice;
-        expected += (expected.empty() ? "" : " or ") + in_quotes(choice);
+        expected += joined({expected.empty() ? "" : " or ", in_quotes(choice)});
     }
-    throw file_error(file.file(), "metadata '" + std::string(key) + "'", expected,
-                     found == file.metadata().end() ? "none" : in_quotes(found->second));
+    throw_metadata_error(file, key, expected, found);
 }
 
-/// A matrix of finite numbers with so many columns; throws file_error.
+/// A matrix of finite numbers of these extents; throws file_error.
 template <class T>
 std::vector<T> svm_values(const safetensors& file, std::string_view name, std::vector<std::size_t> extents) {
     file.require_extents(name, extents);
     std::vector<T> values = file.values<T>(name);
     for (const T value : values)
         if (!std::isfinite(value))
-            throw file_error(file.file(), tensor_place(name), "finite numbers", std::to_string(value));
+            throw_tensor_error(file.file(), name, {"finite numbers"}, {std::to_string(value)});
     return values;
 }
 inline std::size_t first_extent(const safetensors& file, std::string_view name) {
@@ -71,7 +71,7 @@ inline std::vector<std::size_t> stored_counts(const safetensors& file, std::stri
     std::vector<std::size_t> counts;
     for (const std::int64_t value : file.values<std::int64_t>(name)) {
         if (value < 0)
-            throw file_error(file.file(), tensor_place(name), "numbers of 0 or more", std::to_string(value));
+            throw_tensor_error(file.file(), name, {"numbers of 0 or more"}, {std::to_string(value)});
         counts.push_back(static_cast<std::size_t>(value));
     }
     return counts;
@@ -92,8 +92,8 @@ inline std::optional<standardisation> stored_standardisation(const safetensors& 
                            svm_values<float>(file, "standardise.deviation", {features})};
     for (const float deviation : result.deviation)
         if (!(deviation > 0))
-            throw file_error(file.file(), tensor_place("standardise.deviation"), "positive numbers",
-                             std::to_string(deviation));
+            throw_tensor_error(file.file(), "standardise.deviation", {"positive numbers"},
+                               {std::to_string(deviation)});
     return result;
 }
 
@@ -107,23 +107,22 @@ inline void require_machine(const safetensors& file, std::string_view name) {
     metadata_choice(file, "version", {"1"});
     metadata_choice(file, "machine", {name});
 }
-/// The machine, or a file_error in place of what its parts would throw.
+/// Makes the machine; throws file_error where its parts throw std::invalid_argument.
 template <class Machine, class Parameters>
 Machine machine_of(const safetensors& file, Parameters parts, std::size_t features) {
     if (features != dynamic_features && features != parts.features)
-        throw file_error(file.file(), "", std::to_string(features) + " features",
-                         std::to_string(parts.features));
+        throw_file_error(file.file(), {}, {features, " features"}, {parts.features});
     try {
         return Machine(std::move(parts));
     } catch (const std::invalid_argument& error) {
-        throw file_error(file.file(), "", "parts that fit each other", error.what());
+        throw_file_error(file.file(), {}, {"parts that fit each other"}, {error.what()});
     }
 }
 
 } // namespace detail
 
-/// Adds a machine to a file that may hold more, such as what makes its features. Throws std::invalid_argument
-/// when the name of one of its arrays is taken.
+/// Adds a machine to a file, which may hold more, such as the network that computes its features. Throws
+/// std::invalid_argument when the name of one of its arrays is taken.
 template <svm_kernel Kernel, std::size_t Features>
 void add_machine(safetensors_writer& writer, const kernel_machine<Kernel, Features>& machine) {
     const kernel_machine_parameters<Kernel>& parts = machine.parameters();
@@ -157,19 +156,18 @@ void add_machine(safetensors_writer& writer, const linear_machine<Features>& mac
     detail::add_standardisation(writer, parts.standardise);
 }
 
-/// Writes a machine of either kind, all or nothing. `metadata` may say more, such as the names of the
+/// Writes a machine of either kind, all or nothing. `metadata` may state more, such as the names of the
 /// classes. Throws file_error.
 template <class Machine>
-void save_machine(const std::filesystem::path& path, const Machine& machine,
-                  decltype(safetensors_writer::metadata) metadata = {}) {
+void save_machine(const std::filesystem::path& path, const Machine& machine, file_metadata metadata = {}) {
     safetensors_writer writer;
     writer.metadata = std::move(metadata);
     add_machine(writer, machine);
     writer.write(path);
 }
 
-/// Reads a machine with a kernel. Throws file_error for a file of another kernel or number of features, and
-/// for parts that do not fit each other.
+/// Reads a kernel machine. Throws file_error for a file of another kernel or number of features, and for
+/// parts that do not fit each other.
 template <svm_kernel Kernel, std::size_t Features = dynamic_features>
 [[nodiscard]] kernel_machine<Kernel, Features> load_kernel_machine(const safetensors& file) {
     detail::require_machine(file, "kernel");
@@ -178,8 +176,8 @@ template <svm_kernel Kernel, std::size_t Features = dynamic_features>
     if constexpr (std::same_as<Kernel, rbf_kernel>) {
         parts.kernel.gamma = detail::svm_values<double>(file, "gamma", {}).front();
         if (*parts.kernel.gamma < 0)
-            throw file_error(file.file(), detail::tensor_place("gamma"), "a number of 0 or more",
-                             std::to_string(*parts.kernel.gamma));
+            detail::throw_tensor_error(file.file(), "gamma", {"a number of 0 or more"},
+                                       {std::to_string(*parts.kernel.gamma)});
     }
     parts.scheme = detail::metadata_choice(file, "multiclass",
                                            {detail::one_versus_one_text, detail::one_versus_rest_text}) ==
@@ -193,8 +191,7 @@ template <svm_kernel Kernel, std::size_t Features = dynamic_features>
     parts.labels = detail::stored_counts(file, "labels");
     parts.support_counts = detail::stored_counts(file, "support_counts");
     if (parts.labels.size() < 2)
-        throw file_error(file.file(), detail::tensor_place("labels"), "two classes or more",
-                         std::to_string(parts.labels.size()));
+        detail::throw_tensor_error(file.file(), "labels", {"two classes or more"}, {parts.labels.size()});
     parts.coefficients =
         detail::svm_values<double>(file, "coefficients", {vectors, parts.coefficients_each()});
     parts.offsets = detail::svm_values<double>(file, "offsets", {detail::first_extent(file, "offsets")});
@@ -207,7 +204,6 @@ template <svm_kernel Kernel, std::size_t Features = dynamic_features>
     parts.standardise = detail::stored_standardisation(file, parts.features);
     return detail::machine_of<kernel_machine<Kernel, Features>>(file, std::move(parts), Features);
 }
-/// The same from a path.
 template <svm_kernel Kernel, std::size_t Features = dynamic_features>
 [[nodiscard]] kernel_machine<Kernel, Features> load_kernel_machine(const std::filesystem::path& path) {
     return load_kernel_machine<Kernel, Features>(safetensors::read(path));
@@ -226,7 +222,6 @@ template <std::size_t Features = dynamic_features>
     parts.standardise = detail::stored_standardisation(file, parts.features);
     return detail::machine_of<linear_machine<Features>>(file, std::move(parts), Features);
 }
-/// The same from a path.
 template <std::size_t Features = dynamic_features>
 [[nodiscard]] linear_machine<Features> load_linear_machine(const std::filesystem::path& path) {
     return load_linear_machine<Features>(safetensors::read(path));

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/frame.hpp>

@@ -4,12 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
-// What the file side needs to know about text: whether bytes are UTF-8, how names go into JSON headers (which
-// must be), and how to show a name that may come from a hostile or damaged file in an error message.
+// Text in files and messages: whether bytes are UTF-8, how names are written in JSON headers (which must be
+// UTF-8), and how to show a name that may come from a hostile or damaged file in an error message.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -54,8 +55,8 @@ constexpr bool is_utf8(std::string_view text) noexcept {
 
 namespace detail {
 
-/// Appends the character of a code, which must be one up to U+10FFFF.
-inline void append_utf8(std::string& text, std::uint32_t code) {
+/// Appends the character of a code of at most U+10FFFF.
+[[gnu::cold]] inline void append_utf8(std::string& text, std::uint32_t code) {
     const auto put = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
     const auto rest = [&](unsigned shift) { put(0x80 | ((code >> shift) & 0x3F)); };
     if (code < 0x80) {
@@ -72,11 +73,33 @@ inline void append_utf8(std::string& text, std::uint32_t code) {
     }
 }
 
+/// A part of a message: a text or a whole number.
+struct text_part {
+    text_part(const char* part) : text(part) {}
+    text_part(std::string_view part) : text(part) {}
+    text_part(const std::string& part) : text(part) {}
+    text_part(std::uintmax_t part) : number(part), is_number(true) {}
+
+    std::string_view text;
+    std::uintmax_t number = 0;
+    bool is_number = false;
+};
+using text_parts = std::initializer_list<text_part>;
+
+/// The parts in one text. Messages are put together out of line: at the place of an error, concatenation
+/// would be most of the code.
+[[gnu::cold, gnu::noinline]] inline std::string joined(text_parts parts) {
+    std::string text;
+    for (const text_part& part : parts)
+        part.is_number ? text += std::to_string(part.number) : text += part.text;
+    return text;
+}
+
 } // namespace detail
 
-/// `text` in single quotes, fit for one line of a terminal: control characters and bytes that are not UTF-8
-/// appear as `\xNN`, and what is longer than `limit` bytes is cut.
-inline std::string in_quotes(std::string_view text, std::size_t limit = 80) {
+/// `text` in single quotes, safe to print on one line of a terminal: control characters and bytes that are
+/// not UTF-8 appear as `\xNN`. Text longer than `limit` bytes is cut.
+[[gnu::cold, gnu::noinline]] inline std::string in_quotes(std::string_view text, std::size_t limit = 80) {
     constexpr std::string_view digits = "0123456789abcdef";
     std::string shown = "'";
     std::size_t used = 0;
@@ -99,9 +122,10 @@ inline std::string in_quotes(std::string_view text, std::size_t limit = 80) {
 }
 
 /// `text` as a JSON string (RFC 8259). Throws std::invalid_argument when it is not UTF-8.
-inline std::string json_string(std::string_view text) {
+[[gnu::cold, gnu::noinline]] inline std::string json_string(std::string_view text) {
     if (!is_utf8(text))
-        throw std::invalid_argument("tactnet: text in a file must be UTF-8, not " + in_quotes(text));
+        throw std::invalid_argument(
+            detail::joined({"tactnet: text in a file must be UTF-8, not ", in_quotes(text)}));
     constexpr std::string_view digits = "0123456789abcdef";
     std::string json = "\"";
     for (const char c : text) {

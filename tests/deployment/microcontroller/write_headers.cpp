@@ -2,7 +2,7 @@
 // drawn: what a network takes of a microcontroller does not depend on what it has learnt.
 
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/quantisation.hpp>
 #include <tactnet/training/initialise.hpp>

@@ -1,6 +1,6 @@
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,8 @@
 // Rows that are kept while they are found.
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/images/set.hpp>
+#include <tactnet/io/read_file.hpp>
 
 #include <doctest/doctest.h>
 

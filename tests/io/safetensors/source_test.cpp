@@ -1,8 +1,9 @@
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #include "../decoded.hpp"
 #include "written_recording.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
 

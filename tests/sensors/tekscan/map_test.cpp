@@ -1,6 +1,6 @@
 #include "decoded.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <filesystem>
 #include <string_view>

@@ -7,7 +7,7 @@
 #include "study/page/gnuplot_text.hpp"
 #include "study/page/learning_curves.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <fmt/format.h>
 

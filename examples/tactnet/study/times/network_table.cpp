@@ -2,8 +2,8 @@
 
 #include "number_options.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/read_file.hpp>
 
 #include <fmt/format.h>
 

@@ -13,16 +13,15 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <utility>
 #include <vector>
 
-// Labelled images as the ecosystem keeps them: a folder with one subfolder a class. This lists them; set.hpp
+// Labelled images in the usual layout: a folder with one subfolder per class. This header lists them; set.hpp
 // loads them.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What is in a folder of images: names only, nothing has been opened.
+/// The content of a folder of images: names only, no file has been opened.
 struct image_folder {
     struct file {
         std::filesystem::path path;
@@ -33,25 +32,26 @@ struct image_folder {
     std::filesystem::path root;
     /// The names of the subfolders, sorted by their bytes, so that a label means the same on every machine.
     std::vector<std::string> classes;
-    /// By class, then in natural order (see natural_less): neighbours here were recorded one after the other.
+    /// By class, then in natural order (see natural_less), which is the order of recording.
     std::vector<file> files;
 };
 
-/// The file name endings that count as images unless told otherwise.
+/// The file name extensions of images.
 inline constexpr std::array<std::string_view, 3> default_image_extensions{".jpg", ".jpeg", ".png"};
 
 namespace detail {
 
+/// In ASCII only, whatever the locale.
 inline std::string lower_case(std::string text) {
-    // ASCII only: the endings are, and the locale must not matter.
     for (char& c : text)
         if (c >= 'A' && c <= 'Z')
             c = static_cast<char>(c - 'A' + 'a');
     return text;
 }
 
-/// What is in a folder but for hidden entries, which editors and file managers leave behind.
-inline std::vector<std::filesystem::directory_entry> visible_entries(const std::filesystem::path& folder) {
+/// The entries of a folder without the hidden ones, which editors and file managers leave behind.
+[[gnu::cold]] inline std::vector<std::filesystem::directory_entry>
+visible_entries(const std::filesystem::path& folder) {
     std::vector<std::filesystem::directory_entry> entries;
     std::error_code code;
     auto walk = std::filesystem::directory_iterator(folder, code);
@@ -59,22 +59,22 @@ inline std::vector<std::filesystem::directory_entry> visible_entries(const std::
         if (!walk->path().filename().string().starts_with('.'))
             entries.push_back(*walk);
     if (code)
-        throw file_error(folder.string(), "", "a readable folder", "'" + code.message() + "'");
+        throw_file_error(folder.string(), {}, {"a readable folder"}, {"'", code.message(), "'"});
     return entries;
 }
 
-/// What an entry is, or what a link points to. Throws file_error where that cannot be said: to pass over such
-/// an entry would drop a class or an image without a word.
-inline std::filesystem::file_type type_of(const std::filesystem::directory_entry& entry) {
+/// The type of an entry, or of what a link points to. Throws file_error where it is unknown: skipping such an
+/// entry would silently drop a class or an image.
+[[gnu::cold]] inline std::filesystem::file_type type_of(const std::filesystem::directory_entry& entry) {
     using std::filesystem::file_type;
     std::error_code code, ignored;
     const file_type type = entry.status(code).type();
     if (type == file_type::not_found && entry.is_symlink(ignored))
-        throw file_error(entry.path().string(), "", "a link to something that is there",
-                         "one to " +
-                             in_quotes(std::filesystem::read_symlink(entry.path(), ignored).string()));
+        throw_file_error(
+            entry.path().string(), {}, {"a link to something that is there"},
+            {"one to ", in_quotes(std::filesystem::read_symlink(entry.path(), ignored).string())});
     if (type == file_type::not_found || type == file_type::none)
-        throw file_error(entry.path().string(), "", "a folder or a file", "'" + code.message() + "'");
+        throw_file_error(entry.path().string(), {}, {"a folder or a file"}, {"'", code.message(), "'"});
     return type;
 }
 
@@ -82,59 +82,56 @@ inline bool is_folder(const std::filesystem::directory_entry& entry) {
     return type_of(entry) == std::filesystem::file_type::directory;
 }
 
-/// Throws file_error for what is neither a file nor a folder: reading it might wait for ever.
-inline bool is_file(const std::filesystem::directory_entry& entry) {
+/// Throws file_error for an entry that is neither a file nor a folder: reading it might wait for ever.
+[[gnu::cold]] inline bool is_file(const std::filesystem::directory_entry& entry) {
     using std::filesystem::file_type;
     const file_type type = type_of(entry);
     if (type != file_type::regular && type != file_type::directory)
-        throw file_error(entry.path().string(), "", "a regular file",
-                         type == file_type::fifo     ? "a named pipe"
-                         : type == file_type::socket ? "a socket"
-                                                     : "a device");
+        throw_file_error(entry.path().string(), {}, {"a regular file"},
+                         {type == file_type::fifo     ? "a named pipe"
+                          : type == file_type::socket ? "a socket"
+                                                      : "a device"});
     return type == file_type::regular;
 }
 
-inline std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder,
-                                                    std::span<const std::string_view> extensions) {
-    std::vector<std::filesystem::path> images;
+/// The names of the images in a folder, in natural order.
+[[gnu::cold]] inline std::vector<std::string> images_in(const std::filesystem::path& folder,
+                                                        std::span<const std::string_view> extensions) {
+    std::vector<std::string> images;
     std::size_t others = 0;
     for (const auto& entry : visible_entries(folder)) {
         const std::string extension = lower_case(entry.path().extension().string());
         if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end() && is_file(entry))
-            images.push_back(entry.path());
+            images.push_back(entry.path().filename().string());
         else
             ++others;
     }
     if (images.empty()) {
         std::string wanted;
         for (const std::string_view extension : extensions)
-            wanted += (wanted.empty() ? "" : ", ") + std::string(extension);
-        throw file_error(folder.string(), "", "at least one image (" + wanted + ") for this class",
-                         others == 0 ? "an empty folder"
-                                     : "none among " + std::to_string(others) + " entries");
+            wanted += joined({wanted.empty() ? "" : ", ", extension});
+        throw_file_error(folder.string(), {}, {"at least one image (", wanted, ") for this class"},
+                         {others == 0 ? "an empty folder" : joined({"none among ", others, " entries"})});
     }
-    std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) {
-        return natural_less(a.filename().string(), b.filename().string());
-    });
+    std::sort(images.begin(), images.end(), natural_less);
     return images;
 }
 
 } // namespace detail
 
 /// Lists the images in the subfolders of `root`. Hidden entries, files beside the subfolders and folders
-/// within them are passed over. `extensions` in lower case with the dot; the files' case does not matter.
-/// Links are followed. Throws file_error when there is no such folder, there are fewer than two subfolders, a
-/// subfolder has no images, its name is not UTF-8 (it will be stored in weight files, which must be), what
-/// would be a subfolder or an image is a link to nothing, or an image is a pipe, a socket or a device.
-inline image_folder
+/// within them are ignored. `extensions` are in lower case with the dot; the case of the files does not
+/// matter. Links are followed. Throws file_error when there is no such folder, there are fewer than two
+/// subfolders, a subfolder has no images, its name is not UTF-8 (weight files will store it), a subfolder or
+/// an image is a link to nothing, or an image is a pipe, a socket or a device.
+[[gnu::cold]] inline image_folder
 list_image_folder(const std::filesystem::path& root,
                   std::span<const std::string_view> extensions = default_image_extensions) {
     std::error_code code;
     const auto status = std::filesystem::status(root, code);
-    if (!std::filesystem::exists(status))
-        throw file_error(root.string(), "", "a folder with one subfolder a class", "nothing of that name");
     if (!std::filesystem::is_directory(status))
-        throw file_error(root.string(), "", "a folder with one subfolder a class", "a file");
+        detail::throw_file_error(root.string(), {}, {"a folder with one subfolder a class"},
+                                 {std::filesystem::exists(status) ? "a file" : "nothing of that name"});
 
     image_folder folder{root, {}, {}};
     const auto entries = detail::visible_entries(root);
@@ -142,19 +139,26 @@ list_image_folder(const std::filesystem::path& root,
         if (detail::is_folder(entry))
             folder.classes.push_back(entry.path().filename().string());
     if (folder.classes.empty())
-        throw file_error(root.string(), "", "one subfolder a class",
-                         entries.empty() ? "an empty folder"
-                                         : std::to_string(entries.size()) + " files and no subfolder");
-    std::sort(folder.classes.begin(), folder.classes.end());
+        detail::throw_file_error(root.string(), {}, {"one subfolder a class"},
+                                 {entries.empty()
+                                      ? "an empty folder"
+                                      : detail::joined({entries.size(), " files and no subfolder"})});
+    // The same comparison by bytes as of std::string, in the type that sorts images.
+    std::sort(
+        folder.classes.begin(), folder.classes.end(),
+        +[](std::string_view a, std::string_view b) noexcept { return a < b; });
     for (const std::string& name : folder.classes)
         if (!is_utf8(name))
-            throw file_error(root.string(), "subfolder " + in_quotes(name), "a name in UTF-8", "other bytes");
+            detail::throw_file_error(root.string(), {"subfolder ", in_quotes(name)}, {"a name in UTF-8"},
+                                     {"other bytes"});
     if (folder.classes.size() == 1)
-        throw file_error(root.string(), "", "at least two classes, a subfolder each",
-                         "only " + in_quotes(folder.classes.front()));
-    for (std::size_t label = 0; label < folder.classes.size(); ++label)
-        for (auto& path : detail::images_in(root / folder.classes[label], extensions))
-            folder.files.push_back({std::move(path), label});
+        detail::throw_file_error(root.string(), {}, {"at least two classes, a subfolder each"},
+                                 {"only ", in_quotes(folder.classes.front())});
+    for (std::size_t label = 0; label < folder.classes.size(); ++label) {
+        const auto subfolder = root / folder.classes[label];
+        for (const std::string& name : detail::images_in(subfolder, extensions))
+            folder.files.push_back({subfolder / name, label});
+    }
     return folder;
 }
 

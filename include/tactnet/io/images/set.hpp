@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-// The images of a folder in memory. The library decodes nothing itself: the caller passes a function that
-// turns a file into grey values.
+// The images of a folder in memory. The library contains no decoder: the caller passes a function that
+// decodes a file into grey values.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -45,8 +45,8 @@ struct image_set {
 
 namespace detail {
 
-inline std::string size_text(std::size_t rows, std::size_t columns) {
-    return std::to_string(rows) + " x " + std::to_string(columns) + " pixels (rows x columns)";
+[[gnu::cold]] inline std::string size_text(std::size_t rows, std::size_t columns) {
+    return joined({rows, " x ", columns, " pixels (rows x columns)"});
 }
 
 template <class Decoder, class Fit>
@@ -69,8 +69,8 @@ image_set load_images(const image_folder& folder, std::size_t rows, std::size_t 
 
 } // namespace detail
 
-/// Loads all images, each of which must have `rows` x `columns` pixels. `decode(path)` gives a grey_image or
-/// throws. Throws file_error with the name of the first image of another size.
+/// Loads all images, each of which must have `rows` x `columns` pixels. `decode(path)` returns a grey_image
+/// or throws. Throws file_error with the name of the first image of another size.
 template <class Decoder>
     requires std::is_invocable_r_v<grey_image, Decoder&, const std::filesystem::path&> image_set
     load_images(const image_folder& folder, std::size_t rows, std::size_t columns, Decoder decode) {
@@ -82,7 +82,7 @@ template <class Decoder>
             });
     }
 
-/// The same, but `resize(image)` brings images of another size to `rows` x `columns`.
+/// Loads all images; `resize(image)` returns images of another size in `rows` x `columns` pixels.
 template <class Decoder, class Resizer>
     requires std::is_invocable_r_v<grey_image, Decoder&, const std::filesystem::path&> &&
         std::is_invocable_r_v<grey_image, Resizer&, grey_image>

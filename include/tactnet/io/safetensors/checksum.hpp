@@ -13,15 +13,15 @@
 #include <string>
 #include <string_view>
 
-// A 64-bit checksum, so that a file that has changed since it was written is not taken for what it was: XXH64
-// by Yann Collet (described in doc/xxhash_spec.md of https://github.com/Cyan4973/xxHash). It is faster than
-// any disk, and damage of any kind passes with a chance of about one in 2^64. It is no protection from
-// someone who changes a file on purpose and computes the checksum anew.
+// A 64-bit checksum detects files that have changed since they were written: XXH64 by Yann Collet (described
+// in doc/xxhash_spec.md of https://github.com/Cyan4973/xxHash). It is faster than any disk, and misses damage
+// with a probability of about one in 2^64. It does not protect from someone who changes a file on purpose and
+// computes the checksum again.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// XXH64 of bytes that come in pieces; the pieces do not matter.
+/// XXH64 of bytes that come in pieces of any sizes.
 class xxh64 {
 public:
     explicit constexpr xxh64(std::uint64_t seed = 0) noexcept
@@ -49,7 +49,7 @@ public:
         return update(std::as_bytes(std::span(text.data(), text.size())));
     }
 
-    /// Of all bytes so far.
+    /// Returns the checksum of all bytes so far.
     [[nodiscard]] std::uint64_t digest() const noexcept {
         std::uint64_t hash = seed_ + prime5;
         if (length_ >= stripe) {
@@ -83,7 +83,7 @@ private:
     static constexpr std::uint64_t round(std::uint64_t lane, std::uint64_t input) noexcept {
         return std::rotl(lane + input * prime2, 31) * prime1;
     }
-    /// A little-endian number, widened.
+    /// Reads a little-endian number and widens it.
     template <class Number>
     static std::uint64_t number(const std::byte* bytes) noexcept {
         if constexpr (std::endian::native == std::endian::little) {
@@ -114,23 +114,23 @@ private:
     std::uint64_t length_ = 0;
 };
 
-/// What a reader knows of the checksum of what it has read.
+/// Whether a file that was read is known to be undamaged.
 enum class checksum_state {
-    absent,   ///< there is none: damage may have gone unnoticed
-    verified, ///< it is right
-    ignored   ///< there is one, which was not looked at
+    absent,   ///< the file has no checksum: damage may have gone unnoticed
+    verified, ///< the checksum is right
+    ignored   ///< the file has a checksum, which was not compared
 };
 
-// A checksum as text stands inside what it is of. It is computed with zeros for its own digits. The text
-// begins with words that hardly anything else begins with, so that a checksum is still seen to be one when
-// the damage has struck the key that it stands under.
+// The text of a checksum is part of the file that it protects, and computed with zeros for its own digits. It
+// begins with a rare word, so that it is recognised as a checksum even when its key is damaged.
 
-/// What the text of a checksum begins with.
+/// The beginning of the text of a checksum.
 inline constexpr std::string_view checksum_mark = "tactnet-xxh64:";
-/// The digits behind it, hexadecimal in small letters.
+/// The number of hexadecimal digits after the mark, in small letters.
 inline constexpr std::size_t checksum_digits = 16;
 
-inline std::string checksum_text(std::uint64_t checksum) {
+/// The mark and the digits of a checksum.
+[[gnu::cold, gnu::noinline]] inline std::string checksum_text(std::uint64_t checksum) {
     std::string text(checksum_mark);
     for (int shift = 60; shift >= 0; shift -= 4)
         text += "0123456789abcdef"[checksum >> shift & 15U];
@@ -138,7 +138,7 @@ inline std::string checksum_text(std::uint64_t checksum) {
 }
 
 /// The number in the text of a checksum; nothing for any other text.
-inline std::optional<std::uint64_t> parse_checksum(std::string_view text) {
+[[gnu::cold]] inline std::optional<std::uint64_t> parse_checksum(std::string_view text) {
     if (text.size() != checksum_mark.size() + checksum_digits || !text.starts_with(checksum_mark))
         return std::nullopt;
     std::uint64_t value = 0;
@@ -151,7 +151,7 @@ inline std::optional<std::uint64_t> parse_checksum(std::string_view text) {
     return value;
 }
 
-/// The checksum of bytes that hold the digits of their own at `place`.
+/// The checksum of bytes that contain the digits of their checksum at `place`.
 inline std::uint64_t checksum_around(std::span<const std::byte> bytes, std::size_t place) {
     return xxh64()
         .update(bytes.first(place))

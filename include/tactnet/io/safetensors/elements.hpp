@@ -16,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-// From the bytes of a file to numbers.
+// Converts the bytes of a file to numbers.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -24,7 +24,8 @@ inline namespace TACTNET_ARCH {
 namespace detail {
 
 template <class Stored, class T, class Conversion>
-void convert_each(std::span<const std::byte> stored, std::span<T> to, Conversion conversion) {
+[[gnu::noinline]] void convert_each(std::span<const std::byte> stored, std::span<T> to,
+                                    Conversion conversion) {
     for (std::size_t i = 0; i < to.size(); ++i) {
         Stored value;
         std::memcpy(&value, stored.data() + i * sizeof(Stored), sizeof(Stored));
@@ -32,26 +33,26 @@ void convert_each(std::span<const std::byte> stored, std::span<T> to, Conversion
     }
 }
 
+/// Throws for a finite value beyond the range of T. Infinity and NaN, which every T has, pass.
 template <class T>
 T narrowed(double value, const std::string& file, std::string_view tensor) {
-    // Written so that infinity and not-a-number, which every T has, pass.
     if (std::isfinite(value) && std::abs(value) > static_cast<double>(std::numeric_limits<T>::max()))
-        throw file_error(file, tensor_place(tensor), "values within the range of 32-bit numbers",
-                         std::to_string(value));
+        throw_tensor_error(file, tensor, {"values within the range of 32-bit numbers"},
+                           {std::to_string(value)});
     return static_cast<T>(value);
 }
 
 } // namespace detail
 
-/// Elements of type `from`, stored with any alignment, as numbers. For float and double any element type is
-/// converted: exactly where that is possible, else to the nearest value; float64 values beyond the range of
-/// float are an error. For an integer type the file must hold that very type. Not-a-number and infinity pass:
-/// what they mean is the caller's. `file` and `tensor` name the place in errors. Throws file_error.
+/// Converts elements of type `from`, stored with any alignment, to numbers. Any element type converts to
+/// float and double: exactly where that is possible, else to the nearest value; float64 values beyond the
+/// range of float are an error. An integer type must be the stored type. NaN and infinity pass, for the
+/// caller to judge. `file` and `tensor` name the place in errors. Throws file_error.
 template <storable T>
 void convert_elements(element_type from, std::span<const std::byte> stored, std::span<T> to,
                       const std::string& file, std::string_view tensor) {
     if (from == element_type_of<T>()) {
-        // Of an empty span even the place may be null.
+        // The pointer of an empty span may be null.
         if (!to.empty())
             std::memcpy(to.data(), stored.data(), to.size_bytes());
         return;
@@ -92,9 +93,8 @@ void convert_elements(element_type from, std::span<const std::byte> stored, std:
         }
         throw std::logic_error("tactnet: an element type that does not exist");
     } else {
-        throw file_error(file, detail::tensor_place(tensor),
-                         "element type " + std::string(element_type_name(element_type_of<T>())),
-                         std::string(element_type_name(from)));
+        detail::throw_tensor_error(file, tensor, {"element type ", element_type_name(element_type_of<T>())},
+                                   {element_type_name(from)});
     }
 }
 

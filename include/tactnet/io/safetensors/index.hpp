@@ -16,49 +16,51 @@
 #include <string_view>
 #include <utility>
 
-// What a safetensors file says of its tensors, wherever their elements are.
-
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Whether a checksum that does not fit is an error.
+/// Whether a wrong checksum is an error.
 enum class checksum_rule {
     verify,
-    ignore ///< for tests that damage files, to reach what stands behind the checksum
+    ignore ///< for tests that damage files, to reach the checks after the checksum
 };
 
-/// The tensors of a file by name, and its metadata.
+/// The tensors of a safetensors file by name, and its metadata; the elements may be in memory or on disk.
 class safetensors_index {
 public:
     using entry = safetensors_entry;
 
-    /// The name that errors use: the path it was read from.
+    /// The path of the file, or another name for errors.
     const std::string& file() const noexcept { return file_; }
-    /// Without the checksum.
+    /// The metadata without the checksum.
     const file_metadata& metadata() const noexcept { return header_.metadata; }
-    /// Files made elsewhere, or before there were checksums, have none.
+    /// The text under a key of the metadata, or null.
+    [[gnu::cold, gnu::noinline]] const std::string* find_metadata(std::string_view key) const {
+        const auto found = header_.metadata.find(key);
+        return found == header_.metadata.end() ? nullptr : &found->second;
+    }
+    /// Absent in files of other programs.
     checksum_state checksum() const noexcept { return checksum_; }
     /// All tensors by name.
     const std::map<std::string, entry, std::less<>>& tensors() const noexcept { return header_.tensors; }
     bool contains(std::string_view name) const { return header_.tensors.contains(name); }
 
     /// Throws file_error when there is no tensor of that name.
-    const entry& at(std::string_view name) const {
+    [[gnu::cold]] const entry& at(std::string_view name) const {
         const auto found = header_.tensors.find(name);
         if (found == header_.tensors.end())
-            throw file_error(file_, "", "a " + detail::tensor_place(name),
-                             header_.tensors.empty()
-                                 ? "no tensors"
-                                 : "others, such as " + in_quotes(header_.tensors.begin()->first));
+            detail::throw_file_error(file_, {}, {"a ", detail::tensor_place(name)},
+                                     {header_.tensors.empty()
+                                          ? "no tensors"
+                                          : "others, such as " + in_quotes(header_.tensors.begin()->first)});
         return found->second;
     }
 
-    /// Throws file_error unless the tensor has just these extents.
-    void require_extents(std::string_view name, std::span<const std::size_t> extents) const {
+    /// Throws file_error unless the tensor has exactly these extents.
+    [[gnu::cold]] void require_extents(std::string_view name, std::span<const std::size_t> extents) const {
         const entry& tensor = at(name);
         if (!std::equal(tensor.extents.begin(), tensor.extents.end(), extents.begin(), extents.end()))
-            throw file_error(file_, detail::tensor_place(name), shape_text(extents),
-                             shape_text(tensor.extents));
+            detail::throw_tensor_error(file_, name, {shape_text(extents)}, {shape_text(tensor.extents)});
     }
 
 protected:
@@ -76,15 +78,15 @@ protected:
 
     const safetensors_header& header() const noexcept { return header_; }
 
-    /// Throws file_error unless the checksum in the header is the one found.
-    static void require_checksum(const safetensors_header& header, std::uint64_t found,
-                                 const std::string& file) {
-        if (found != *header.checksum)
-            throw file_error(file, "checksum of the whole file",
-                             checksum_text(*header.checksum) + ", as when it was written",
-                             checksum_text(found) +
-                                 ": it is damaged, or was changed by a program that kept the metadata " +
-                                 in_quotes(safetensors_checksum_key));
+    /// Throws file_error unless the header has the checksum that was computed.
+    [[gnu::cold]] static void require_checksum(const safetensors_header& header, std::uint64_t computed,
+                                               const std::string& file) {
+        if (computed != *header.checksum)
+            detail::throw_file_error(file, {"checksum of the whole file"},
+                                     {checksum_text(*header.checksum), ", as when it was written"},
+                                     {checksum_text(computed),
+                                      ": it is damaged, or was changed by a program that kept the metadata ",
+                                      in_quotes(safetensors_checksum_key)});
     }
 
 private:

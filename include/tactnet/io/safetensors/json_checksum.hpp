@@ -15,16 +15,15 @@
 #include <string>
 #include <string_view>
 
-// JSON that knows whether it is still what was written: the last member of the object, "checksum", is of all
-// the text around its own digits. It is for a line of JSON lines as well as for a whole file, and other
-// programs see one member more.
+// JSON with a checksum of its own: the last member of the object, "checksum", covers all the text around its
+// digits. It serves a line of JSON lines as well as a whole file; other programs see one more member.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// How the member begins. Of this and the mark behind it one is still there when damage has struck the other.
+/// The beginning of the member. Damage that strikes it leaves the mark after it, and the other way round.
 inline constexpr std::string_view checksum_member = "\"checksum\":\"";
 
 inline bool shows_checksum(std::string_view json) {
@@ -32,20 +31,20 @@ inline bool shows_checksum(std::string_view json) {
            json.find(checksum_mark) != std::string_view::npos;
 }
 
-/// Where the white space behind a text begins.
+/// Where the white space after a text begins.
 inline std::size_t end_of_json(std::string_view json) {
     return json.find_last_not_of(" \t\n\r") + 1;
 }
 
 } // namespace detail
 
-/// An object as JSON text, with a checksum in it. White space behind the object stays and is part of it.
-/// Throws std::invalid_argument for what is no object, or seems to have a checksum.
-[[nodiscard]] inline std::string with_checksum(std::string_view json) {
+/// Adds a checksum to an object in JSON text. White space after the object stays, and is covered. Throws
+/// std::invalid_argument for text that is no object, or that seems to have a checksum.
+[[nodiscard]] [[gnu::cold]] inline std::string with_checksum(std::string_view json) {
     const std::size_t end = detail::end_of_json(json);
     if (end < 2 || json.front() != '{' || json[end - 1] != '}' || detail::shows_checksum(json))
-        throw std::invalid_argument("tactnet: expected a JSON object without a checksum, found " +
-                                    in_quotes(json));
+        throw std::invalid_argument(
+            detail::joined({"tactnet: expected a JSON object without a checksum, found ", in_quotes(json)}));
     std::string text(json.substr(0, end - 1));
     text += text[detail::end_of_json(text) - 1] == '{' ? "" : ",";
     text += std::string(detail::checksum_member) + checksum_text(0) + "\"}";
@@ -55,18 +54,17 @@ inline std::size_t end_of_json(std::string_view json) {
     return text.replace(digits, checksum_digits, sum, checksum_mark.size(), checksum_digits);
 }
 
-/// Text that was read, without the checksum.
+/// JSON text without its checksum.
 struct checked_json {
     std::string text;
     checksum_state checksum = checksum_state::absent;
 };
 
-/// The text that `with_checksum` was given, or text without a checksum as it is. All of it is JSON then, each
-/// key once, with no more than 16 values inside each other, so that a reader that recurses is safe with it.
-/// `file` and `part` (such as "line 3") name it in errors. Throws file_error, also for a checksum that is not
-/// right.
-[[nodiscard]] inline checked_json check_json(std::string_view json, const std::string& file,
-                                             const std::string& part = "text") {
+/// Verifies and removes a checksum; text without one is returned as it is. The result is valid JSON, with
+/// each key once and values nested at most 16 deep, so that a recursive reader is safe with it. `file` and
+/// `part` (such as "line 3") name the text in errors. Throws file_error, also for a wrong checksum.
+[[nodiscard]] [[gnu::cold]] inline checked_json check_json(std::string_view json, const std::string& file,
+                                                           const std::string& part = "text") {
     checked_json result{std::string(json)};
     if (detail::shows_checksum(json)) {
         const std::size_t end = detail::end_of_json(json);
@@ -80,13 +78,14 @@ struct checked_json {
                 ? parse_checksum(tail.substr(detail::checksum_member.size(), value))
                 : std::nullopt;
         if (!expected)
-            throw file_error(file, part, "a checksum as the last member", "one that is damaged");
+            detail::throw_file_error(file, {part}, {"a checksum as the last member"},
+                                     {"one that is damaged"});
         const std::uint64_t found =
             checksum_around(std::as_bytes(std::span(json.data(), json.size())), end - 2 - checksum_digits);
         if (found != *expected)
-            throw file_error(file, "checksum of the " + part,
-                             checksum_text(*expected) + ", as when it was written",
-                             checksum_text(found) + ": it is damaged or was changed");
+            detail::throw_file_error(file, {"checksum of the ", part},
+                                     {checksum_text(*expected), ", as when it was written"},
+                                     {checksum_text(found), ": it is damaged or was changed"});
         const std::string_view before = json.substr(0, begin);
         result.text = std::string(before.ends_with(',') ? before.substr(0, begin - 1) : before) + "}" +
                       std::string(json.substr(end));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/config.hpp>
+#include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/text/quoting.hpp>
 
@@ -14,26 +15,25 @@
 #include <string_view>
 #include <utility>
 
-// Just enough JSON (RFC 8259) for the header of a safetensors file, read as what it is: text from a stranger.
-// No tree is built; the caller says what comes next, and each deviation is a file_error with its byte.
-// Duplicate keys are refused: readers that keep the first and readers that keep the last would see two
-// different files.
+// Just enough JSON (RFC 8259) for the header of a safetensors file, which is untrusted text. No tree is
+// built; the caller states what comes next, and each deviation is a file_error with its byte. Duplicate keys
+// are rejected: readers that keep the first and readers that keep the last would see two different files.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// Reads JSON text from front to back.
 class json_scanner {
 public:
-    /// `file` and `part` name the text in errors, `origin` is the byte of the file that it begins at.
+    /// `file` and `part` name the text in errors; the text begins at byte `origin` of the file.
     json_scanner(std::string_view text, std::string file, std::size_t origin, std::string part = "header")
         : text_(text), file_(std::move(file)), part_(std::move(part)), origin_(origin) {}
 
-    /// Where the scanner stands, as a byte of the file.
+    /// The position of the scanner, as a byte of the file.
     std::size_t position() const noexcept { return origin_ + position_; }
 
-    /// Reads an object and calls `member(key)` with the scanner at the value, once a member.
-    template <class Member>
-    void object(Member member) {
+    /// Reads an object and calls `member(key)` per member, with the scanner at its value.
+    [[gnu::cold]] void object(detail::function_ref<void(const std::string&)> member) {
         std::set<std::string, std::less<>> keys;
         expect('{');
         if (consume('}'))
@@ -45,14 +45,13 @@ public:
             if (!is_new)
                 fail_at(at, "each key once", in_quotes(*key) + " again");
             expect(':');
-            member(std::as_const(*key));
+            member(*key);
         } while (consume(','));
         expect('}');
     }
 
     /// Reads an array and calls `element()` with the scanner at each element.
-    template <class Element>
-    void array(Element element) {
+    [[gnu::cold]] void array(detail::function_ref<void()> element) {
         expect('[');
         if (consume(']'))
             return;
@@ -63,7 +62,7 @@ public:
     }
 
     /// Reads a string with its escapes; the result is well-formed UTF-8.
-    std::string string() {
+    [[gnu::cold]] std::string string() {
         expect('"', "a string");
         const std::size_t at = position_;
         std::string value;
@@ -87,7 +86,7 @@ public:
     }
 
     /// Reads a number without sign, fraction or exponent.
-    std::uint64_t unsigned_integer() {
+    [[gnu::cold]] std::uint64_t unsigned_integer() {
         skip_space();
         const std::size_t at = position_;
         if (!is_digit())
@@ -108,7 +107,7 @@ public:
     }
 
     /// Reads past any value, nested at most `depth` deep, so that no text can exhaust the stack.
-    void skip_value(int depth = 16) {
+    [[gnu::cold]] void skip_value(int depth = 16) {
         if (depth == 0)
             fail("less nesting");
         skip_space();
@@ -125,20 +124,20 @@ public:
             fail("a value");
     }
 
-    /// Nothing but white space may follow.
-    void end() {
+    /// Throws unless nothing but white space follows.
+    [[gnu::cold]] void end() {
         skip_space();
         if (position_ != text_.size())
             fail("nothing more");
     }
 
 private:
-    void expect(char wanted, const char* what = nullptr) {
+    [[gnu::cold, gnu::noinline]] void expect(char wanted, const char* what = nullptr) {
         if (!consume(wanted))
-            fail(what != nullptr ? what : in_quotes(std::string_view(&wanted, 1)));
+            fail(what != nullptr ? std::string(what) : in_quotes(std::string_view(&wanted, 1)));
     }
 
-    bool consume(char wanted) {
+    [[gnu::cold, gnu::noinline]] bool consume(char wanted) {
         skip_space();
         if (position_ == text_.size() || text_[position_] != wanted)
             return false;
@@ -152,21 +151,21 @@ private:
 
     void skip_space() { position_ = std::min(text_.find_first_not_of(" \t\n\r", position_), text_.size()); }
 
-    bool skip_word(std::string_view word) {
+    [[gnu::cold, gnu::noinline]] bool skip_word(std::string_view word) {
         if (text_.substr(position_, word.size()) != word)
             return false;
         position_ += word.size();
         return true;
     }
 
-    void skip_digits() {
+    [[gnu::cold]] void skip_digits() {
         if (!is_digit())
             fail("a digit");
         while (is_digit())
             ++position_;
     }
 
-    void skip_number() {
+    [[gnu::cold]] void skip_number() {
         static_cast<void>(skip_word("-"));
         if (!skip_word("0"))
             skip_digits();
@@ -179,7 +178,7 @@ private:
         }
     }
 
-    void escape(std::string& value) {
+    [[gnu::cold]] void escape(std::string& value) {
         constexpr std::string_view letters = "\"\\/bfnrt";
         constexpr std::string_view meanings = "\"\\/\b\f\n\r\t";
         if (skip_word("u")) {
@@ -205,7 +204,7 @@ private:
         ++position_;
     }
 
-    std::uint32_t four_hexadecimal_digits() {
+    [[gnu::cold, gnu::noinline]] std::uint32_t four_hexadecimal_digits() {
         std::uint32_t code = 0;
         for (int i = 0; i < 4; ++i, ++position_) {
             const char c = position_ < text_.size() ? text_[position_] : '\0';
@@ -220,15 +219,15 @@ private:
         return code;
     }
 
-    [[noreturn]] void fail(const std::string& expected) const {
+    [[noreturn]] [[gnu::cold, gnu::noinline]] void fail(std::string_view expected) const {
         fail_at(position_, expected,
                 position_ == text_.size() ? "the end of the " + part_
                                           : in_quotes(text_.substr(position_, 1)));
     }
 
-    [[noreturn]] void fail_at(std::size_t position, const std::string& expected,
-                              const std::string& found) const {
-        throw file_error(file_, part_ + ", byte " + std::to_string(origin_ + position), expected, found);
+    [[noreturn]] [[gnu::cold, gnu::noinline]] void fail_at(std::size_t position, std::string_view expected,
+                                                           std::string_view found) const {
+        detail::throw_file_error(file_, {part_, ", byte ", origin_ + position}, {expected}, {found});
     }
 
     std::string_view text_;

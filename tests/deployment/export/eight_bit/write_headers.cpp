@@ -3,7 +3,7 @@
 #include "networks.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <cstdio>
 #include <exception>

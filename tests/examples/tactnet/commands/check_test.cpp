@@ -2,7 +2,7 @@
 
 #include "../workshop.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,8 +2,8 @@
 
 #include "../workshop.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

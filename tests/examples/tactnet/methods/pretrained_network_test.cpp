@@ -2,8 +2,8 @@
 
 #include "behind_trunk.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>
 
 #include <doctest/doctest.h>

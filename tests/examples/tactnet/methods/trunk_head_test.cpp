@@ -2,7 +2,7 @@
 
 #include "behind_trunk.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>
 
 #include <doctest/doctest.h>

@@ -4,8 +4,8 @@
 #include "behind_trunk.hpp"
 #include "pretrained_weights.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>
 
 #include <doctest/doctest.h>

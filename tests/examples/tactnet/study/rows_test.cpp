@@ -3,7 +3,7 @@
 
 #include "rows.hpp"
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
 
 #include <doctest/doctest.h>

@@ -2,8 +2,8 @@
 
 // Tables that a study reads beside its own, from files that hold a given text.
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <string>
 #include <string_view>

@@ -2,9 +2,9 @@
 
 #include "rows.hpp"
 
-#include <tactnet/io/file.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 

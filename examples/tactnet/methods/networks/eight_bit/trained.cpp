@@ -139,10 +139,12 @@ std::unique_ptr<trained_network> load_eight_bit_network(const compiled_network& 
 }
 
 std::size_t eight_bit_parameter_bytes(const compiled_eight_bit& bytes, std::size_t classes) {
+    const auto layout = bytes.layout();
     std::size_t sum = 0;
     tactnet::detail::for_each_folded(
-        bytes.layout(), classes, [&](const auto&, const auto& array, const auto&, std::size_t elements) {
-            sum += elements * (array.kind == tactnet::folded_kind::weights ? 1 : sizeof(float));
+        layout, tactnet::detail::arrays_of(layout, classes),
+        [&](const auto& array, const auto& in_file, std::size_t) {
+            sum += in_file.size * (array.kind == tactnet::folded_kind::weights ? 1 : sizeof(float));
         });
     return sum;
 }

@@ -1,4 +1,4 @@
 #pragma once
 
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/parameters.hpp>

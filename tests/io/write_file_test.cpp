@@ -1,4 +1,5 @@
-#include <tactnet/io/file.hpp>
+#include <tactnet/io/read_file.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 
@@ -7,7 +8,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <span>
 #include <stdexcept>
@@ -53,7 +53,7 @@ std::string error_of(Action action) {
 
 } // namespace
 
-TEST_CASE("file: what was written is read") {
+TEST_CASE("write_file: what was written is read") {
     const support::temporary_folder folder;
     for (const std::size_t size : {0U, 1U, 4096U, 3'000'000U}) {
         std::vector<std::byte> bytes(size);
@@ -67,7 +67,7 @@ TEST_CASE("file: what was written is read") {
     CHECK(entries_in(folder.path()) == 1);
 }
 
-TEST_CASE("file: pieces stand one behind the other") {
+TEST_CASE("write_file: pieces stand one behind the other") {
     const support::temporary_folder folder;
     const std::string a = "one, ", b, c = "two";
     const std::array<std::span<const std::byte>, 3> pieces{
@@ -76,12 +76,12 @@ TEST_CASE("file: pieces stand one behind the other") {
     CHECK(text_of(folder / "file") == "one, two");
 }
 
-TEST_CASE("file: what gives the pieces may fail half-way: the old file stays, and no other") {
+TEST_CASE("write_file: what gives the pieces may fail half-way: the old file stays, and no other") {
     const support::temporary_folder folder;
     write_file(folder / "file", std::string_view("old"));
     const std::vector<std::byte> piece(100'000);
     CHECK_THROWS_AS(write_file(folder / "file",
-                               [&](const std::function<void(std::span<const std::byte>)>& take) {
+                               [&](tactnet::piece_taker take) {
                                    take(piece);
                                    throw std::runtime_error("no more");
                                }),
@@ -90,10 +90,10 @@ TEST_CASE("file: what gives the pieces may fail half-way: the old file stays, an
     CHECK(entries_in(folder.path()) == 1);
 }
 
-TEST_CASE("file: a place that became a folder meanwhile is an error, and no other file stays") {
+TEST_CASE("write_file: a place that became a folder meanwhile is an error, and no other file stays") {
     const support::temporary_folder folder;
     CHECK_THROWS_AS(write_file(folder / "file",
-                               [&](const std::function<void(std::span<const std::byte>)>& take) {
+                               [&](tactnet::piece_taker take) {
                                    take(std::vector<std::byte>(10));
                                    std::filesystem::create_directories(folder / "file" / "within");
                                }),
@@ -102,24 +102,7 @@ TEST_CASE("file: a place that became a folder meanwhile is an error, and no othe
     CHECK(std::filesystem::is_directory(folder / "file" / "within"));
 }
 
-TEST_CASE("file: reading: each failure has its sentence") {
-    const support::temporary_folder folder;
-    const std::string missing = (folder / "missing").string();
-    CHECK(error_of([&] { read_file(missing); }) == missing + ": expected a file, found nothing of that name");
-    CHECK(error_of([&] { read_file(folder.path()); }) ==
-          folder.path().string() + ": expected a file, found a folder");
-    CHECK(error_of([&] { read_file(folder / "missing" / "file"); }).find("nothing of that name") !=
-          std::string::npos);
-    const auto file = folder / "file";
-    write_file(file, std::string_view("12345"));
-    CHECK(error_of([&] { read_file(file / "below"); }) != "no error");
-    CHECK(read_file(file, 5).size() == 5);
-    CHECK(error_of([&] { read_file(file, 4); }) ==
-          file.string() + ": expected at most 4 bytes, found 5 bytes");
-    CHECK(error_of([&] { read_file(""); }) != "no error");
-}
-
-TEST_CASE("file: writing: each failure has its sentence and leaves nothing") {
+TEST_CASE("write_file: writing: each failure has its sentence and leaves nothing") {
     const support::temporary_folder folder;
     const std::string_view text = "text";
     CHECK(error_of([&] { write_file(folder.path(), text); }).find("found a folder") != std::string::npos);
@@ -131,7 +114,7 @@ TEST_CASE("file: writing: each failure has its sentence and leaves nothing") {
     CHECK(entries_in(folder.path()) == 0);
 }
 
-TEST_CASE("file: permissions of a replaced file are kept, and links are followed") {
+TEST_CASE("write_file: permissions of a replaced file are kept, and links are followed") {
     using std::filesystem::perms;
     const support::temporary_folder folder;
     write_file(folder / "file", std::string_view("old"));
@@ -145,27 +128,7 @@ TEST_CASE("file: permissions of a replaced file are kept, and links are followed
 }
 
 #if defined(__linux__)
-TEST_CASE("file: a file that is too large is refused before it is read") {
-    const support::temporary_folder folder;
-    const auto file = folder / "file";
-    constexpr std::size_t limit = 4'000'000;
-    write_file(file, std::string_view());
-    std::filesystem::resize_file(file, 10 * limit); // holes: takes no room on the disk
-    // Bytes that this process has read, of whatever kind.
-    const auto bytes_read = [] {
-        std::ifstream counters("/proc/self/io");
-        std::string name;
-        std::size_t count = 0;
-        counters >> name >> count;
-        return count;
-    };
-    const std::size_t before = bytes_read();
-    CHECK(error_of([&] { read_file(file, limit); }) ==
-          file.string() + ": expected at most 4000000 bytes, found 40000000 bytes");
-    CHECK(bytes_read() - before < limit / 2);
-}
-
-TEST_CASE("file: devices are read up to the bound and written to, not replaced") {
+TEST_CASE("write_file: devices are read up to the bound and written to, not replaced") {
     CHECK(error_of([] { read_file("/dev/zero", 10'000'000); }).find("at most 10000000 bytes, found more") !=
           std::string::npos);
     CHECK(error_of([] { read_file("/dev/zero"); }) ==
@@ -177,22 +140,7 @@ TEST_CASE("file: devices are read up to the bound and written to, not replaced")
           "/dev/full: expected to write all bytes, found 'No space left on device'");
 }
 
-TEST_CASE("file: a named pipe is refused, since nobody may ever write to it; one between programs is read") {
-    const support::temporary_folder folder;
-    const auto pipe_file = folder / "pipe", link = folder / "link";
-    REQUIRE(mkfifo(pipe_file.c_str(), 0600) == 0);
-    std::filesystem::create_symlink("pipe", link);
-    for (const auto& path : {pipe_file, link})
-        CHECK(error_of([&] { read_file(path); }) == path.string() + ": expected a file, found a named pipe");
-    int ends[2] = {-1, -1};
-    REQUIRE(pipe(ends) == 0);
-    REQUIRE(write(ends[1], "some", 4) == 4);
-    close(ends[1]);
-    CHECK(text_of("/dev/fd/" + std::to_string(ends[0])) == "some");
-    close(ends[0]);
-}
-
-TEST_CASE("file: a write that fails half-way leaves the old file and no other") {
+TEST_CASE("write_file: a write that fails half-way leaves the old file and no other") {
     const support::temporary_folder folder;
     write_file(folder / "file", std::string_view("old"));
     // A bound on file sizes stands for the full disk; without the signal it is an error like any other.

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+#include <tactnet/detail/function_ref.hpp>
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/io/partial_file.hpp>
+#include <tactnet/io/read_file.hpp>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+// Writing leaves either the old file or the new one, also when the disk fills up or the program is killed
+// half-way: the bytes go to a temporary file in the same folder, are flushed to the disk, and get the name by
+// a rename, which is atomic.
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <fcntl.h>
+#include <unistd.h>
+#endif
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Takes the bytes of a file, one piece after the other.
+using piece_taker = detail::function_ref<void(std::span<const std::byte>)>;
+/// Passes the bytes of a file, one piece after the other, to the function that it is called with.
+using piece_giver = std::function<void(piece_taker)>;
+
+namespace detail {
+
+/// Writes all pieces to an open file and flushes it to the disk. Returns 0 or the error number.
+[[gnu::cold]] inline int write_and_flush(std::FILE* file, function_ref<void(piece_taker)> give) {
+    errno = 0;
+    int error = 0;
+    give([&](std::span<const std::byte> piece) {
+        if (error == 0 && !piece.empty() && std::fwrite(piece.data(), 1, piece.size(), file) != piece.size())
+            error = errno != 0 ? errno : EIO;
+    });
+    if (error != 0)
+        return error;
+    if (std::fflush(file) != 0)
+        return errno != 0 ? errno : EIO;
+#if defined(__unix__) || defined(__APPLE__)
+    // Pipes and terminals cannot be synchronised, and report EINVAL.
+    if (::fsync(::fileno(file)) != 0 && errno != EINVAL && errno != ENOTSUP && errno != EROFS)
+        return errno;
+#endif
+    return 0;
+}
+
+/// Flushes a rename in the folder to the disk. Should that fail, the file is still whole.
+inline void flush_folder([[maybe_unused]] const std::filesystem::path& folder) noexcept {
+#if defined(__unix__) || defined(__APPLE__)
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor >= 0) {
+        static_cast<void>(::fsync(descriptor));
+        ::close(descriptor);
+    }
+#endif
+}
+
+/// `write_file` for a giver of any type.
+[[gnu::cold]] inline void write_pieces(const std::filesystem::path& path,
+                                       function_ref<void(piece_taker)> give) {
+    using std::filesystem::file_type;
+    const auto fail = [&](const char* expected, int code) {
+        throw_file_error(path.string(), {}, {expected}, {error_text(code)});
+    };
+    std::error_code code;
+    const auto status = std::filesystem::status(path, code);
+    if (status.type() == file_type::directory || path.filename().empty())
+        throw_file_error(path.string(), {}, {"a file to write"}, {"a folder"});
+    if (status.type() != file_type::regular && std::filesystem::exists(status)) {
+        const auto device = open_file(path, "wb");
+        if (!device)
+            fail("a writable file", errno);
+        if (const int error = write_and_flush(device.get(), give); error != 0)
+            fail("to write all bytes", error);
+        return;
+    }
+
+    std::filesystem::path target = path;
+    if (std::filesystem::is_symlink(path, code))
+        if (auto resolved = std::filesystem::weakly_canonical(path, code); !code)
+            target = std::move(resolved);
+    const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+
+    std::filesystem::path temporary;
+    file_handle file;
+    writer_mark mark; // lasts beyond the rename
+    for (int attempt = 0; attempt < 100 && !file; ++attempt) {
+        temporary = partial_name(folder);
+        file = open_file(temporary, "wbx");
+        if (!file && errno != EEXIST)
+            fail("a folder to write in", errno);
+        if (file && !mark.set(file.get()))
+            file.reset();
+    }
+    if (!file)
+        fail("a folder to write in", EEXIST);
+
+    const auto remove_temporary = [&] {
+        std::error_code ignored;
+        std::filesystem::remove(temporary, ignored);
+    };
+    int error = 0;
+    try {
+        error = write_and_flush(file.get(), give);
+    } catch (...) {
+        file.reset();
+        remove_temporary();
+        throw;
+    }
+    if (std::fclose(file.release()) != 0 && error == 0)
+        error = errno != 0 ? errno : EIO;
+    code.clear();
+    if (error == 0) {
+        if (std::filesystem::exists(status))
+            std::filesystem::permissions(temporary, status.permissions(), code);
+        code.clear();
+        std::filesystem::rename(temporary, target, code);
+        error = code.value();
+    }
+    if (error != 0) {
+        remove_temporary();
+        fail("to write all bytes", error);
+    }
+    flush_folder(folder);
+}
+
+} // namespace detail
+
+/// Writes the pieces one after the other as the file at `path`, all or nothing. An existing file is replaced
+/// and its permissions are kept; a link is followed; a device or pipe is written to directly. Throws
+/// file_error, and what the giver throws; the old file is then untouched and no temporary file stays behind.
+/// `remove_abandoned_files` removes what a killed writer leaves.
+inline void write_file(const std::filesystem::path& path, const piece_giver& give) {
+    detail::write_pieces(path, give);
+}
+/// Writes pieces that are in memory.
+inline void write_file(const std::filesystem::path& path,
+                       std::span<const std::span<const std::byte>> pieces) {
+    detail::write_pieces(path, [&](piece_taker take) {
+        for (const auto piece : pieces)
+            take(piece);
+    });
+}
+/// Writes bytes in one piece.
+inline void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    detail::write_pieces(path, [&](piece_taker take) { take(bytes); });
+}
+/// Writes a text, byte by byte: line ends are not translated.
+inline void write_file(const std::filesystem::path& path, std::string_view text) {
+    write_file(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
