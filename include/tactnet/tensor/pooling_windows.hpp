@@ -16,7 +16,7 @@ struct pixel_range {
     std::size_t begin, end;
 };
 
-/// body(output, rows, columns) for every output pixel of one channel, with the image pixels of its window.
+/// Calls body(output, rows, columns) for each output pixel of one channel, with the pixels of its window.
 template <sliding_window W, class Body>
 [[gnu::always_inline]] inline void for_each_window(Body&& body) {
     const auto range = [](std::size_t index, std::size_t kernel, std::size_t stride, std::size_t before,
@@ -31,7 +31,7 @@ template <sliding_window W, class Body>
                  range(x, W.kernel.columns, W.stride.columns, W.left, W.input.columns));
     }
 }
-/// body(pixel) for every pixel of one window, row by row.
+/// Calls body(pixel) for each pixel of one window, row by row.
 template <sliding_window W, class Body>
 [[gnu::always_inline]] inline void for_each_pixel(pixel_range rows, pixel_range columns, Body&& body) {
     constexpr std::size_t area = W.kernel.area();
@@ -47,7 +47,7 @@ template <sliding_window W, class Body>
                 body(y * W.input.columns + x);
     }
 }
-/// Whether every pixel is in exactly one window.
+/// Whether each pixel is in exactly one window.
 [[nodiscard]] constexpr bool tiles_input(const sliding_window& w) {
     return w.stride == w.kernel && w.output_rows() * w.stride.rows >= w.input.rows + w.top &&
            w.output_columns() * w.stride.columns >= w.input.columns + w.left;
@@ -59,7 +59,7 @@ struct average_axis {
     std::size_t size, outputs;
     std::size_t kernel = 0, stride = 0, before = 0, after = 0;
 
-    /// The pixels of window i. Bins as PyTorch's: from floor(i · size / outputs) to ceil((i + 1) · size /
+    /// The pixels of window i. Bins are PyTorch's: from floor(i · size / outputs) to ceil((i + 1) · size /
     /// outputs); they may overlap.
     [[nodiscard]] constexpr pixel_range pixels(std::size_t i) const {
         if (kernel == 0)
@@ -87,7 +87,7 @@ struct average_windows {
         const pixel_range r = rows.pixels(y), c = columns.pixels(x);
         return counts_padding ? rows.padded(y) * columns.padded(x) : (r.end - r.begin) * (c.end - c.begin);
     }
-    /// body(output, rows, columns, divisor) for every output pixel.
+    /// Calls body(output, rows, columns, divisor) for each output pixel.
     template <class Body>
     void for_each(Body&& body) const {
         for (std::size_t y = 0; y < rows.outputs; ++y)

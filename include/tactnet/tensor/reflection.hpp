@@ -8,17 +8,16 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// How an image is reflected: turned upside down, left and right exchanged, both (turned by 180°), or
-/// neither.
+/// A reflection of an image: flipped vertically, horizontally, both (a rotation by 180°) or not at all.
 struct reflection {
     bool rows = false, columns = false;
 };
 
-/// A touch may come either way round: an object that is recognised in one of these is there in all.
+/// The reflections of a touch: the object is the same in all of them.
 inline constexpr std::array<reflection, 4> all_reflections{
     {{false, false}, {true, false}, {false, true}, {true, true}}};
 
-/// `to` holds as many elements as `from`, and none of them.
+/// Writes the reflected image to `to`, which must not overlap `from`.
 template <class Count>
 constexpr void reflect_image(const shape& image, reflection how, const Count* from, Count* to) {
     for (std::size_t channel = 0; channel < image.channels; ++channel)
@@ -30,8 +29,8 @@ constexpr void reflect_image(const shape& image, reflection how, const Count* fr
         }
 }
 
-/// The mean of what an image and its reflections give, in the order of all_reflections. In pairs, so that
-/// each of the four gives the same bits.
+/// The mean of one output over an image and its reflections, in the order of all_reflections. Added in pairs,
+/// so that each of the four images gives the same bits.
 [[nodiscard]] constexpr float mean_of_reflections(float upright, float rows, float columns, float both) {
     return ((upright + rows) + (columns + both)) / 4;
 }

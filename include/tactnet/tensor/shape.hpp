@@ -55,7 +55,7 @@ struct padding {
 inline constexpr padding padding::same{};
 inline constexpr padding padding::valid{padding::rule::given};
 
-/// Explicit zeros: as many on every side, or side by side.
+/// Explicit padding: the same on all sides, or per side.
 [[nodiscard]] constexpr padding pad(std::size_t all) {
     return {padding::rule::given, all, all, all, all};
 }
@@ -64,9 +64,9 @@ inline constexpr padding padding::valid{padding::rule::given};
     return {padding::rule::given, top, bottom, left, right};
 }
 
-/// Zeros as given, and at the bottom and on the right what a last window lacks that no longer fits: outputs
-/// are rounded up, as by PyTorch's ceil_mode. That window must begin inside the image or its padding at the
-/// top and on the left.
+/// The given padding, extended at the bottom and on the right for a last window that does not fit: the number
+/// of outputs is rounded up as by PyTorch's ceil_mode. That window must begin inside the image or its padding
+/// at the top and on the left.
 [[nodiscard]] constexpr padding ceil_mode(padding around = padding::valid) {
     around.how = padding::rule::ceil_mode;
     return around;

@@ -10,7 +10,7 @@
 using namespace tactnet;
 using namespace tactnet::kernels;
 
-// What the lines compute together is tested with tiles (batch/tiles/, frame/). Here that those of gradients
+// What the lines compute together is tested with tiles (batch/winograd/, frame/). Here that those of gradients
 // are the others the other way round: row i of one matrix is what its transpose makes of the unit vector i.
 
 namespace {

@@ -11,10 +11,10 @@
 #include <array>
 #include <cstddef>
 
-// The gradient of a convolution with respect to its weights, for inputs of many channels. Small maps of many
-// channels have more weights than products for each, and sums across lanes would take most of the time (see
-// convolution_gradient.hpp). Here a tile of the input is turned, so that a vector holds channels of one
-// sample: then every lane is a weight of its own.
+// The weight gradient of a convolution with many input channels. Small maps with many channels have more
+// weights than products per weight, so that sums across the lanes would take most of the time
+// (direct_gradient.hpp). Here a tile of the input is transposed, so that a vector holds channels of one
+// sample: each lane is then a weight of its own.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
