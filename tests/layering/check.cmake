@@ -56,7 +56,7 @@ set(users_of_simulation/paper simulation.hpp)
 # What only kernels/ may know.
 set(kernel_headers "^xsimd/|^(immintrin|x86intrin|arm_acle|arm_neon|arm_sve|wasm_simd128)\\.h$")
 # What may know Eigen, beside the room eigen: whoever includes none of it needs no Eigen.
-set(eigen_users simulation/effects/circuit/positive_definite.hpp)
+set(eigen_users simulation/effects/circuit/resistive_network.hpp)
 # What the standard library leaves to the system: files that are safe on disk, an interrupt from the keyboard.
 set(system_headers "^(unistd|fcntl|io|windows)\\.h$|^sys/[a-z]+\\.h$")
 

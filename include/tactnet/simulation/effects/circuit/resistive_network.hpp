@@ -2,7 +2,9 @@
 
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/effect.hpp>
-#include <tactnet/simulation/effects/circuit/positive_definite.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +14,28 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
+
+namespace detail {
+
+/// Solves matrix · x = right in place for all columns of `right`, and replaces `matrix` by its inverse. Uses
+/// the Cholesky decomposition and no heap. Both are row-major; `matrix` (Size × Size) is symmetric and
+/// positive definite, and only its lower half is read.
+template <std::size_t Size, std::size_t Columns>
+void solve_and_invert(double* matrix, double* right) {
+    constexpr auto size = static_cast<int>(Size), columns = static_cast<int>(Columns);
+    // Eigen requires column-major order for matrices of one column.
+    constexpr int square_order = size == 1 ? Eigen::ColMajor : Eigen::RowMajor;
+    constexpr int right_order = columns == 1 ? Eigen::ColMajor : Eigen::RowMajor;
+    using square = Eigen::Matrix<double, size, size, square_order>;
+    Eigen::Map<square> inverse(matrix);
+    Eigen::Map<Eigen::Matrix<double, size, columns, right_order>> solution(right);
+    const Eigen::LLT<square> factors(inverse);
+    factors.solveInPlace(solution);
+    inverse.setIdentity();
+    factors.solveInPlace(inverse);
+}
+
+} // namespace detail
 
 /// The complete crosstalk of a matrix of resistors between row and column lines. To read a tactel, a voltage
 /// is applied to its row line, and the current out of its column line, held at zero, is measured. All other
@@ -86,7 +110,7 @@ struct resistive_network {
                         across_[row * Shape.columns + column] = weight(row, column);
                 eliminate_columns();
                 const std::array<double, Shape.size()> weights = across_;
-                solve_and_invert<Shape.rows, Shape.columns>(inverse_.data(), across_.data());
+                detail::solve_and_invert<Shape.rows, Shape.columns>(inverse_.data(), across_.data());
                 for (double& column : columns_)
                     column = 1 / column;
                 for (std::size_t i = 0; i < Shape.size(); ++i)
