@@ -281,7 +281,7 @@ struct depthwise_integer_method {
                                   group * layout::group + input - y * C.window.stride.rows; // may wrap around
             const bool there = filter < C.filters && row < C.window.kernel.rows;
             const auto bytes = tactnet::detail::bits_as<std::array<std::int8_t, sizeof(weight)>>(
-                weight{there ? weight_at(filter, 0, row, column) : std::int8_t{0}});
+                weight{there ? weight_at(filter, std::size_t{0}, row, column) : std::int8_t{0}});
             packed = std::copy(bytes.begin(), bytes.end(), packed);
         }
     }
