@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <string_view>
 
 // The number format of 8 bits: maps of bytes, weights of signed bytes with a scale for each filter, sums of
 // 32 bits. A byte q of a map stands for (q − zero) × scale, with one scale and one zero a map.
@@ -71,12 +72,17 @@ struct folded_array {
         return product;
     }
 };
-/// Up to six arrays, one behind the other.
-struct folded_arrays {
-    std::array<folded_array, 6> list{}; ///< those that there are come first
-    std::size_t count = 0;              ///< of those that there are
+/// The ranges of a step's maps: the map that it reads, the map that it adds to, and the map that it writes.
+struct step_ranges {
+    map_range input, added, output;
+};
 
-    /// Those that there are: of a name that is empty, there is none.
+/// Up to six arrays in sequence.
+struct folded_arrays {
+    std::array<folded_array, 6> list{}; ///< the first `count` are used
+    std::size_t count = 0;
+
+    /// Arrays without a name are left out.
     constexpr folded_arrays(std::initializer_list<folded_array> all) {
         for (const folded_array& array : all)
             if (*array.name != 0)
@@ -88,17 +94,57 @@ struct folded_arrays {
             sum += list[i].size();
         return sum;
     }
+    /// How many of them are ranges of maps.
+    [[nodiscard]] constexpr std::size_t ranges() const {
+        std::size_t sum = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            sum += list[i].kind == folded_kind::range ? 1 : 0;
+        return sum;
+    }
+    /// The ranges among the folded numbers of the step, and (1, 0) for maps that the step does not have.
+    [[nodiscard]] constexpr step_ranges read_ranges(const float* from) const {
+        step_ranges result;
+        for (std::size_t i = 0; i < count; from += list[i++].size())
+            if (list[i].kind == folded_kind::range)
+                of_map(result, list[i].name) = map_range::read(from);
+        return result;
+    }
+    constexpr void write_ranges(float* to, step_ranges values) const {
+        for (std::size_t i = 0; i < count; to += list[i++].size())
+            if (list[i].kind == folded_kind::range)
+                of_map(values, list[i].name).write(to);
+    }
+
+private:
+    static constexpr map_range& of_map(step_ranges& ranges, std::string_view map) {
+        return map == "input" ? ranges.input : map == "added" ? ranges.added : ranges.output;
+    }
 };
-/// The array of a map's range; none for a map that is not there.
+/// The array of a map's range; without a name for a map that the step does not have.
 [[nodiscard]] constexpr folded_array range_array(const char* map, bool there = true) {
     return {there ? map : "", folded_kind::range, {map_range::numbers}};
 }
 
-/// What the ranges of a step's maps are: what it reads, what lies in its output before it adds to it, and
-/// what it writes.
-struct step_ranges {
-    map_range input, added, output;
+/// What steps with folded numbers in 8 bits have in common.
+template <shape Output, std::size_t Stride>
+struct eight_bit_step {
+    using format = eight_bit;
+    static constexpr shape output = Output;
+    static constexpr std::size_t output_stride = Stride, workspace_elements = 0;
 };
+
+namespace detail {
+
+/// The one error of a step that would read the frame and cannot: its words of 16 bits become bytes by what
+/// multiplies. Such steps then derive from those that read bytes, so that no other error follows.
+template <std::size_t Stride>
+struct cannot_read_the_frame {
+    static_assert(Stride == 0,
+                  "deploy: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, "
+                  "a dense layer or a batch norm must come first");
+};
+
+} // namespace detail
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -4,7 +4,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/detail/bits_as.hpp>
-#include <tactnet/kernels/integer/counts.hpp>
+#include <tactnet/kernels/integer/elementwise.hpp>
 
 #include <cmath>
 #include <cstddef>

@@ -37,6 +37,14 @@ constexpr void store_number(std::int8_t* to, Number value) {
     std::copy(bytes.begin(), bytes.end(), to);
 }
 
+/// An integer from 0 to 255 among packed ones, as a byte without a sign.
+constexpr void store_byte(std::int8_t* to, double value) {
+    *to = static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
+}
+[[nodiscard]] constexpr std::uint8_t load_byte(const std::int8_t* from) {
+    return static_cast<std::uint8_t>(*from);
+}
+
 /// How the sums of one filter stand for numbers: sum × unit. Weights are whole multiples of their scale, at
 /// most 127 of them; where the step adds, a byte of the other map counts a whole number of times.
 struct filter_scale {

@@ -16,16 +16,14 @@ inline namespace TACTNET_ARCH {
 
 /// Convolution in 8 bits with what follows it, by the method of least cost.
 template <class Input, class Output, kernels::frame_convolution Kernel>
-struct convolution_step<eight_bit_between<Input, Output>, Kernel> {
-    using format = eight_bit;
+struct convolution_step<eight_bit_between<Input, Output>, Kernel>
+    : eight_bit_step<shape{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters},
+                     Kernel.output_stride()> {
     static constexpr kernels::frame_convolution kernel = Kernel;
     static constexpr bool fills_map = Kernel.map_stride == 0;
-    static constexpr shape output{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters};
-    static constexpr std::size_t output_stride = Kernel.output_stride();
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
     static constexpr std::size_t number_elements = sizeof(Output); ///< of a number that it writes, in bytes
-    static constexpr std::size_t ranges = 1 + (Kernel.adds ? 1 : 0) + (writes_bytes ? 1 : 0);
     static constexpr folded_arrays arrays{{"weight",
                                            folded_kind::weights,
                                            {Kernel.filters, Kernel.window.input.channels / Kernel.groups,
@@ -35,14 +33,12 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel> {
                                           range_array("input"),
                                           range_array("added", Kernel.adds),
                                           range_array("output", writes_bytes)};
-    static constexpr std::size_t folded = arrays.numbers();
+    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
     /// The largest magnitude of a number that it reads.
     static constexpr double largest_input = std::is_same_v<Input, std::uint8_t> ? 255 : 32768;
 
 private:
-    static constexpr std::size_t biases = weights, weight_scales = biases + Kernel.filters,
-                                 of_maps = weight_scales + Kernel.filters;
-    static_assert(folded == of_maps + ranges * map_range::numbers);
+    static constexpr std::size_t biases = weights, weight_scales = biases + Kernel.filters;
     static_assert(Kernel.ungrouped().fits_map(),
                   "convolution_step: the output does not fit its place in the wider map: "
                   "fits_map() says what it takes");
@@ -63,33 +59,18 @@ public:
     static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(3);
     static constexpr std::size_t workspace_elements = whole_lines<std::uint8_t>(method::workspace_elements);
 
-    static constexpr step_ranges ranges_of(const float* from) {
-        const float* at = from + of_maps;
-        step_ranges result;
-        result.input = map_range::read(at);
-        if constexpr (Kernel.adds)
-            result.added = map_range::read(at += map_range::numbers);
-        if constexpr (writes_bytes)
-            result.output = map_range::read(at + map_range::numbers);
-        return result;
-    }
-    /// And the scales of the weights, which follow from these.
+    /// Also sets the scales of the weights, which follow from the ranges.
     static constexpr void set_ranges(float* to, const step_ranges& values) {
         for (std::size_t f = 0; f < Kernel.filters; ++f)
             to[weight_scales + f] = detail::scale_of_filter(to + f * Kernel.taps(), Kernel.taps(),
                                                             static_cast<double>(to[biases + f]), values,
                                                             Kernel.adds, largest_input);
-        to += of_maps;
-        values.input.write(to);
-        if constexpr (Kernel.adds)
-            values.added.write(to += map_range::numbers);
-        if constexpr (writes_bytes)
-            values.output.write(to + map_range::numbers);
+        arrays.write_ranges(to, values);
     }
 
     static constexpr void pack(const float* from, std::int8_t* to) {
         constexpr std::size_t of_one = Kernel.taps();
-        const step_ranges maps = ranges_of(from);
+        const step_ranges maps = arrays.read_ranges(from);
         std::array<detail::filter_scale, Kernel.filters> scales{};
         for (std::size_t f = 0; f < Kernel.filters; ++f) {
             scales[f] =
@@ -108,21 +89,17 @@ public:
             return detail::quantised(from[filter * of_one + (channel * k.rows + row) * k.columns + column],
                                      scales[filter]);
         });
-        const auto as_byte = [](float value) {
-            return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
-        };
-        to[bytes + lowest] = Kernel.rectified ? as_byte(maps.output.zero) : std::int8_t{0};
-        to[bytes + zero] = as_byte(maps.output.zero);
-        to[bytes + padding] = as_byte(maps.input.zero);
+        const auto zero_byte = static_cast<double>(maps.output.zero);
+        detail::store_byte(to + bytes + lowest, Kernel.rectified ? zero_byte : 0);
+        detail::store_byte(to + bytes + zero, zero_byte);
+        detail::store_byte(to + bytes + padding, static_cast<double>(maps.input.zero));
     }
     static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t* memory) noexcept {
-        const auto byte = [&](std::size_t which) {
-            return static_cast<std::uint8_t>(packed_values[bytes + which]);
-        };
+        const auto byte = [&](std::size_t which) { return detail::load_byte(packed_values + bytes + which); };
         const kernels::integer_epilogue epilogue{packed_values + starts,
                                                  packed_values + factors,
                                                  packed_values + added,
@@ -131,6 +108,17 @@ public:
         method::run(packed_values, epilogue, reinterpret_cast<const Input*>(in),
                     reinterpret_cast<Output*>(out) + Kernel.map_offset, memory);
     }
+};
+
+/// A dense layer in 8 bits: a convolution with a kernel as large as the map.
+template <class Input, class Output, kernels::frame_dense Kernel>
+struct dense_step<eight_bit_between<Input, Output>, Kernel>
+    : convolution_step<eight_bit_between<Input, Output>,
+                       kernels::frame_convolution{
+                           .window = {Kernel.input, {Kernel.input.rows, Kernel.input.columns}, 1},
+                           .filters = Kernel.outputs,
+                           .input_stride = Kernel.input_stride}> {
+    static constexpr kernels::frame_dense kernel = Kernel;
 };
 
 } // namespace TACTNET_ARCH

@@ -3,9 +3,11 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/steps/elementwise.hpp>
+#include <tactnet/kernels/integer/elementwise.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -15,37 +17,28 @@ inline namespace TACTNET_ARCH {
 /// An elementwise activation in 8 bits: a clamp of bytes where it clamps below zero, otherwise a table with
 /// an output for each byte.
 template <class Function, shape Map, std::size_t Stride>
-struct activation_step<eight_bit, Function, Map, Stride> {
-    using format = eight_bit;
-    static constexpr shape output = Map;
-    static constexpr std::size_t output_stride = Stride;
+struct activation_step<eight_bit, Function, Map, Stride> : eight_bit_step<Map, Stride> {
     static constexpr bool clamps = detail::clamps_below_zero<Function>;
-    static constexpr std::size_t ranges = clamps ? 1 : 2; ///< a clamp keeps the range of its input
+    /// A clamp keeps the range of its input.
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", !clamps)};
-    static constexpr std::size_t folded = arrays.numbers(), workspace_elements = 0;
+    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
     static constexpr std::size_t packed = whole_lines<std::int8_t>(clamps ? 1 : 256);
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
-        values.input.write(to);
-        if constexpr (!clamps)
-            values.output.write(to + map_range::numbers);
+        arrays.write_ranges(to, values);
     }
     static constexpr void pack(const float* from, std::int8_t* to) {
-        const map_range input = map_range::read(from);
-        const auto as_byte = [](double value) {
-            return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
-        };
+        const auto [input, added, result] = arrays.read_ranges(from);
         if constexpr (clamps) {
-            *to = as_byte(static_cast<double>(input.zero));
+            detail::store_byte(to, static_cast<double>(input.zero));
         } else {
-            const map_range result = map_range::read(from + map_range::numbers);
             for (int byte = 0; byte < 256; ++byte) {
                 const double value = Function::value((byte - static_cast<double>(input.zero)) *
                                                      static_cast<double>(input.scale));
                 const double steps = std::clamp(value / static_cast<double>(result.scale), -512.0, 512.0);
-                to[byte] = as_byte(std::clamp(static_cast<double>(detail::nearest_even(steps)) +
-                                                  static_cast<double>(result.zero),
-                                              0.0, 255.0));
+                detail::store_byte(to + byte, std::clamp(static_cast<double>(detail::nearest_even(steps)) +
+                                                             static_cast<double>(result.zero),
+                                                         0.0, 255.0));
             }
         }
     }
@@ -56,24 +49,25 @@ struct activation_step<eight_bit, Function, Map, Stride> {
                     std::uint8_t*) noexcept {
         for (std::size_t e = 0; e < Map.area() * Stride; ++e)
             if constexpr (clamps)
-                out[e] = std::max(in[e], static_cast<std::uint8_t>(*packed_values));
+                out[e] = std::max(in[e], detail::load_byte(packed_values));
             else
-                out[e] = static_cast<std::uint8_t>(packed_values[in[e]]);
+                out[e] = detail::load_byte(packed_values + in[e]);
     }
 };
 
+template <class Function, shape Map, std::size_t Stride>
+struct activation_step<eight_bit::input_format, Function, Map, Stride>
+    : activation_step<eight_bit, Function, Map, Stride>, detail::cannot_read_the_frame<Stride> {};
+
 /// A batch norm by itself in 8 bits, with or without ReLU: one weight of 16 bits for each channel.
 template <class Input, shape Map, std::size_t Stride, bool Rectified>
-struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified> {
-    using format = eight_bit;
-    static constexpr shape output = Map;
-    static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t ranges = 2;
+struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>
+    : eight_bit_step<Map, Stride> {
     static constexpr folded_arrays arrays{{"weight", folded_kind::numbers, {Map.channels}},
                                           {"bias", folded_kind::numbers, {Map.channels}},
                                           range_array("input"),
                                           range_array("output")};
-    static constexpr std::size_t folded = arrays.numbers();
+    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
 
 private:
     static constexpr std::size_t of_channels = whole_lines<std::int8_t>(Stride * sizeof(std::int32_t));
@@ -82,15 +76,13 @@ private:
     static constexpr std::size_t lowest = 0, zero = 1;
 
 public:
-    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(2), workspace_elements = 0;
+    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(2);
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
-        values.input.write(to + 2 * Map.channels);
-        values.output.write(to + 2 * Map.channels + map_range::numbers);
+        arrays.write_ranges(to, values);
     }
     static constexpr void pack(const float* from, std::int8_t* to) {
-        const map_range input = map_range::read(from + 2 * Map.channels),
-                        result = map_range::read(from + 2 * Map.channels + map_range::numbers);
+        const auto [input, added, result] = arrays.read_ranges(from);
         for (std::size_t c = 0; c < Map.channels; ++c) {
             const auto weight = static_cast<double>(from[c]);
             const auto offset = static_cast<double>(from[Map.channels + c]);
@@ -103,21 +95,17 @@ public:
             detail::store_number(to + factors + 4 * c,
                                  static_cast<float>(unit / static_cast<double>(result.scale)));
         }
-        const auto as_byte = [](float value) {
-            return static_cast<std::int8_t>(static_cast<std::uint8_t>(value));
-        };
-        to[bytes + lowest] = Rectified ? as_byte(result.zero) : std::int8_t{0};
-        to[bytes + zero] = as_byte(result.zero);
+        const auto zero_byte = static_cast<double>(result.zero);
+        detail::store_byte(to + bytes + lowest, Rectified ? zero_byte : 0);
+        detail::store_byte(to + bytes + zero, zero_byte);
     }
     static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Map.channels, 1, input);
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
-        const auto byte = [&](std::size_t which) {
-            return static_cast<std::uint8_t>(packed_values[bytes + which]);
-        };
-        const kernels::byte_range range{byte(lowest), 255, byte(zero)};
+        const kernels::byte_range range{detail::load_byte(packed_values + bytes + lowest), 255,
+                                        detail::load_byte(packed_values + bytes + zero)};
         const auto* const from = reinterpret_cast<const Input*>(in);
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
             for (std::size_t c = 0; c < Stride; ++c) {
@@ -127,6 +115,48 @@ public:
                     out + pixel + c, kernels::int32_vec<1>{from[pixel + c] * times + start},
                     kernels::load_any<kernels::float_vec<1>>(packed_values + factors + 4 * c), range);
             }
+    }
+};
+
+/// A square root in 8 bits, of the sensor's words or of bytes: √(x + offset) − √offset, 0 for x below 0.
+template <class Input, shape Map, std::size_t Stride, class Offset>
+struct square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>
+    : eight_bit_step<Map, Stride> {
+    static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
+    static constexpr folded_arrays arrays{range_array("input"), range_array("output")};
+    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
+
+private:
+    // The offset in steps of the input, 1/1024 in steps of the output, the step of the input; then two bytes.
+    static constexpr std::size_t of_offset = 0, of_part = of_offset + sizeof(float),
+                                 of_step = of_part + sizeof(float), bytes = of_step + sizeof(float);
+
+public:
+    static constexpr std::size_t packed = whole_lines<std::int8_t>(bytes + 2);
+
+    static constexpr void set_ranges(float* to, const step_ranges& values) {
+        arrays.write_ranges(to, values);
+    }
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const auto [input, added, result] = arrays.read_ranges(from);
+        detail::store_number(to + of_offset, static_cast<float>(offset / static_cast<double>(input.scale)));
+        detail::store_number(to + of_part,
+                             static_cast<float>(1 / 1024.0 / static_cast<double>(result.scale)));
+        detail::store_number(to + of_step, input.scale);
+        detail::store_byte(to + bytes, static_cast<double>(input.zero));
+        detail::store_byte(to + bytes + 1, static_cast<double>(result.zero));
+    }
+    static double output_bound(const float*, double input) { return std::max(input, 1.0) + offset; }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t*) noexcept {
+        const std::uint8_t input_zero = detail::load_byte(packed_values + bytes),
+                           zero = detail::load_byte(packed_values + bytes + 1);
+        // √(n · step + offset) = √step · √(n + offset ÷ step)
+        const float factor = std::sqrt(kernels::load_any<float>(packed_values + of_step)) *
+                             kernels::load_any<float>(packed_values + of_part);
+        kernels::roots_to_bytes(reinterpret_cast<const Input*>(in), Map.area() * Stride, input_zero,
+                                kernels::load_any<float>(packed_values + of_offset), factor,
+                                {zero, 255, zero}, out);
     }
 };
 

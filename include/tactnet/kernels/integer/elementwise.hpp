@@ -2,12 +2,15 @@
 
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/integer/vector.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/tensor/alignment.hpp>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
-
-// Where a frame comes in: from counts to words of 16 bits.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -15,8 +18,8 @@ namespace kernels {
 
 namespace detail {
 
-/// words = nearest(counts × steps) − mean, for `Lanes` counts. Lanes of the result are zero but for counts
-/// farther than `most` steps from their mean, and for those that are no number; what they give is any word.
+/// words = nearest(counts × steps) − mean, for `Lanes` counts. A lane of the result is not zero if its count
+/// is farther than `most` steps from its mean or not a number; its word is then unspecified.
 template <std::size_t Lanes, class Count>
 [[gnu::always_inline]] inline int32_vec<Lanes> some_counts_to_words(const Count* counts,
                                                                     const std::int16_t* mean, float steps,
@@ -27,7 +30,7 @@ template <std::size_t Lanes, class Count>
     if constexpr (std::is_same_v<Count, float>) {
         scaled = load_any<float_vec<Lanes>>(counts) * steps;
         const auto centre = __builtin_convertvector(middle, float_vec<Lanes>);
-        // Comparisons that NaN fails.
+        // NaN fails both comparisons.
         const int32_vec<Lanes> fits = (scaled <= centre + most) & (scaled >= centre - most);
         beyond = ~fits;
         scaled = fits ? scaled : float_vec<Lanes>{};
@@ -41,8 +44,9 @@ template <std::size_t Lanes, class Count>
 
 } // namespace detail
 
-/// words = counts × steps − mean for `count` counts in bytes or floats, rounded to the nearest, ties to the
-/// even one. Whether all are numbers at most `most` steps from their mean, as counts in bytes must be.
+/// Converts the counts of a frame, bytes or floats, to words of 16 bits: counts × steps − mean, rounded to
+/// the nearest, ties to even. Returns whether all counts are numbers at most `most` steps from their mean;
+/// counts in bytes must be.
 template <class Count>
 [[nodiscard]] inline bool counts_to_words(const Count* counts, std::size_t count, const std::int16_t* mean,
                                           float steps, float most, std::int16_t* words) {
@@ -57,6 +61,28 @@ template <class Count>
     for (std::size_t lane = 0; lane < width; ++lane)
         any |= beyond[lane];
     return any == 0;
+}
+
+/// Converts integers to bytes: √(number − zero + offset) − √offset, times a factor; a number below the zero
+/// counts as the zero. Roots are rounded as IEEE 754 requires, then to 1/1024, so that the rest is exact and
+/// all instruction sets give the same bytes.
+template <class Number>
+void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, float offset, float factor,
+                    const byte_range& range, std::uint8_t* to) noexcept {
+    constexpr float parts = 1024, largest_root = 4095; // a product of both is below 2²²
+    const auto whole = [&](float root) {
+        return nearest<1>(float_vec<1>{(root < largest_root ? root : largest_root) * parts});
+    };
+    const int32_vec<1> of_zero = whole(std::sqrt(offset));
+    alignas(alignment) std::array<float, lanes<float>> some{};
+    for (std::size_t first = 0; first < count; first += lanes<float>) {
+        const std::size_t left = std::min(lanes<float>, count - first);
+        for (std::size_t i = 0; i < left; ++i)
+            some[i] = static_cast<float>(std::max<std::int32_t>(from[first + i] - zero, 0));
+        store(some.data(), square_root<float>(load<float>(some.data()) + vector<float>(offset)));
+        for (std::size_t i = 0; i < left; ++i)
+            store_rounded<1>(to + first + i, whole(some[i]) - of_zero, float_vec<1>{factor}, range);
+    }
 }
 
 } // namespace kernels

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/integer/counts.hpp>
+#include <tactnet/kernels/integer/elementwise.hpp>
 
 #include <doctest/doctest.h>
 
@@ -56,7 +56,7 @@ TEST_CASE("counts_to_words: any number of counts, in bytes and in floats") {
     }
 }
 
-TEST_CASE("counts_to_words: what words do not hold is told, wherever it is") {
+TEST_CASE("counts_to_words: reports counts that words cannot hold, wherever they are") {
     constexpr std::size_t count = 37;
     drawn_counts drawn(count, false);
     std::vector<float> counts = drawn.counts;

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/integer/root.hpp>
+#include <tactnet/kernels/integer/elementwise.hpp>
 
 #include <doctest/doctest.h>
 

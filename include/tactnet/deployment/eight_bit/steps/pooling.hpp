@@ -1,0 +1,101 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/deployment/steps/pooling.hpp>
+#include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/kernels/integer/vector.hpp>
+#include <tactnet/tensor/pooling_windows.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A max pool in 8 bits: the largest byte stands for the largest number.
+template <sliding_window Window, std::size_t Stride>
+struct pool_step<eight_bit, Window, Stride>
+    : step_without_parameters<
+          eight_bit, shape{Window.output_rows(), Window.output_columns(), Window.input.channels}, Stride> {
+    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
+        constexpr std::size_t width = kernels::widest_bytes(Stride);
+        using bytes = kernels::uint8_vec<width>;
+        for_each_window<Window>([&](std::size_t o, pixel_range rows, pixel_range columns) {
+            for (std::size_t channel = 0; channel < Stride; channel += width) {
+                bytes largest{};
+                for (std::size_t y = rows.begin; y < rows.end; ++y)
+                    for (std::size_t x = columns.begin; x < columns.end; ++x) {
+                        const auto here =
+                            kernels::load_any<bytes>(in + (y * Window.input.columns + x) * Stride + channel);
+                        largest = here > largest ? here : largest;
+                    }
+                kernels::store_any(out + o * Stride + channel, largest);
+            }
+        });
+    }
+};
+
+/// An average pool in 8 bits: sums of integers, divided as they are rounded.
+template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
+struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>
+    : eight_bit_step<shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
+    static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
+    static constexpr std::size_t number_elements = sizeof(Output); ///< of a number that it writes, in bytes
+    static constexpr folded_arrays arrays{range_array("input"), range_array("output", writes_bytes)};
+    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
+
+private:
+    static constexpr std::size_t input_zero = sizeof(float), zero = input_zero + 1; // after the factor
+
+public:
+    static constexpr std::size_t packed = whole_lines<std::int8_t>(zero + 1);
+
+    static constexpr void set_ranges(float* to, const step_ranges& values) {
+        arrays.write_ranges(to, values);
+    }
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const auto [input, added, result] = arrays.read_ranges(from);
+        detail::store_number(
+            to, static_cast<float>(static_cast<double>(input.scale) / static_cast<double>(result.scale)));
+        detail::store_byte(to + input_zero, static_cast<double>(input.zero));
+        detail::store_byte(to + zero, static_cast<double>(result.zero));
+    }
+    static double output_bound(const float*, double input) { return input; }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t*) noexcept {
+        const auto factor = kernels::load_any<float>(packed_values);
+        const std::uint8_t zero_of_input = detail::load_byte(packed_values + input_zero);
+        const kernels::byte_range range{0, 255, detail::load_byte(packed_values + zero)};
+        Windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+            std::array<std::int32_t, Stride> sums{};
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    for (std::size_t c = 0; c < Stride; ++c)
+                        sums[c] += in[(y * Windows.columns.size + x) * Stride + c] - zero_of_input;
+            const float scale = factor / static_cast<float>(divisor);
+            for (std::size_t c = 0; c < Stride; ++c) {
+                if constexpr (writes_bytes)
+                    kernels::store_rounded<1>(out + o * Stride + c, kernels::int32_vec<1>{sums[c]},
+                                              kernels::float_vec<1>{scale}, range);
+                else
+                    reinterpret_cast<Output*>(out)[o * Stride + c] = static_cast<float>(sums[c]) * scale;
+            }
+        });
+    }
+};
+
+template <sliding_window Window, std::size_t Stride>
+struct pool_step<eight_bit::input_format, Window, Stride> : pool_step<eight_bit, Window, Stride>,
+                                                            detail::cannot_read_the_frame<Stride> {};
+
+template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
+struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>
+    : average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>,
+      detail::cannot_read_the_frame<Stride> {};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
