@@ -21,6 +21,21 @@ TEST_CASE("deployed: groups whose filters fill vectors, groups that do not, conv
     CHECK(errors.good());
 }
 
+TEST_CASE(
+    "deployed: depthwise convolutions: pools, strides, sums, several filters per channel, frame and slices") {
+    using separable =
+        sequence<conv2d<24, 3, 1, padding::same, in_groups(24)>, batch_norm, relu, conv2d<24, 1>>;
+    using net = network<shape{11, 9, 3}, conv2d<6, 3, 1, padding::same, in_groups(3)>, conv2d<24, 1>,
+                        batch_norm, relu, conv2d<24, extent2d{5, 3}, 1, padding::same, in_groups(24)>, relu,
+                        max_pool<2>, residual<separable>, relu,
+                        residual<sequence<conv2d<24, 1>, conv2d<24, 3, 1, padding::same, in_groups(24)>>>,
+                        relu, concatenation<conv2d<24, 3, 1, padding::same, in_groups(24)>, identity_layer>,
+                        relu, conv2d<48, 3, 2, padding::same, in_groups(48)>, dense<4>>;
+    const support::error_shares errors = support::errors_of<net>(50, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+}
+
 TEST_CASE("deployed: branches that write side by side, and branches that are copied there") {
     using fire = sequence<conv2d<8, 1>, relu,
                           concatenation<sequence<conv2d<16, 1>, relu>, sequence<conv2d<32, 3>, relu>>>;

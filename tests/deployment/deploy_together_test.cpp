@@ -37,6 +37,7 @@ using branched_network =
             concatenation<sequence<conv2d<wide, 1>, relu>, sequence<conv2d<wide, 3>, relu>>,
             conv2d<144 * vector, 1>, relu, max_pool<3, 3, padding::valid>,
             conv2d<wide, 3, 1, padding::same, in_groups(2)>, relu,
+            conv2d<wide, 3, 1, padding::same, in_groups(wide)>, relu,
             residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
             conv2d<8, 2, 1, padding::valid>, relu, dense<10>>;
 
@@ -47,8 +48,9 @@ using heavy_network =
             residual<sequence<conv2d<32, 3>, batch_norm>>, relu, dense<70>>;
 
 /// The same where all is near: the tiles of four frames make one list, those left over pass alone.
-using light_network = network<shape{9, 11}, conv2d<16, 3>, relu, max_pool<2>, conv2d<32, 3>, batch_norm, relu,
-                              max_pool<2>, dense<22>>;
+using light_network =
+    network<shape{9, 11}, conv2d<16, 3>, relu, max_pool<2>, conv2d<16, 3, 1, padding::same, in_groups(16)>,
+            relu, conv2d<32, 3>, batch_norm, relu, max_pool<2>, dense<22>>;
 
 /// Whether four frames on one thread make one list of tiles in some step.
 template <class Step>

@@ -24,7 +24,9 @@ using mixed_network = tactnet::network<
                       tactnet::sequence<tactnet::conv2d<20, 1>, tactnet::batch_norm>>,
     tactnet::relu, tactnet::residual<tactnet::conv2d<20, 3>>, tactnet::max_pool<3, 1>, tactnet::relu,
     tactnet::sequence<tactnet::conv2d<5, 2>, tactnet::max_pool<2>>,
+    tactnet::conv2d<10, 3, 1, tactnet::padding::same, tactnet::in_groups(5)>,
     tactnet::conv2d<16, 3, 1, tactnet::padding::same, tactnet::in_groups(1)>,
+    tactnet::conv2d<16, 3, 1, tactnet::padding::same, tactnet::in_groups(16)>,
     tactnet::named<"mixed", tactnet::concatenation<
                                 tactnet::conv2d<8, 1, 1, tactnet::padding::same, tactnet::in_groups(2)>,
                                 tactnet::sequence<

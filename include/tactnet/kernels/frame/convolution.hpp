@@ -116,17 +116,17 @@ struct frame_convolution {
     }
 
     /// Vectors of output channels in a register block.
-    [[nodiscard]] constexpr std::size_t block_vectors() const {
-        return groups > 1 ? 1 : std::min<std::size_t>(vectors(), 2);
-    }
+    [[nodiscard]] constexpr std::size_t block_vectors() const { return std::min<std::size_t>(vectors(), 2); }
     [[nodiscard]] constexpr std::size_t block_rows() const {
         return pool.rows > 1 ? pool.rows : std::min<std::size_t>(rows(), 2);
     }
-    /// Columns of a block: as many as registers allow, evenly spread over the image.
     [[nodiscard]] constexpr std::size_t block_columns() const {
+        return block_columns(max_block_sums / (block_rows() * block_vectors()));
+    }
+    /// Columns of a block: at most so many, in whole windows of the pool and blocks of nearly the same size.
+    [[nodiscard]] constexpr std::size_t block_columns(std::size_t most) const {
         const std::size_t step = pool.columns;
-        const std::size_t most =
-            std::max(max_block_sums / (block_rows() * block_vectors()) / step * step, step);
+        most = std::max(most / step * step, step);
         const std::size_t blocks = (columns() + most - 1) / most;
         const std::size_t even = (columns() + blocks - 1) / blocks;
         return (even + step - 1) / step * step;

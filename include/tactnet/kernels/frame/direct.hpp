@@ -11,9 +11,8 @@
 
 // Direct convolution of one frame. Maps lie pixel by pixel, the channels of a pixel side by side and padded
 // to whole vectors: a tap multiplies one number of the input, broadcast to all lanes, with vectors of
-// filters. In a depthwise convolution (depthwise.hpp) it multiplies a vector of channels with the vector of
-// their filters. A block of pixels × vectors stays in registers while all taps are added; then max pool and
-// ReLU are applied to the block, so that pooled values alone are stored.
+// filters. A block of pixels × vectors stays in registers while all taps are added; then max pool and ReLU
+// are applied to the block, so that only pooled values are stored.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -53,7 +52,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
                 sums[p][v] = start;
     }
 
-    for (std::size_t channel = 0; channel < C.window.input.channels / C.groups; ++channel) {
+    for (std::size_t channel = 0; channel < C.window.input.channels; ++channel) {
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < under_rows; ++r) {
             if (r < where.first_row || r >= where.last_row)
@@ -63,10 +62,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
             std::array<wide, under_columns> x;
 #pragma GCC unroll 64
             for (std::size_t c = MissingLeft; c + MissingRight < under_columns; ++c)
-                if constexpr (C.groups > 1)
-                    x[c] = load_as<wide>(input + row + static_cast<std::ptrdiff_t>(c) * stride);
-                else
-                    x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
+                x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
 #pragma GCC unroll 64
             for (std::size_t y = 0; y < Rows; ++y) {
                 const std::size_t above = y * C.window.stride.rows;
@@ -114,10 +110,10 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     }
 }
 
-/// The columns of a convolution, cut into register blocks.
-template <frame_convolution C>
+/// The columns of a convolution, cut into register blocks of `Size`.
+template <frame_convolution C, std::size_t Size = C.block_columns()>
 struct column_blocks {
-    static constexpr std::size_t size = C.block_columns(), count = (C.columns() + size - 1) / size;
+    static constexpr std::size_t size = Size, count = (C.columns() + size - 1) / size;
 
     static constexpr std::size_t columns(std::size_t b) { return std::min(size, C.columns() - b * size); }
     static constexpr std::size_t missing_left(std::size_t b) {
@@ -163,13 +159,9 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
                 .last_row =
                     std::min(under_rows, std::max(C.window.top + C.window.input.rows, first) - first)};
     };
-    // The vectors of a depthwise convolution are blocks of their own, next to each other in memory.
-    constexpr std::size_t vectors = C.groups > 1 ? 1 : Vectors;
     const auto run = [&](auto columns, auto left, auto right, std::size_t b) __attribute__((always_inline)) {
-        float* const block = to + b * blocks::size / C.pool.columns * C.output_stride();
-        for (std::size_t v = 0, f = 0; v < Vectors; v += vectors, f += C.width())
-            convolve_block<C, vectors, Rows, columns, left, right>(input + f, weights + f * C.taps(),
-                                                                   bias + f, block + f, at(b));
+        convolve_block<C, Vectors, Rows, columns, left, right>(
+            input, weights, bias, to + b * blocks::size / C.pool.columns * C.output_stride(), at(b));
     };
     const auto edge = [&](auto b) __attribute__((always_inline)) {
         run(constant<blocks::columns(b)>{}, constant<blocks::missing_left(b)>{},
@@ -183,40 +175,6 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
     });
 }
 
-/// The convolution and its epilogue. Weights and biases are packed, aligned to `alignment`, as is the output.
-/// With `adds`, the output holds the other term of the sum before. With groups, there is one for each filter,
-/// and pixels of the input hold the channels of the filters in whole vectors.
-template <frame_convolution C>
-void convolve_frame(const float* input, const float* weights, const float* bias, float* output) {
-    static_assert(!C.adds || C.pool == extent2d(1), "convolve_frame: a sum is not pooled");
-    static_assert(C.fits_map(), "convolve_frame: the output does not fit its map");
-    static_assert(C.groups == 1 || (C.groups == C.filters && C.groups == C.window.input.channels),
-                  "convolve_frame: expected one group, or one for each channel");
-    constexpr std::size_t vectors_of_block = C.groups > 1 ? C.vectors() : C.block_vectors();
-    blocked<C.vectors(), vectors_of_block>([&](auto vectors, std::size_t first_vector) {
-        const std::size_t first = first_vector * C.width();
-        blocked<C.rows(), C.block_rows()>([&](auto rows, std::size_t y) {
-            convolve_rows<C, vectors, rows>(input, weights + first * C.taps(), bias + first, output + first,
-                                            y);
-        });
-    });
-}
-
-/// Weights in the order of use: blocks of vectors of filters, then [channel of the group][kernel row][kernel
-/// column] [filter of the block]; zeros where there is no filter. `weight(filter, channel, row, column)`.
-template <frame_convolution C, class Weight>
-constexpr void pack_frame_weights(const Weight& weight, float* packed) {
-    const std::size_t block = C.block_vectors() * C.width();
-    for (std::size_t first = 0; first < C.padded_filters(); first += block) {
-        const std::size_t count = std::min(block, C.padded_filters() - first);
-        for (std::size_t channel = 0; channel < C.window.input.channels / C.groups; ++channel)
-            for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
-                for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-                    for (std::size_t f = first; f < first + count; ++f)
-                        *packed++ = f < C.filters ? weight(f, channel, row, column) : 0.0f;
-    }
-}
-
 /// Taps one by one. Possible for every convolution that is not grouped.
 template <frame_convolution C>
 struct direct_method : frame_method {
@@ -226,13 +184,31 @@ struct direct_method : frame_method {
     static constexpr std::size_t packed_weights = whole_lines(C.weights());
     static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
 
+    /// Weights in the order of use: blocks of vectors of filters, then [channel][kernel row][kernel column]
+    /// [filter of the block]; zeros where there is no filter.
     template <class Weight>
     static constexpr void pack(const Weight& weight, const float* biases, float* to) {
-        pack_frame_weights<C>(weight, to);
         std::copy_n(biases, C.filters, to + packed_weights);
+        const std::size_t block = C.block_vectors() * C.width();
+        for (std::size_t first = 0; first < C.padded_filters(); first += block) {
+            const std::size_t count = std::min(block, C.padded_filters() - first);
+            for (std::size_t channel = 0; channel < C.window.input.channels; ++channel)
+                for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
+                    for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
+                        for (std::size_t f = first; f < first + count; ++f)
+                            *to++ = f < C.filters ? weight(f, channel, row, column) : 0.0f;
+        }
     }
     static void run(const float* packed, const float* in, float* out, float*) noexcept {
-        convolve_frame<C>(in, packed, packed + packed_weights, out);
+        static_assert(!C.adds || C.pool == extent2d(1), "direct_method: a sum is not pooled");
+        const float* const biases = packed + packed_weights;
+        blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
+            const std::size_t first = first_vector * C.width();
+            blocked<C.rows(), C.block_rows()>([&](auto rows, std::size_t y) {
+                convolve_rows<C, vectors, rows>(in, packed + first * C.taps(), biases + first, out + first,
+                                                y);
+            });
+        });
     }
 };
 
