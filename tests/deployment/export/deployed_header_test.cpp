@@ -37,6 +37,8 @@ void same_as(const Recogniser& recogniser, const Packed& packed) {
         REQUIRE(original.infer(counts, expected) == tactnet::frame_status::ok);
         REQUIRE(recogniser.infer(counts, found) == tactnet::frame_status::ok);
         CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
+        CHECK(recogniser.classify(counts)->index ==
+              tactnet::classify_logits(expected, recogniser.class_count())->index);
     }
 }
 
@@ -51,6 +53,8 @@ TEST_CASE("deployed_header: the network that it was written from") {
     CHECK(small::passes_selftest());
     CHECK(mixed::passes_selftest());
     CHECK(small::classes.size() == 3);
+    CHECK(small::recogniser.class_count() == 3);
+    CHECK(mixed::recogniser.class_count() == mixed::recogniser_type::outputs); // without names
     CHECK(small::classes[1] == "\"a\\b\"\n?\?/");
     CHECK(small::classes[2] == "é");
     CHECK(mixed::classes.empty());
