@@ -126,7 +126,7 @@ TEST_CASE(
         std::vector<float> rounded, fitted(5);
         for (const float weight : exact)
             rounded.push_back(std::nearbyint(weight * 4) / 4);
-        filter_rounding(seen, 5)(0, exact, 0.25f, fitted);
+        filter_rounding(seen, 5).round(0, exact, 0.25f, fitted);
         const auto error = [&](std::span<const float> weights) {
             return pixels.error(0, weights, seen.best_bias(0, weights));
         };
@@ -164,13 +164,13 @@ TEST_CASE("filter_rounding: weights have a place in a signed byte, and stay wher
     }
     std::array<float, 2> fitted{};
     const std::array<float, 2> exact{31.4f, 90};
-    filter_rounding(seen, 2)(0, exact, 1, fitted);
+    filter_rounding(seen, 2).round(0, exact, 1, fitted);
     CHECK(fitted[0] == 31); // only pulled to 31.4
     CHECK(fitted[1] == 127);
-    filter_rounding(seen, 2)(0, exact, 2, fitted);
+    filter_rounding(seen, 2).round(0, exact, 2, fitted);
     CHECK(fitted[1] == 200); // a hundred steps
     const std::array<float, 2> far{-500, 500};
-    filter_rounding(seen, 2)(0, far, 1, fitted);
+    filter_rounding(seen, 2).round(0, far, 1, fitted);
     CHECK(fitted[0] == -127);
     // Of inputs that never vary nothing is known: all weights are merely rounded.
     pixel_moments constant(2, 1);
@@ -178,6 +178,6 @@ TEST_CASE("filter_rounding: weights have a place in a signed byte, and stay wher
     const float wanted = 7;
     for (int pixel = 0; pixel < 4; ++pixel)
         constant.add(same, std::span(&wanted, 1));
-    filter_rounding(constant, 2)(0, exact, 1, fitted);
+    filter_rounding(constant, 2).round(0, exact, 1, fitted);
     CHECK(fitted == std::array<float, 2>{31, 90});
 }

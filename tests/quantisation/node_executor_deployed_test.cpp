@@ -35,8 +35,8 @@ std::vector<float> plain_outputs(const detail::calibration_graph& steps, std::sp
         maps[e % input.area() * input.channels + e / input.area()] = counts[e] * scale;
     for (const detail::graph_node& step : steps.nodes) {
         const detail::feature_map& to = steps.maps[step.output];
-        detail::node_executor(steps, step, folded, rounded)(
-            maps.data(), to.range == detail::calibration_graph::none ? map_range{} : ranges[to.range]);
+        detail::node_executor(steps, step, folded, rounded)
+            .run(maps.data(), to.range == detail::calibration_graph::none ? map_range{} : ranges[to.range]);
     }
     std::vector<float> outputs(maps.end() - static_cast<std::ptrdiff_t>(Network::outputs), maps.end());
     if (steps.softmax != nullptr)

@@ -107,7 +107,7 @@ struct drawn_step {
                     expected[net.maps[2].begin + (y * step.to.columns + x) * step.to.channels + step.first +
                              f] = static_cast<float>(number);
                 }
-        node_executor(net, step, folded, rounded)(found.data(), range);
+        node_executor(net, step, folded, rounded).run(found.data(), range);
         std::size_t different = 0;
         for (std::size_t i = 0; i < found.size(); ++i)
             different += found[i] != expected[i];
@@ -144,7 +144,7 @@ TEST_CASE("node_executor: outputs are not rounded, their weights are") {
     drawn_step drawn({{5, 4, 3}, extent2d(2, 2), 1}, 1, 4, 1, false, false, 0, 50);
     drawn.net.maps[2].range = calibration_graph::none;
     std::vector<float> found = drawn.maps;
-    node_executor(drawn.net, drawn.net.nodes[0], drawn.folded, true)(found.data(), {1000, 0});
+    node_executor(drawn.net, drawn.net.nodes[0], drawn.folded, true).run(found.data(), {1000, 0});
     const shape to = drawn.net.nodes[0].to;
     for (std::size_t pixel = 0; pixel < to.area(); ++pixel)
         for (std::size_t f = 0; f < 4; ++f)
@@ -195,10 +195,10 @@ TEST_CASE("node_executor: another step does what its function says, and is round
     net.nodes.push_back(step);
     const std::vector<float> folded{9, -3};
     std::vector<float> exact{-4, -2.5f, 0.25f, 0.75f, 200, 0, 0, 0, 0, 0}, rounded = exact;
-    node_executor(net, net.nodes[0], folded, false)(exact.data(), {0.5f, 4});
+    node_executor(net, net.nodes[0], folded, false).run(exact.data(), {0.5f, 4});
     CHECK(std::vector<float>(exact.begin() + 5, exact.end()) ==
           std::vector<float>{-3, -2.5f, 0.25f, 0.75f, 200});
     // Bytes are −2 (so 0), −1 (so 0), 4, 6 and 404 (so 255), of a zero of 4.
-    node_executor(net, net.nodes[0], folded, true)(rounded.data(), {0.5f, 4});
+    node_executor(net, net.nodes[0], folded, true).run(rounded.data(), {0.5f, 4});
     CHECK(std::vector<float>(rounded.begin() + 5, rounded.end()) == std::vector<float>{-2, -2, 0, 1, 125.5f});
 }

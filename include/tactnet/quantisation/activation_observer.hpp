@@ -12,19 +12,20 @@
 #include <string>
 #include <vector>
 
-// What a network makes of images in single precision, beside which a network in 8 bits is judged.
+// Runs a network on images in single precision: observes the range of each map, and the outputs with which
+// those of a network in 8 bits are compared.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// Outputs of the network in 8 bits with these folded numbers, for images one behind the other; false if it
-/// does not recognise one.
+/// Writes the outputs of the network in 8 bits with these folded numbers, for consecutive images; false if it
+/// rejects one.
 using run_quantised = bool (*)(std::span<const float> folded, std::span<const float> images,
                                std::span<float> to);
 
-/// Beyond this numbers are refused, as deploy refuses them in single precision: derived from what a float
-/// holds, 3.4 · 10³⁸, with room for sums over inputs that have been scaled.
+/// Larger numbers are rejected, as deploy does in single precision: derived from the largest float, 3.4 ·
+/// 10³⁸, with room for sums over scaled inputs.
 inline constexpr float largest_number = 1e30f;
 
 [[noreturn, gnu::cold, gnu::noinline]] inline void refuse_calibration_image(std::size_t which) {
@@ -33,20 +34,20 @@ inline constexpr float largest_number = 1e30f;
         std::to_string(which) + " of those taken broken");
 }
 
-/// The numbers that each map held, and the outputs, of a network with exact weights.
+/// Observes the range of each map, and the outputs, of a network with exact weights.
 ///
-/// Where the network ends in a softmax, the outputs are probabilities, as those that it will be asked for. So
-/// an image that is all but certain says little on ranges: what its scores are off by hardly moves its
-/// probabilities, and images whose classes are close decide alone. Who wants scores to be judged calibrates
-/// the list without its softmax: folded numbers are the same.
+/// If the network ends in a softmax, the outputs are probabilities. An image that is classified with near
+/// certainty then has little influence on ranges: errors of its logits hardly move its probabilities, and
+/// images between two classes decide alone. To calibrate on logits, remove the softmax: the folded numbers
+/// are the same.
 class activation_observer {
 public:
-    /// Images beyond these change ranges too little to pay for the time. Chosen, not derived: a range is
-    /// searched with two sweeps of eight runs of all of these for each map, so the time is theirs.
+    /// More images change ranges too little to justify the time. Chosen, not derived: the search runs all of
+    /// these images sixteen times for each map.
     static constexpr std::size_t most_observed = 256;
 
-    /// `folded`: the mean frame, two places for what words hold, then the numbers of all steps. The input is
-    /// (count − mean) × scale. Of more images than `most_observed`, some in even distances are observed.
+    /// `folded`: the mean frame, two numbers for the words, then the numbers of all steps. The input is
+    /// (count − mean) × scale. Of more images than `most_observed`, evenly spaced ones are observed.
     [[gnu::cold]] activation_observer(const calibration_graph& net, std::span<const float> folded,
                                       float scale, std::span<const float> images)
         : count_(images.size() / net.maps[0].size.size()) {
@@ -54,14 +55,14 @@ public:
         choose(net.maps[0].size.size(), images);
         observe(net, folded, scale);
     }
-    /// Of all maps with this range, and never above 0.
+    /// The minimum of all maps with this range, at most 0.
     [[nodiscard]] double lowest(std::size_t range) const { return static_cast<double>(lowest_[range]); }
-    /// Of all maps with this range, and never below 0.
+    /// The maximum of all maps with this range, at least 0.
     [[nodiscard]] double highest(std::size_t range) const { return static_cast<double>(highest_[range]); }
-    /// Of each observed image, [channel][row][column].
+    /// The outputs of each observed image, [channel][row][column].
     [[nodiscard]] std::span<const float> outputs() const { return outputs_; }
 
-    /// The mean square of what the outputs in 8 bits differ by, on the observed images.
+    /// The mean squared error of the outputs in 8 bits on the observed images.
     [[nodiscard]] [[gnu::cold]] double error_of(run_quantised recognise,
                                                 std::span<const float> folded) const {
         std::vector<float> found(outputs_.size());
@@ -81,7 +82,7 @@ private:
             if (!(std::abs(images[e]) <= largest_number))
                 refuse_calibration_image(e / size);
     }
-    /// Which of the images the i-th observed one is.
+    /// The index of the i-th observed image among all images.
     [[nodiscard]] std::size_t observed(std::size_t i) const {
         return i * count_ / std::min(count_, most_observed);
     }
@@ -97,8 +98,8 @@ private:
         const feature_map& last = net.maps[net.nodes.back().output];
         const std::size_t images = images_.size() / input.size();
         outputs_ = std::vector<float>(images * last.size.size());
-        // A step's weights are brought into order once for some images, whose maps are kept. Chosen: of
-        // sixteen each pays a sixteenth of that order, and their maps need little memory.
+        // The weights of a node are packed once for this many images, whose maps are kept. Chosen: packing
+        // then costs little per image, and sixteen images need little memory.
         constexpr std::size_t together = 16;
         std::vector<float> maps(std::min(images, together) * net.numbers);
         for (std::size_t first = 0; first < images; first += together) {
@@ -107,9 +108,9 @@ private:
                 write_reference_input(input, folded, scale, images_.data() + (first + i) * input.size(),
                                       false, maps.data() + i * net.numbers);
             for (const graph_node& step : net.nodes) {
-                const node_executor run(net, step, folded, false);
+                const node_executor executor(net, step, folded, false);
                 for (std::size_t i = 0; i < some; ++i)
-                    run(maps.data() + i * net.numbers, {});
+                    executor.run(maps.data() + i * net.numbers, {});
             }
             for (std::size_t i = 0; i < some; ++i) {
                 observe_maps(net, maps.data() + i * net.numbers);
@@ -142,7 +143,7 @@ private:
 
     std::size_t count_;
     std::vector<float> images_, outputs_;
-    std::vector<float> lowest_, highest_; ///< of each range
+    std::vector<float> lowest_, highest_; ///< per range
 };
 
 } // namespace detail

@@ -13,22 +13,21 @@
 #include <utility>
 #include <vector>
 
-// From a description, folded numbers and images to ranges and weights of 8 bits, one part after the other:
-// compiled once for all networks.
+// Calibrates a network given as a graph: ranges, then weights. Compiled once for all networks.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// The steps of a count in words of 16 bits, as many as fit, a power of two, and the largest |count − mean|
-/// that words then hold: written behind the mean frame.
+/// Writes the steps per count of words of 16 bits, the largest power of two that fits, and the largest |count
+/// − mean| of such words after the mean frame.
 [[gnu::cold]] inline void set_words(std::size_t size, std::span<const float> images,
                                     std::span<float> folded) {
-    // Counts of 8 bits keep every bit, and the mean 1/256 of a count. 255 × 128 = 32640 have to fit, so the
-    // largest word is taken between that and 32767: count and mean are each off by half a step when rounded,
-    // so the difference by one.
+    // Counts of 8 bits keep every bit, and the mean 1/256 of a count. 255 × 128 = 32640 must fit, and
+    // rounding count and mean changes their difference by up to one step: the largest word lies between that
+    // and 32767.
     constexpr float most_steps = 128, largest_word = 32700, largest_count = 255;
-    // No number that is not refused needs as few: 32700 / 10³⁰ is above. It ends the loop at infinity.
+    // No accepted number needs fewer: 32700 / 10³⁰ is more. It ends the loop at infinity.
     constexpr float fewest_steps = 1e-30f;
     float furthest = largest_count;
     for (std::size_t e = 0; e < images.size(); ++e)
@@ -41,11 +40,11 @@ namespace detail {
     folded[size] = steps, folded[size + 1] = largest_word / steps;
 }
 
-/// A network whose ranges and weights have been found.
+/// A network with the ranges and weights of 8 bits.
 class calibrated_network {
 public:
-    /// `folded`: the mean frame, two places for what words hold, then the numbers of all steps with room for
-    /// ranges. The input is (count − mean) × scale.
+    /// `folded`: the mean frame, room for two numbers of the words, then the numbers of all steps with room
+    /// for ranges. The input is (count − mean) × scale.
     [[gnu::cold]] calibrated_network(const calibration_graph& net, std::vector<float>&& folded, float scale,
                                      std::span<const float> images, run_quantised recognise)
         : folded_(std::move(folded)) {
@@ -63,15 +62,15 @@ public:
     }
     [[nodiscard]] std::span<const float> folded() const { return folded_; }
     [[nodiscard]] std::span<float> folded() { return folded_; }
-    /// The mean square of what outputs differ by from those in single precision.
+    /// The mean squared error of the outputs relative to single precision.
     [[nodiscard]] double error() const { return error_; }
-    /// The same, with weights that are merely rounded.
+    /// The error with nearest weights.
     [[nodiscard]] double error_of_rounded() const { return error_of_rounded_; }
-    /// With a range of their own.
+    /// The number of maps with a range of their own.
     [[nodiscard]] std::size_t maps() const { return maps_; }
 
 private:
-    /// What no network has, in single precision or in 8 bits.
+    /// Rejects numbers that no deployed network has.
     [[gnu::cold]] void check(std::size_t size, float scale) const {
         const auto refuse = [](const std::string& what, float found) {
             throw std::invalid_argument("deploy: expected " + what +

@@ -19,13 +19,12 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Finds the ranges of the maps of a network in 8 bits, and rounded weights that make up for errors, from
-/// images, which should be training images: never those that it is judged by. First each map gets the range
-/// that its numbers had; then, map by map, the fraction of that range is taken with which the outputs differ
-/// least, by the sum of their squares, from those in single precision (of a network that ends in a softmax,
-/// probabilities). Then, step by step, the whole weights and the biases are taken with which the sums, of
-/// maps as 8 bits round them, come nearest to the exact ones, where that is so on images that took no part.
-/// No labels, no learning rate, no chance.
+/// Post-training quantisation: finds activation ranges and rounded weights of a network in 8 bits from
+/// training images; keep test images out. First each map gets the range of its numbers on the images. Then,
+/// map by map, the range is reduced to the fraction with which the outputs (after a softmax, probabilities)
+/// have the least squared error relative to single precision. Then, step by step, weights and biases are
+/// chosen with which the sums over maps in 8 bits come closest to the exact sums, if that holds on images
+/// held out. There are no labels, no learning rate and no random numbers.
 template <class Network>
 class eight_bit_calibration {
     using plan = lowered_network<Network, eight_bit>;
@@ -35,28 +34,27 @@ class eight_bit_calibration {
 public:
     static constexpr shape input_shape = Network::input_shape;
     static constexpr std::size_t outputs = view::outputs;
-    /// Images beyond these change weights too little to pay for the time.
+    /// More images change weights too little to justify the time.
     static constexpr std::size_t most_images = 1024;
 
-    /// The input is (count − mean) × scale. `frames` holds images one behind the other,
-    /// [channel][row][column]; of more than `most_images`, images in even distances are taken. Throws
-    /// std::invalid_argument unless there is at least one whole image, and if a form cannot be made of the
-    /// network or an image is broken.
+    /// The input is (count − mean) × scale. `frames` holds consecutive images, [channel][row][column]; of
+    /// more than `most_images`, evenly spaced ones are used. Throws std::invalid_argument unless there is at
+    /// least one whole image, and if a number of the network or of an image is not finite or beyond 1e30.
     [[gnu::cold]] eight_bit_calibration(const Network& network,
                                         std::span<const float, input_shape.size()> mean, float scale,
                                         const frames_ref<input_shape>& frames)
         : found_(calibration_graph_of<view>(), folded_of(network, mean), scale, chosen(frames), infer) {
         round_weights(folded_layout_of<view>(), found_.folded());
     }
-    /// Of `deployed`, with these ranges; weights are whole multiples of their scales.
+    /// The folded numbers of `deployed`; weights are whole multiples of their scales.
     [[nodiscard]] std::span<const float, view::folded_elements> folded() const {
         return found_.folded().template first<view::folded_elements>();
     }
-    /// The root of the mean square of what outputs differ by from those in single precision, on the images.
+    /// The root mean squared error of the outputs relative to single precision, on the images.
     [[nodiscard]] double output_error() const { return std::sqrt(found_.error()); }
-    /// The same of weights that are merely rounded: no less.
+    /// The root mean squared error with nearest weights: no less.
     [[nodiscard]] double output_error_of_rounded() const { return std::sqrt(found_.error_of_rounded()); }
-    /// How many maps have a range of their own.
+    /// The number of maps with a range of their own.
     [[nodiscard]] std::size_t maps() const { return found_.maps(); }
 
 private:
@@ -97,8 +95,8 @@ private:
     detail::calibrated_network found_;
 };
 
-/// A trained network in 8 bits, for inputs (count − mean) × scale. `images` are training images, from which
-/// the ranges of its maps are measured. Throws std::invalid_argument as eight_bit_calibration.
+/// Deploys a trained network in 8 bits, for inputs (count − mean) × scale. `images` are training images,
+/// which set the activation ranges. Throws std::invalid_argument as eight_bit_calibration.
 template <class Format, class Network>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] deployed<Network, eight_bit> deploy(const Network& network,
@@ -109,7 +107,7 @@ template <class Format, class Network>
         eight_bit_calibration<Network>(network, mean, scale, images).folded());
 }
 
-/// A trained network in 8 bits, with the names of its classes:
+/// Deploys a trained network in 8 bits, with the names of its classes:
 ///
 ///     const auto network = deploy<eight_bit>(model, training_images);
 template <class Format, class Network>

@@ -9,21 +9,21 @@
 #include <utility>
 #include <vector>
 
-// Whole weights of a filter, chosen for the sums they give and not one by one: those with which its sums, of
-// inputs as 8 bits round them, come nearest to what they should be. As GPTQ does, a layer by itself, by the
-// squares of what its sums miss; by coordinate descent in place of GPTQ's one pass over the columns.
+// Rounds the weights of a filter together, so that its sums over inputs in 8 bits come closest to the exact
+// sums. As GPTQ does, layer by layer and by least squares; by coordinate descent in place of GPTQ's one pass
+// over the columns.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// Sums over many pixels: of inputs, of what filters should make of them, and of products of both.
+/// Moments over many pixels: of the inputs, of the exact sums of filters, and of products of both.
 class pixel_moments {
 public:
     [[gnu::cold]] pixel_moments(std::size_t taps, std::size_t filters)
         : taps_(taps), x_(taps), y_(filters), yy_(filters), xx_(taps * taps), xy_(filters * taps) {}
 
-    /// A pixel: those of its inputs that are not 0, by tap, and what each filter should come to.
+    /// Adds a pixel: its inputs that are not 0, by tap, and the exact sum of each filter.
     void add(std::span<const std::pair<std::size_t, float>> inputs, std::span<const float> wanted) {
         count_ += 1;
         for (std::size_t f = 0; f < y_.size(); ++f) {
@@ -46,14 +46,14 @@ public:
     [[nodiscard]] double covariance_with_wanted(std::size_t filter, std::size_t tap) const {
         return (xy_[filter * taps_ + tap] - x_[tap] * y_[filter] / count_) / count_;
     }
-    /// With which a filter's sums have the mean that they should have.
+    /// The bias with which a filter's sums have the exact mean.
     [[nodiscard]] double best_bias(std::size_t filter, std::span<const float> weights) const {
         double sum = y_[filter];
         for (std::size_t t = 0; t < taps_; ++t)
             sum -= static_cast<double>(weights[t]) * x_[t];
         return sum / count_;
     }
-    /// The mean square of what a filter misses.
+    /// The mean squared error of a filter's sums.
     [[nodiscard]] double error(std::size_t filter, std::span<const float> weights, double bias) const {
         double sum = yy_[filter] + count_ * bias * bias - 2 * bias * y_[filter];
         for (std::size_t t = 0; t < taps_; ++t) {
@@ -74,20 +74,19 @@ private:
     std::vector<double> x_, y_, yy_, xx_, xy_;
 };
 
-/// What all filters over the same inputs have in common.
+/// Rounds filters over the same inputs.
 class filter_rounding {
 public:
-    /// How strongly weights are pulled to the exact ones, beside the mean variance of an input: enough that
-    /// inputs which hardly vary do not leave a weight to chance. Measured with the authors' TactNet-4 at
-    /// 14 × 25, calibrated on four fifths of 110 images, five times: from 0 to 0.1 outputs on these images
-    /// are off by 0.099 to 0.107 (least at 0.001), merely rounded ones by 0.160. So the figure matters
-    /// little.
+    /// The weight of a penalty on the distance to the exact weights, relative to the mean variance of an
+    /// input: enough that inputs which hardly vary do not leave a weight undetermined. Measured with the
+    /// authors' TactNet-4 at 14 × 25, calibrated on four fifths of 110 images, five times: from 0 to 0.1 the
+    /// error of outputs on these images is 0.099 to 0.107 (least at 0.001), with nearest rounding 0.160. So
+    /// the figure matters little.
     static constexpr double pull_to_exact = 1e-3;
-    /// Times that each weight gets its turn. It is this that ends most fits, with moves left that bring
-    /// little. Measured as above: after 1, 2, 4, 8 and 64 rounds outputs are off by 0.108, 0.104, 0.103,
-    /// 0.099, 0.102.
+    /// Rounds of the descent. This limit ends most fits, with small moves left. Measured as above: after 1,
+    /// 2, 4, 8 and 64 rounds the error of outputs is 0.108, 0.104, 0.103, 0.099, 0.102.
     static constexpr int most_rounds = 8;
-    /// Of a weight, so that it has a place in a signed byte, and its negative one too.
+    /// Weights saturate to ±127, so that a signed byte holds their negatives too.
     static constexpr double most_steps = 127;
 
     [[gnu::cold]] filter_rounding(const pixel_moments& seen, std::size_t taps)
@@ -99,10 +98,10 @@ public:
             pull_ += covariance_[t * taps + t] * pull_to_exact / static_cast<double>(taps);
     }
 
-    /// From exact weights, the whole multiples of `scale`. Each weight in turn takes the value that is best
-    /// beside all others, until none moves or `most_rounds` have passed: the sums come nearer with every
-    /// move. What inputs hardly tell is pulled to the exact weight.
-    void operator()(std::size_t filter, std::span<const float> exact, float scale, std::span<float> weights) {
+    /// Rounds exact weights to whole multiples of `scale`. Each weight in turn takes the value that is best
+    /// beside all others, until none moves or `most_rounds` have passed: every move reduces the error of the
+    /// sums.
+    void round(std::size_t filter, std::span<const float> exact, float scale, std::span<float> weights) {
         const auto step = static_cast<double>(scale);
         std::vector<double> whole(taps_);
         for (std::size_t t = 0; t < taps_; ++t)

@@ -19,11 +19,11 @@ namespace detail {
 /// Appends steps to a graph.
 class graph_builder {
 public:
-    /// `folded`: the numbers in front of those of the steps.
+    /// `folded`: how many folded numbers come before the first step.
     graph_builder(shape input, std::size_t folded) : folded_(folded) { net_.add_map(input, 0); }
     [[nodiscard]] calibration_graph& network() { return net_; }
 
-    /// Appends a step that reads a map, and returns the map that it writes: `into`, if that is one.
+    /// Appends a step that reads a map, and returns the map that it writes: `into`, unless that is none.
     template <class Step>
     std::size_t append(std::size_t input, std::size_t into = calibration_graph::none) {
         std::size_t output = input;
@@ -149,7 +149,7 @@ private:
             return add_node<Step>({.reference = reference, .input = input},
                                   net_.add_map(Step::output, net_.maps[input].range));
     }
-    /// One whose output has a range of its own, or is the network's.
+    /// A step whose output has a range of its own, or is the output of the network.
     template <class Step>
     std::size_t add_parameters(const graph_node& step, std::size_t into) {
         std::size_t range = calibration_graph::none;
@@ -178,7 +178,7 @@ private:
 
 } // namespace detail
 
-/// Of a deployed_view in 8 bits.
+/// The calibration graph of a deployed_view in 8 bits.
 template <class View>
 [[nodiscard]] [[gnu::cold]] detail::calibration_graph calibration_graph_of() {
     detail::graph_builder builder(View::input_shape, View::steps_folded);

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-// One step of a description, run by plain loops in single precision: as it is, or with every number rounded
-// as 8 bits round it.
+// Executes one node of the calibration graph by plain loops in single precision, exact or with every number
+// rounded to 8 bits.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -22,11 +22,11 @@ namespace detail {
 /// A step with its weights in the order of use.
 class node_executor {
 public:
-    /// What the sums of one pixel come to, one for each filter.
+    /// The sums of one pixel, one per filter.
     using sums = aligned_vector<float>;
 
-    /// `folded`: all folded numbers of the network. `rounded`: weights and what is written become those of 8
-    /// bits; ranges and scales are among the folded numbers.
+    /// `folded`: all folded numbers of the network. `rounded`: weights and outputs are rounded to 8 bits,
+    /// with the ranges and scales among the folded numbers.
     [[gnu::cold]] node_executor(const calibration_graph& net, const graph_node& step,
                                 std::span<const float> folded, bool rounded)
         : net_(net),
@@ -37,8 +37,8 @@ public:
             order_weights(rounded);
     }
 
-    /// From maps of an image to one of them. `output` is the range of that map.
-    [[gnu::cold]] void operator()(float* maps, const map_range& output) const {
+    /// Reads maps of an image and writes one of them, whose range is `output`.
+    [[gnu::cold]] void run(float* maps, const map_range& output) const {
         const float* const in = maps + net_.maps[step_.input].begin;
         float* const out = maps + net_.maps[step_.output].begin;
         const shape to = step_.to;
@@ -54,7 +54,7 @@ public:
                 }
     }
 
-    /// Of a convolution, at one of its pixels: what its filters come to, with bias and what it adds to.
+    /// The sums of a convolution at one pixel, with the bias and the map that it adds to.
     [[gnu::noinline]] void sums_at(const float* maps, std::size_t y, std::size_t x, sums& to) const {
         const feature_map& from = net_.maps[step_.input];
         const std::size_t in_group = padded_ * step_.taps();
@@ -77,7 +77,7 @@ public:
             to[place_of(f)] +=
                 maps[added.begin + (y * step_.window.output_columns() + x) * added.size.channels + f];
     }
-    /// Where the sum of a filter lies.
+    /// The index of the sum of a filter.
     [[nodiscard]] std::size_t place_of(std::size_t filter) const {
         const std::size_t of_group = step_.filters / step_.groups;
         return filter / of_group * padded_ + filter % of_group;
@@ -104,7 +104,7 @@ private:
     [[nodiscard]] float rectified(float value) const {
         return step_.rectified ? std::max(value, 0.0f) : value;
     }
-    /// What the byte stands for that a number becomes.
+    /// A number rounded to a byte of the range.
     [[nodiscard]] static float nearest(float value, const map_range& range) {
         constexpr float largest_byte = 255;
         return (std::clamp(std::nearbyint(value / range.scale) + range.zero, 0.0f, largest_byte) -
@@ -150,7 +150,7 @@ private:
     const graph_node& step_;
     const float* of_step_;
     bool rounded_;
-    std::size_t padded_ = 0;                 ///< filters of a group, whole vectors
+    std::size_t padded_ = 0;                 ///< filters of a group, rounded up to whole vectors
     aligned_vector<float> weights_, biases_; ///< [group][tap][filter], [group][filter]
 };
 

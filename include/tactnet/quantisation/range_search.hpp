@@ -11,22 +11,22 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// The range of each map: the fraction of what it held with which the outputs in 8 bits come nearest to those
-/// in single precision, map by map beside the ranges of all others.
+/// Searches the range of each map: the fraction of the observed range with which the outputs in 8 bits come
+/// closest to the outputs in single precision, map by map, the ranges of the others fixed.
 class range_search {
 public:
-    /// The largest first, so that of equal ones it is kept. Rounding errors grow with the range: 0.95 of it
-    /// saves a twentieth of them, one half all that a further bit would. Chosen, finer near 1 since cutting
-    /// off numbers soon costs more than that saves. Measured with the authors' TactNet-4 at 14 × 25,
-    /// calibrated on four fifths of 110 images, five times: outputs with rounded weights are off by 0.1598,
-    /// by 0.1612 with full ranges. What is gained is for maps with outliers.
+    /// The largest first, so that it wins ties. Rounding errors grow with the range: 0.95 of it saves a
+    /// twentieth of them, one half as much as a further bit. Chosen, finer near 1 since clipping soon costs
+    /// more than that saves. Measured with the authors' TactNet-4 at 14 × 25, calibrated on four fifths of
+    /// 110 images, five times: the error of outputs with rounded weights is 0.1598, with full ranges 0.1612.
+    /// Maps with outliers gain most.
     static constexpr std::array fractions{1.0, 0.95, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5};
-    /// In the second, each range is searched once more beside those that the first has found. Measured as
-    /// above: none of the five networks changed in it, nor in a third.
+    /// The second sweep searches each range again beside the ranges found by the first. Measured as above:
+    /// none of the five networks changed in it, nor in a third.
     static constexpr int sweeps = 2;
 
-    /// Writes the ranges, and the scales that follow from them, to the folded numbers of the network, in
-    /// front of which it finds how many steps a count has in words.
+    /// Writes the ranges, and the scales that follow from them, to the folded numbers of the network, which
+    /// begin with the mean and the steps per count of the words.
     [[gnu::cold]] range_search(const calibration_graph& net, const activation_observer& seen, float scale,
                                run_quantised recognise, std::span<float> folded)
         : net_(net), seen_(seen), scale_(scale), folded_(folded) {
@@ -48,9 +48,9 @@ public:
             }
         set_ranges(of_full);
     }
-    /// That of words first.
+    /// The range of the words first.
     [[nodiscard]] std::span<const map_range> ranges() const { return ranges_; }
-    /// The mean square of what outputs differ by, with these ranges.
+    /// The mean squared error of the outputs with these ranges.
     [[nodiscard]] double error() const { return error_; }
 
 private:

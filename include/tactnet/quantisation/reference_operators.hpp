@@ -11,15 +11,14 @@
 #include <span>
 #include <utility>
 
-// What the frame and steps make of a map, by plain loops in single precision, but for convolutions. No
-// templates, so that each is compiled once, and none that no description mentions.
+// Operators of the calibration graph, as plain loops in single precision; node_executor has convolutions.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// The first map of an image: as it is, or as words round it. In front of all folded numbers are the mean and
-/// how many steps a count has in words; the input is (count − mean) × scale.
+/// Writes the first map of an image, exact or rounded to words. The folded numbers begin with the mean and
+/// the steps per count of the words; the input is (count − mean) × scale.
 [[gnu::cold]] inline void write_reference_input(const shape& input, std::span<const float> folded,
                                                 float scale, const float* image, bool rounded, float* to) {
     const float steps = folded[input.size()];
@@ -52,7 +51,6 @@ template <class Function>
         out[e] = static_cast<float>(std::sqrt(std::max(static_cast<double>(in[e]), 0.0) + step.offset) -
                                     std::sqrt(step.offset));
 }
-/// Of a window.
 [[gnu::cold]] inline void reference_max_pool(const graph_node& step, const float*, const float* in,
                                              float* out) {
     const sliding_window& w = step.window;
@@ -73,7 +71,6 @@ template <class Function>
                 out[e] = std::max(out[e], in[(y * from.columns + x) * from.channels + c]);
     }
 }
-/// Of a window.
 [[gnu::cold]] inline void reference_average_pool(const graph_node& step, const float*, const float* in,
                                                  float* out) {
     const shape from = step.from;
@@ -87,7 +84,7 @@ template <class Function>
         }
     });
 }
-/// As a step of its own says.
+/// The operator of a step with a function `reference`.
 template <class Step>
 void reference_own_step(const graph_node&, const float* folded, const float* in, float* out) {
     Step::reference(folded, in, out);

@@ -15,8 +15,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// Of the pixels of images one behind the other, every how many-th is taken where `enough` of them do:
-/// without a factor in common with the pixels of an image, so that each of these is met.
+/// The stride over the pixels of consecutive images with which about `enough` pixels are used. It has no
+/// common factor with the pixels of an image, so that it meets each of them.
 [[nodiscard]] inline std::size_t pixel_stride(std::size_t images, std::size_t pixels, std::size_t enough) {
     const std::size_t wanted = std::max<std::size_t>(images * pixels / enough, 1);
     for (std::size_t off = 0;; ++off) { // the nearest such number; 1 is one of them
@@ -27,31 +27,30 @@ namespace detail {
     }
 }
 
-/// Gives a network rounded weights and biases that make up for rounding errors, step by step: those with
-/// which sums, made of maps as 8 bits round them, come nearest to the exact ones. So each step also mends
-/// what those before it have left. A filter keeps weights that are merely rounded where others do not come
-/// nearer on every eighth image, which the fit does not see.
+/// Rounds weights and biases step by step so that they compensate for rounding errors: the sums over maps in
+/// 8 bits come closest to the exact sums. So each step also compensates for the errors of the steps before
+/// it. A filter keeps the nearest weights unless the fitted ones reduce the error on every eighth image,
+/// which the fit does not use.
 class weight_rounding {
 public:
-    /// One image in this many judges and takes no part in the fit. Chosen: an eighth costs the fit little.
-    static constexpr std::size_t judges_every = 8;
-    /// With fewer there is no judge, and weights stay as they are.
-    static constexpr std::size_t fewest_images = judges_every;
-    /// Of each image all maps are kept, exact and rounded: as many numbers as 128 MB hold.
+    /// One image in this many is held out for validation. Chosen: an eighth costs the fit little.
+    static constexpr std::size_t held_out_every = 8;
+    /// With fewer images none is held out, and weights are rounded to the nearest.
+    static constexpr std::size_t fewest_images = held_out_every;
+    /// All maps of each image are kept, exact and rounded, in at most 128 MB.
     static constexpr std::size_t most_kept = (std::size_t{128} << 20) / sizeof(float);
-    /// Convolutions with more are left as they are: memory and time grow with their square. Of this many,
-    /// each of the three tables of products (of images that fit, of judges, and their covariance) takes 32
-    /// MB.
+    /// Convolutions with more taps get the nearest weights: memory and time grow with the square of the taps.
+    /// With this many, each of the three tables of products (of the fit, of the validation, and the
+    /// covariance) takes 32 MB.
     static constexpr std::size_t most_taps = 2048;
-    /// Of a convolution as many pixels are looked at, or all. Derived: a covariance of as many numbers as it
-    /// has taps needs several times as many samples. Measured as in filter_rounding, with 1024, 2048, 8192
-    /// and 65536 in place of the second: outputs are off by 0.109, 0.105, 0.099, 0.101.
+    /// A convolution is fitted on this many pixels, or on all. Derived: a covariance over the taps needs
+    /// several times as many samples as taps. Measured as in filter_rounding, with 1024, 2048, 8192 and 65536
+    /// in place of the second: the error of outputs is 0.109, 0.105, 0.099, 0.101.
     static constexpr std::size_t pixels_of_tap = 8, fewest_pixels = 8192;
-    /// Magnitudes that sums must bear: of a word of 16 bits, and of a byte without a sign.
+    /// The largest inputs of sums: a word of 16 bits, an unsigned byte.
     static constexpr double largest_word = 32768, largest_byte = 255;
 
-    /// `exact`: folded numbers whose weights are not rounded, with ranges and scales. `images` lie one behind
-    /// the other.
+    /// `exact`: folded numbers with exact weights, with ranges and scales. `images` are consecutive.
     [[gnu::cold]] weight_rounding(const calibration_graph& net, std::span<const map_range> ranges,
                                   std::span<const float> exact, float scale, std::span<const float> images)
         : net_(net),
@@ -72,18 +71,18 @@ public:
             write_reference_input(input, exact, scale, image, true, rounded_maps_.data() + i * net.numbers);
         }
         for (const graph_node& step : net.nodes) {
-            const node_executor exactly(net, step, exact_, false);
+            const node_executor exact_run(net, step, exact_, false);
             if (step.is_convolution() && step.taps() <= most_taps)
-                fit(step, exactly);
-            const node_executor roundly(net, step, folded_, true);
+                fit(step, exact_run);
+            const node_executor rounded_run(net, step, folded_, true);
             const map_range& range = range_of(step.output);
             for (std::size_t i = 0; i < images_; ++i) {
-                exactly(exact_maps_.data() + i * net.numbers, range);
-                roundly(rounded_maps_.data() + i * net.numbers, range);
+                exact_run.run(exact_maps_.data() + i * net.numbers, range);
+                rounded_run.run(rounded_maps_.data() + i * net.numbers, range);
             }
         }
     }
-    /// Of the network, with the weights that were found.
+    /// The folded numbers of the network with the weights found.
     [[nodiscard]] std::span<const float> folded() const { return folded_; }
 
 private:
@@ -92,21 +91,21 @@ private:
         return net_.maps[map].range == calibration_graph::none ? any : ranges_[net_.maps[map].range];
     }
 
-    [[gnu::cold]] void fit(const graph_node& step, const node_executor& exactly) {
+    [[gnu::cold]] void fit(const graph_node& step, const node_executor& exact_run) {
         const std::size_t of_group = step.filters / step.groups;
         for (std::size_t group = 0; group < step.groups; ++group) {
-            pixel_moments seen(step.taps(), of_group), judges(step.taps(), of_group);
-            add_pixels(step, exactly, group, seen, judges);
-            if (seen.empty() || judges.empty())
+            pixel_moments seen(step.taps(), of_group), held_out(step.taps(), of_group);
+            add_pixels(step, exact_run, group, seen, held_out);
+            if (seen.empty() || held_out.empty())
                 continue;
             filter_rounding best(seen, step.taps());
             for (std::size_t f = 0; f < of_group; ++f)
-                fit_filter(step, group * of_group + f, f, best, seen, judges);
+                fit_filter(step, group * of_group + f, f, best, seen, held_out);
         }
     }
     [[gnu::cold]] void fit_filter(const graph_node& step, std::size_t filter, std::size_t in_group,
                                   filter_rounding& best, const pixel_moments& seen,
-                                  const pixel_moments& judges) {
+                                  const pixel_moments& held_out) {
         const std::size_t taps = step.taps(), all = step.filters * taps;
         float* const of_step = folded_.data() + step.folded;
         const std::span<float> weights(of_step + filter * taps, taps);
@@ -115,28 +114,28 @@ private:
         std::vector<float> rounded(taps), fitted(taps);
         for (std::size_t t = 0; t < taps; ++t)
             rounded[t] = static_cast<float>(quantised(weights[t], static_cast<double>(scale))) * scale;
-        best(in_group, weights, scale, fitted);
+        best.round(in_group, weights, scale, fitted);
         const auto fitted_bias = static_cast<float>(seen.best_bias(in_group, fitted));
         const step_ranges ranges{range_of(step.input), range_of(step.added), range_of(step.output)};
         const double largest_input = net_.maps[step.input].range == 0 ? largest_word : largest_byte;
         const bool fits = filter_of(fitted.data(), taps, static_cast<double>(fitted_bias), scale, ranges,
                                     step.adds, largest_input, 0)
                               .fits();
-        if (!fits || !(judges.error(in_group, fitted, static_cast<double>(fitted_bias)) <
-                       judges.error(in_group, rounded, static_cast<double>(bias))))
+        if (!fits || !(held_out.error(in_group, fitted, static_cast<double>(fitted_bias)) <
+                       held_out.error(in_group, rounded, static_cast<double>(bias))))
             return;
         std::copy(fitted.begin(), fitted.end(), weights.begin());
         bias = fitted_bias;
     }
 
-    /// Of all images and pixels, or of some in even distances where many tell no more.
-    void add_pixels(const graph_node& step, const node_executor& exactly, std::size_t group,
-                    pixel_moments& seen, pixel_moments& judges) const {
+    /// Adds the pixels of all images, or evenly spaced ones where there are more than enough.
+    void add_pixels(const graph_node& step, const node_executor& exact_run, std::size_t group,
+                    pixel_moments& seen, pixel_moments& held_out) const {
         const std::size_t rows = step.window.output_rows(), columns = step.window.output_columns();
         const std::size_t every =
             pixel_stride(images_, rows * columns, std::max(pixels_of_tap * step.taps(), fewest_pixels));
         const std::size_t of_group = step.filters / step.groups;
-        node_executor::sums sums = exactly.make_sums();
+        node_executor::sums sums = exact_run.make_sums();
         std::vector<std::pair<std::size_t, float>> inputs(step.taps());
         std::vector<float> wanted(of_group);
         std::size_t pixel = 0;
@@ -146,21 +145,21 @@ private:
                 for (std::size_t x = 0; x < columns; ++x) {
                     if (pixel++ % every != 0)
                         continue;
-                    exactly.sums_at(exact_maps_.data() + i * net_.numbers, y, x, sums);
+                    exact_run.sums_at(exact_maps_.data() + i * net_.numbers, y, x, sums);
                     for (std::size_t f = 0; f < of_group; ++f) {
                         const std::size_t filter = group * of_group + f;
-                        wanted[f] = sums[exactly.place_of(filter)];
+                        wanted[f] = sums[exact_run.place_of(filter)];
                         if (step.adds) // the other map is what it is
                             wanted[f] -= in[net_.maps[step.added].begin +
                                             (y * columns + x) * net_.maps[step.added].size.channels + filter];
                     }
                     std::size_t found = 0;
-                    exactly.for_each_tap(y, x, [&](std::size_t g, std::size_t tap, std::size_t place) {
+                    exact_run.for_each_tap(y, x, [&](std::size_t g, std::size_t tap, std::size_t place) {
                         const float value = in[net_.maps[step.input].begin + place];
                         if (g == group && value != 0)
                             inputs[found++] = {tap, value};
                     });
-                    (i % judges_every == judges_every - 1 ? judges : seen)
+                    (i % held_out_every == held_out_every - 1 ? held_out : seen)
                         .add(std::span(inputs.data(), found), wanted);
                 }
         }
