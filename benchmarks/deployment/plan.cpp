@@ -55,7 +55,7 @@ void print(const benchmark::network_report& report, const cache_sizes& caches, d
     std::printf("\n%s: %.2f µs a frame, %.0f kB of weights and maps (%s)%s\n", report.name.c_str(),
                 1e6 * report.whole, static_cast<double>(report.bytes) / 1000, from,
                 report.right ? "" : ", WRONG BITS");
-    std::printf("  %-44s %-14s %-12s %8s %6s %8s %6s %9s  %s\n", "layer", "output", "plan", "µs", "peak",
+    std::printf("  %-44s %-14s %-16s %8s %6s %8s %6s %9s  %s\n", "layer", "output", "plan", "µs", "peak",
                 "weights", "GB/s", "alone, µs", "other plan, µs");
     double sum = 0;
     for (const benchmark::layer_report& layer : report.layers) {
@@ -70,7 +70,7 @@ void print(const benchmark::network_report& report, const cache_sizes& caches, d
             std::snprintf(alone, sizeof(alone), "%.2f", 1e6 * layer.alone);
         if (layer.multiply_adds > 0)
             std::snprintf(of_peak, sizeof(of_peak), "%.0f %%", 100 * share);
-        std::printf("  %-44s %-14s %-12s %8.2f %6s %5.0f kB %6.1f %9s  %s\n", layer.what.c_str(),
+        std::printf("  %-44s %-14s %-16s %8.2f %6s %5.0f kB %6.1f %9s  %s\n", layer.what.c_str(),
                     layer.output.c_str(), layer.plan.c_str(), 1e6 * layer.in_network, of_peak,
                     static_cast<double>(layer.weight_bytes) / 1000,
                     1e-9 * static_cast<double>(layer.weight_bytes) / layer.in_network, alone, other);
@@ -83,7 +83,7 @@ void print(const benchmark::network_report& report, const cache_sizes& caches, d
                          share, 1e6 * layer.alone, layer.other_plan.c_str(), 1e6 * layer.by_other,
                          layer.costs.c_str());
     }
-    std::printf("  %-72s %8.2f\n", "all layers, the clock between them", 1e6 * sum);
+    std::printf("  %-76s %8.2f\n", "all layers, the clock between them", 1e6 * sum);
 }
 
 /// Whether the option names this network, or none.

@@ -139,7 +139,7 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::under_row
 template <frame_convolution C>
 struct packed_pixels_method : frame_method {
     using plan = packed_pixels<C>;
-    static constexpr const char* name = "several pixels per vector";
+    static constexpr const char* name = "packed pixels";
     static constexpr bool applicable = plan::suits;
     static constexpr std::uint64_t cost = C.vector_products() * product * waiting(C) / plan::pixels;
     static constexpr std::size_t packed_weights =
