@@ -10,11 +10,19 @@
 // should include no more than this one:
 //
 //     struct hard_tanh_function {
-//         static constexpr const char *name = "hard_tanh", *title = "Hard tanh"; // in weight files; for
-//         people static constexpr const char *type = "own::hard_tanh_function", *header =
-//         "own/hard_tanh.hpp"; template <class T> static constexpr T value(T x) { return x < -1 ? T(-1) : x >
-//         1 ? T(1) : x; } template <class T> static constexpr T backward(T y, T gradient) { return y > -1 &&
-//         y < 1 ? gradient : T(0); }
+//         static constexpr const char* name = "hard_tanh";  // in weight files
+//         static constexpr const char* title = "Hard tanh"; // in comments of exported headers
+//         static constexpr const char* type = "own::hard_tanh_function";
+//         static constexpr const char* header = "own/hard_tanh.hpp"; // that declares it
+//
+//         template <class T>
+//         static constexpr T value(T x) {
+//             return x < -1 ? T(-1) : x > 1 ? T(1) : x;
+//         }
+//         template <class T>
+//         static constexpr T backward(T y, T gradient) {
+//             return y > -1 && y < 1 ? gradient : T(0);
+//         }
 //     };
 //     using hard_tanh = tactnet::activation<hard_tanh_function>;
 //

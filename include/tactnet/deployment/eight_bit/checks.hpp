@@ -13,22 +13,22 @@
 #include <span>
 #include <string>
 
-// Whether folded numbers are those of a network in 8 bits: with any others, sums might pass 32 bits, or bytes
-// stand for nothing.
+// Checks folded numbers of a network in 8 bits: others might overflow sums of 32 bits or give bytes no
+// meaning.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A folded number that cannot be.
+/// A wrong folded number.
 struct folded_problem {
-    std::string array;   ///< as the layout names it; of the frame "input_mean" or "input_words"
-    std::size_t element; ///< its place in the array
+    std::string array;   ///< its name in the layout; for the frame "input_mean" or "input_words"
+    std::size_t element; ///< the index in the array
     std::string expected, found;
 };
 
 namespace detail {
 
-/// Scales are normal numbers, and far from those that might overflow.
+/// Scales are normal numbers that cannot overflow a product.
 inline constexpr float smallest_scale = std::numeric_limits<float>::min(), largest_scale = 1e30f;
 
 [[nodiscard]] inline std::string short_number(double value) {
@@ -37,7 +37,7 @@ inline constexpr float smallest_scale = std::numeric_limits<float>::min(), large
     return text;
 }
 
-/// Looks at one step after the other, and keeps the first problem.
+/// Checks one step after the other, and keeps the first problem.
 class folded_checker {
 public:
     [[gnu::cold]] folded_checker(const folded_layout& layout, std::span<const float> folded)
@@ -62,7 +62,7 @@ private:
 
     [[gnu::cold]] void check_frame(std::size_t size) {
         const float steps = folded_[size], most = folded_[size + 1];
-        // Of a power of two that is a normal number, all bits behind the exponent are 0.
+        // A normal number is a power of two if all bits of its mantissa are 0.
         const bool power = steps >= smallest_scale && (detail::bits_as<std::uint32_t>(steps) & 0x7fffff) == 0;
         require(power && steps <= 0x1p14f, "input_words", 0,
                 "a power of two, at most 16384, as steps of a count", static_cast<double>(steps));
@@ -98,7 +98,7 @@ private:
         const folded_step::array* const array = step.find(map);
         return array == nullptr ? map_range{} : map_range::read(folded_.data() + array->offset);
     }
-    /// The factor from sums to what the step writes.
+    /// Checks the factor from sums to outputs of the step.
     [[gnu::cold]] void check_factor(const std::string& array, std::size_t element, double unit,
                                     const map_range& output) {
         const double factor = unit / static_cast<double>(output.scale);
@@ -142,7 +142,7 @@ private:
 
 } // namespace detail
 
-/// The first problem of as many numbers as the layout says, if there is one.
+/// Returns the first problem of the folded numbers of a layout, if there is one.
 [[nodiscard]] [[gnu::cold]] inline std::optional<folded_problem> find_problem(const folded_layout& layout,
                                                                               std::span<const float> folded) {
     return detail::folded_checker(layout, folded).problem();

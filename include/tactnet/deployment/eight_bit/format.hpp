@@ -12,15 +12,13 @@
 // The number format of 8 bits: maps of bytes, weights of signed bytes with a scale for each filter, sums of
 // 32 bits. A byte q of a map stands for (q − zero) × scale, with one scale and one zero a map.
 //
-// A step with parameters says its folded numbers array by array, in `arrays`: what packs them, checks them
-// and keeps them in files goes by that.
+// A step with parameters lists the arrays of its folded numbers in `arrays`, for packing, checks and files.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// 8 bits between an input and an output: bytes from one step to the next, words of 16 bits where the frame
-/// comes in (deployment/eight_bit/frame.hpp), floats where the outputs leave. Memory of either is counted in
-/// bytes.
+/// The format of a step in 8 bits that reads and writes such numbers: bytes between steps, words of 16 bits
+/// for the frame (deployment/eight_bit/frame.hpp), floats for the outputs. Memory is counted in bytes.
 template <class Input, class Output>
 struct eight_bit_between {
     using activation = std::uint8_t;
@@ -34,11 +32,11 @@ struct eight_bit_between {
 };
 using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;
 
-/// What the bytes of a map stand for: (byte − zero) × scale. The zero is a whole number 0 … 255.
+/// The range of a map: a byte stands for (byte − zero) × scale. The zero is an integer 0 … 255.
 struct map_range {
     float scale = 1, zero = 0;
 
-    /// The range of values from `lowest` to `highest`, both finite; it holds 0, so that padding is exact.
+    /// The range of values from `lowest` to `highest`, both finite. It contains 0, so that padding is exact.
     [[nodiscard]] static constexpr map_range of(double lowest, double highest) {
         lowest = std::min(lowest, 0.0), highest = std::max(highest, 0.0);
         if (!(highest - lowest > 1e-30))
@@ -46,24 +44,25 @@ struct map_range {
         const double scale = (highest - lowest) / 255;
         return {static_cast<float>(scale), static_cast<float>(static_cast<int>(-lowest / scale + 0.5))};
     }
-    /// As they lie among folded numbers.
+    /// Reads a range from folded numbers.
     [[nodiscard]] static constexpr map_range read(const float* from) { return {from[0], from[1]}; }
     constexpr void write(float* to) const { to[0] = scale, to[1] = zero; }
     static constexpr std::size_t numbers = 2;
 };
 
-/// What the numbers of an array are.
+/// The meaning of the numbers of an array.
 enum class folded_kind {
     weights, ///< signed bytes times the scale of their filter; the first extent counts the filters
-    numbers, ///< as they are
-    scales,  ///< of one step of a weight, for each filter
-    range    ///< scale and zero of a map, see map_range
+    numbers, ///< plain numbers
+    scales,  ///< the step of the weights of each filter
+    range    ///< scale and zero of a map: map_range
 };
-/// An array among the folded numbers of a step. Its name says what it is: of a range, the map of the step.
+/// An array of the folded numbers of a step. The array of a range has the name of a map: input, added,
+/// output.
 struct folded_array {
-    const char* name = "";                   ///< "weight", "bias", "input"
-    folded_kind kind = folded_kind::numbers; ///< what its numbers are
-    std::array<std::size_t, 4> extents{};    ///< zeros behind the last
+    const char* name = ""; ///< "weight", "bias", "input"
+    folded_kind kind = folded_kind::numbers;
+    std::array<std::size_t, 4> extents{}; ///< zeros after the last
 
     [[nodiscard]] constexpr std::size_t size() const {
         std::size_t product = 1;

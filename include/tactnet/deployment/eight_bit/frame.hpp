@@ -16,9 +16,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// From counts to words of 16 bits, pixel by pixel: counts × steps − mean × steps, both rounded, so that
+/// Converts counts to words of 16 bits, pixel by pixel: counts × steps − mean × steps, both rounded, so that
 /// counts of 8 bits keep every bit and the mean 1/256 of a count. Folded numbers: the mean frame, the steps
-/// of one count (a power of two), the largest |count − mean| that words hold.
+/// per count (a power of two), the largest |count − mean| that words hold.
 template <shape Input>
 struct input_stage<eight_bit, Input> {
     static constexpr std::size_t folded = Input.size() + 2;
@@ -35,7 +35,7 @@ struct input_stage<eight_bit, Input> {
         detail::store_number(to + map, from[Input.size()]);
         detail::store_number(to + map + sizeof(float), from[Input.size() + 1]);
     }
-    /// Whether all of the frame is finite and within what words hold.
+    /// Returns whether the whole frame is finite and fits into words.
     template <class Count>
     static bool read(const std::int8_t* packed_values, const Count* counts, std::uint8_t* in) noexcept {
         const auto* const mean = reinterpret_cast<const std::int16_t*>(packed_values);
@@ -56,7 +56,7 @@ struct input_stage<eight_bit, Input> {
     }
 };
 
-/// From the floats of the last step to outputs [channel][row][column].
+/// Writes the floats of the last step to outputs [channel][row][column].
 template <shape Output, std::size_t Stride>
 struct output_stage<eight_bit, Output, Stride> {
     static constexpr std::size_t map = whole_lines<std::uint8_t>(Output.area() * Stride * sizeof(float));

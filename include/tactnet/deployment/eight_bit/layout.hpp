@@ -12,24 +12,23 @@
 #include <utility>
 #include <vector>
 
-// The folded numbers of a network in 8 bits, array by array with a name for each, as the steps say them: for
-// what checks them and keeps them in files, which need not know the network's type. A network's own is made
-// by layout_of.hpp.
+// The layout of the folded numbers of a network in 8 bits: named arrays, for checks and files, which need not
+// know the network's type. layout_of.hpp makes the layout of a network's type.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// The arrays of one step.
 struct folded_step {
-    /// One of them.
+    /// A named array.
     struct array : named_array {
-        folded_kind kind; ///< what its numbers are
+        folded_kind kind; ///< the meaning of its numbers
     };
-    std::string name; ///< "step2", "step3.main.step1": its place in the network, with all that it is part of
-    double largest_input = 0;  ///< of a step with weights
+    std::string name;          ///< its path in the network: "step2", "step3.main.step1"
+    double largest_input = 0;  ///< the largest magnitude of an input of a step with weights
     std::vector<array> arrays; ///< in the order of the folded numbers
 
-    /// The array that the step calls so, or none.
+    /// The array of this name in `arrays` of the step, or null.
     [[nodiscard]] const array* find(std::string_view array_name) const {
         for (const array& a : arrays)
             if (std::string_view(a.name).substr(name.size() + 1) == array_name)
@@ -37,19 +36,19 @@ struct folded_step {
         return nullptr;
     }
 };
-/// In the order of the folded numbers.
+/// The layout of all folded numbers, in their order.
 struct folded_layout {
     shape input;
     std::size_t outputs = 0;
-    std::size_t steps_folded = 0;   ///< numbers in front of those of the steps, of the frame
-    std::size_t numbers = 0;        ///< all of them
+    std::size_t steps_folded = 0;   ///< numbers before those of the steps: the frame's
+    std::size_t numbers = 0;        ///< how many there are
     bool ends_in_weights = false;   ///< whether the last step has a filter for each output
     std::vector<folded_step> steps; ///< those with folded numbers
 };
 
 namespace detail {
 
-// What the templates of layout_of.hpp have in common. Not inlined: text is not worth the compiler's time.
+// For the templates of layout_of.hpp; not inlined, to save compile time.
 
 /// Appends a step with these arrays.
 [[gnu::cold, gnu::noinline]] inline void append_step(folded_layout& to, const std::string& name,
@@ -66,7 +65,7 @@ namespace detail {
     }
     to.steps.push_back(std::move(step));
 }
-/// Of a part of a step.
+/// The name of a part of a step.
 [[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string
 part_name(const std::string& name, const char* part, std::size_t place = 0) {
     return name + (name.empty() || *part == 0 ? "" : ".") + part + (place > 0 ? std::to_string(place) : "");
@@ -74,8 +73,7 @@ part_name(const std::string& name, const char* part, std::size_t place = 0) {
 
 } // namespace detail
 
-/// Weights that are no whole multiples of their scales become the nearest ones, as they are packed: what a
-/// file gives back.
+/// Rounds weights to whole multiples of their scales, as packing does, so that a file restores them.
 [[gnu::cold]] inline void round_weights(const folded_layout& layout, std::span<float> folded) {
     for (const folded_step& step : layout.steps)
         if (const auto* const weights = step.find("weight"), * const scales = step.find("scale");

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-// The layout of the folded numbers of a network, from the descriptions of its steps.
+// The layout of the folded numbers of a network's type, from the descriptions of its steps.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -48,7 +48,7 @@ private:
 
 } // namespace detail
 
-/// Of a deployed_view in 8 bits.
+/// The layout of a deployed_view in 8 bits.
 template <class View>
 [[nodiscard]] [[gnu::cold, gnu::noinline]] folded_layout folded_layout_of() {
     using last = typename View::steps::template at<View::steps::size - 1>;

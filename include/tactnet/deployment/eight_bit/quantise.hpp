@@ -9,13 +9,13 @@
 #include <cstdint>
 #include <limits>
 
-// From folded numbers to whole ones, usable when compiling.
+// Rounds folded numbers to integers, also when compiling.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-/// The nearest whole number, ties to the even one; magnitudes below 2⁶².
+/// The nearest integer, ties to even; magnitudes below 2⁶².
 [[nodiscard]] constexpr std::int64_t nearest_even(double value) {
     auto whole = static_cast<std::int64_t>(value);
     const double rest = value - static_cast<double>(whole); // of the same sign as value
@@ -29,7 +29,7 @@ namespace detail {
     return value < 0 ? -value : value;
 }
 
-/// A number of four bytes among packed ones.
+/// Writes a number of four bytes to packed numbers.
 template <class Number>
 constexpr void store_number(std::int8_t* to, Number value) {
     static_assert(sizeof(Number) == 4);
@@ -45,21 +45,21 @@ constexpr void store_byte(std::int8_t* to, double value) {
     return static_cast<std::uint8_t>(*from);
 }
 
-/// How the sums of one filter stand for numbers: sum × unit. Weights are whole multiples of their scale, at
-/// most 127 of them; where the step adds, a byte of the other map counts a whole number of times.
+/// The scale of one filter: a sum stands for sum × unit. Weights are whole multiples of their scale, at most
+/// ±127; where the step adds, a byte of the other map counts a whole number of times.
 struct filter_scale {
-    double weight_scale = 1; ///< of one step of a weight
-    double unit = 1;         ///< of one step of a sum
-    std::int64_t added = 0;  ///< how often a byte of the other map counts
-    std::int64_t start = 0;  ///< of the sum: bias, and what zeros that are not 0 make
-    double most = 0;         ///< the largest magnitude of a sum, and of all on the way to it
+    double weight_scale = 1; ///< the step of the weights
+    double unit = 1;         ///< the step of the sums
+    std::int64_t added = 0;  ///< the factor of a byte of the other map
+    std::int64_t start = 0;  ///< of the sum: the bias, and a correction for zeros that are not 0
+    double most = 0;         ///< the largest magnitude of a sum, and of all partial sums
 
     [[nodiscard]] constexpr bool fits() const {
         return most < static_cast<double>(std::numeric_limits<std::int32_t>::max());
     }
 };
 
-/// Beyond 127 steps is what has no place in a signed byte.
+/// A weight in steps of its scale; it saturates to ±127.
 [[nodiscard]] constexpr std::int8_t quantised(float weight, double weight_scale) {
     return static_cast<std::int8_t>(
         nearest_even(std::clamp(static_cast<double>(weight) / weight_scale, -127.0, 127.0)));
@@ -68,19 +68,19 @@ struct filter_scale {
     return quantised(weight, scale.weight_scale);
 }
 
-/// A filter of weights [count] and a bias, with steps of `weight_scale`. `largest_input` is the largest
-/// magnitude of a staged input, `offset` what has been subtracted from it. Any positive scales give numbers;
-/// whether sums fit into 32 bits is for the caller to ask.
+/// The scale of a filter of weights [count] and a bias, with steps of `weight_scale`. `largest_input` is the
+/// largest magnitude of a staged input, from which `offset` has been subtracted. All positive scales give
+/// numbers; the caller checks whether sums fit into 32 bits.
 [[nodiscard]] [[gnu::noinline]] constexpr filter_scale filter_of(const float* weights, std::size_t count,
                                                                  double bias, float weight_scale,
                                                                  const step_ranges& ranges, bool adds,
                                                                  double largest_input, int offset) {
-    // Beyond this nothing fits, and whole numbers of 64 bits still hold it.
+    // Nothing larger fits, and integers of 64 bits still hold it.
     const auto whole = [](double value) { return nearest_even(std::clamp(value, -0x1p40, 0x1p40)); };
     filter_scale result;
     result.weight_scale = static_cast<double>(weight_scale);
     result.unit = result.weight_scale * static_cast<double>(ranges.input.scale);
-    if (adds) // of a step that is finer than a unit: 0 or 1
+    if (adds) // 0 or 1 for a step that is finer than a unit
         result.added = whole(static_cast<double>(ranges.added.scale) / result.unit);
     double of_magnitudes = 0;
     std::int64_t of_weights = 0;
@@ -99,8 +99,9 @@ struct filter_scale {
     return result;
 }
 
-/// The scale of a filter's weights: the largest is 127 steps, unless a sum might then pass 32 bits. Where the
-/// step adds, the other map's step is a whole number of units. If nothing fits, the last that was tried.
+/// The scale of a filter's weights: the largest weight is 127 steps, unless a sum might then overflow 32
+/// bits. Where the step adds, the other map's step is a whole number of units. If nothing fits, the last
+/// scale tried.
 [[nodiscard]] [[gnu::noinline]] constexpr float scale_of_filter(const float* weights, std::size_t count,
                                                                 double bias, const step_ranges& ranges,
                                                                 bool adds, double largest_input) {
@@ -111,14 +112,14 @@ struct filter_scale {
         largest = std::max(largest, magnitude(static_cast<double>(weights[i])));
     const auto input_scale = static_cast<double>(ranges.input.scale);
     const auto added_scale = static_cast<double>(ranges.added.scale);
-    // Of a filter of zeros, the bias alone decides.
+    // In a filter of zeros, the bias alone decides.
     const double of_bias = bias != 0 ? magnitude(bias) / 0x1p28 / input_scale : 1;
     double wanted = largest > 0 ? largest / 127 : of_bias;
     while (true) {
         wanted = std::clamp(wanted, least, most);
         if (adds) {
-            // Somewhat larger, so that the other map's step is a whole number of units: of a million at most,
-            // beside which smaller weights add nothing.
+            // Slightly larger, so that the other map's step is a whole number of units: at most a million,
+            // next to which smaller weights do not count.
             const auto times = static_cast<std::int64_t>(std::min(added_scale / (wanted * input_scale), 1e6));
             if (times > 0)
                 wanted = std::clamp(added_scale / static_cast<double>(times) / input_scale, least, most);
@@ -131,8 +132,8 @@ struct filter_scale {
     }
 }
 
-/// What a step of a sum stands for in a batch norm: 15 bits for the weight, less where the offset is so large
-/// that the sum would pass 31.
+/// The step of the sums of a batch norm: 15 bits for the weight, fewer if the offset is so large that the sum
+/// would exceed 31 bits.
 [[nodiscard]] constexpr double norm_unit(float weight, float offset, const map_range& input) {
     const double unit =
         std::max(magnitude(static_cast<double>(weight)) / 32767 * static_cast<double>(input.scale),

@@ -15,8 +15,8 @@
 #include <string>
 #include <string_view>
 
-// A deployed network as the text of a C++ header, for targets without files. Whatever instruction set it is
-// written with, it can be compiled for any; only the outputs of its self-test may differ in their last bits.
+// Writes a deployed network as a C++ header, for targets without files. A header compiles for any instruction
+// set, whichever wrote it; only the outputs of its self-test may differ in their last bits.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -9,33 +9,33 @@
 #include <string_view>
 #include <vector>
 
-// What one may choose when a deployed network is written as a header (deployed_header.hpp).
+// Options for writing a deployed network as a header (deployed_header.hpp).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// When a program brings the weights of a header into the order of use. Neither takes heap.
+/// When a program packs the weights of a header. Neither uses the heap.
 enum class packing {
-    when_compiling, ///< weights in read-only memory, or an error of the compiler: Clang needs
-                    ///< -fconstexpr-steps=4000000 for TactNet-6, GCC's limits are enough
-    at_start        ///< before main, into static memory, unless the compiler's limits allow it earlier
+    when_compiling, ///< into read-only memory. Clang needs -fconstexpr-steps=4000000 for TactNet-6; GCC's
+                    ///< limits are enough
+    at_start        ///< into static memory before main, or earlier if the compiler's limits allow it
 };
-/// What the usual limits of GCC 12 and Clang 14 allow, whichever instruction set is compiled for: Clang takes
-/// up to 1 048 576 steps, and 76 to 94 for a number of a kernel that is computed by tiles.
+/// The earliest packing within the default limits of GCC 12 and Clang 14 for every instruction set: Clang
+/// allows 1 048 576 steps, and needs 76 to 94 per weight of a Winograd convolution.
 [[nodiscard]] constexpr packing usual_packing(std::size_t folded_elements) {
     return folded_elements <= 8192 ? packing::when_compiling : packing::at_start;
 }
 
-/// What a header says besides its numbers.
+/// The text of a header besides its numbers.
 struct header_description {
-    std::string network;        ///< its name, for the comment on top; one line
-    std::string namespace_name; ///< what everything stands in: an identifier, or several with :: between
+    std::string network;              ///< its name, for the comment on top; one line
+    std::string namespace_name;       ///< the enclosing namespace: an identifier, or several with :: between
     std::vector<std::string> classes; ///< names of the first outputs, in order; may be fewer than outputs
-    std::optional<packing> when = {}; ///< if not said, usual_packing
+    std::optional<packing> when = {}; ///< by default usual_packing
 };
 
-/// Whether a text is an identifier, or several with :: between them, that a program may define: no keyword,
-/// nothing that is kept for compilers, and no `tactnet` or `std` that would hide the real ones.
+/// Whether a text is an identifier, or several with :: between, that a program may define: no keyword, no
+/// reserved name, and neither `tactnet` nor `std`, which would hide the real ones.
 [[nodiscard]] inline bool is_namespace_name(std::string_view text) {
     constexpr std::string_view keywords =
         " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t "

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-// What an exported header looks like: @name@ stands for what deployed_header fills in.
+// The template of an exported header: deployed_header replaces each @name@.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

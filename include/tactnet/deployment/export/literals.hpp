@@ -18,7 +18,7 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// As a string literal, bytes beyond ASCII and all that means something in it as octal numbers.
+/// A string literal, with bytes beyond ASCII and special characters as octal numbers.
 inline std::string string_literal(std::string_view text) {
     std::string literal = "\"";
     for (const char c : text) {
@@ -34,7 +34,7 @@ inline std::string string_literal(std::string_view text) {
     return literal + '"';
 }
 
-/// For a comment of one line: nothing that could end it.
+/// A text for a comment of one line, without characters that could end it.
 inline std::string one_line(std::string text) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == '\\')
@@ -42,7 +42,7 @@ inline std::string one_line(std::string text) {
     return text;
 }
 
-/// In hexadecimal: exact by its form, and compilers read it as fast as decimal numbers.
+/// A number in hexadecimal, which is exact and as quick to compile as decimal numbers.
 inline std::string float_literal(float value) {
     char text[32];
     const float magnitude = std::abs(value);
@@ -50,7 +50,7 @@ inline std::string float_literal(float value) {
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end.ptr) + "f";
 }
 
-/// All numbers with commas between, in lines of about a hundred characters.
+/// Numbers separated by commas, in lines of about a hundred characters.
 template <class Number>
 std::string number_lines(std::span<const Number> numbers, std::string (*text_of)(Number)) {
     std::string lines, line = "   ";
@@ -65,7 +65,7 @@ std::string number_lines(std::span<const Number> numbers, std::string (*text_of)
     return lines + line + "\n";
 }
 
-/// A text with every @name@ replaced by what belongs to it.
+/// Replaces every @name@ in a text by its value.
 using replacement = std::pair<std::string_view, std::string>;
 inline std::string filled(std::string_view text, std::initializer_list<replacement> values) {
     std::string result;

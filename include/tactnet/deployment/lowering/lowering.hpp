@@ -28,15 +28,12 @@
 //   channels<Place>       x · factor(channel) + offset: a batch norm; constructible from a parameter_source
 //   maximum<Place>        the sliding_window whose maximum it takes
 // A lowered layer may have further members:
-//   adding<bool Rectified>                the lowered layer that adds its output to what the output holds,
-//   with a
-//                                         ReLU after the sum or without: the end of a residual block's main
-//                                         branch
-//   fits_slice<MapStride, MapOffset>      whether it can write a slice of the channels of a wider map
-//   slice<MapStride, MapOffset>           the lowered layer that does
-//   as_output                             the lowered layer that writes the outputs of the network, in
-//   formats
-//                                         that write these otherwise than maps
+//   adding<Rectified>              adds its output to what the output holds, with a ReLU after the sum or
+//                                  without: the end of a residual block's main branch
+//   fits_slice<Stride, Offset>     whether it can write a slice of the channels of a wider map
+//   slice<Stride, Offset>          the lowered layer that does
+//   as_output                      the lowered layer that writes the outputs of the network, in formats that
+//                                  write them otherwise than maps
 // In such formats a layer may have `output_fused<Lowered>`: a lowered layer, and this layer applied to its
 // outputs, which are floats.
 

@@ -13,12 +13,12 @@
 //   output, output_stride   the map that it writes, pixel by pixel, and elements from one pixel to the next
 //   folded                  numbers that remain of the layers' parameters once batch norms are folded in
 //                           ([output][channel][row][column], then biases), in single precision
-//   packed                  the same numbers in the order of use, padded to whole vectors, in the number
-//   format workspace_elements      elements of memory that it needs while it runs, in whole cache lines
+//   packed                  the same numbers in the order of use, padded to whole vectors, in the format
+//   workspace_elements      elements of memory that it needs while it runs, in whole cache lines
 // and its functions:
-//   pack                    writes packed numbers from folded ones; `packed` must be zero-initialised;
-//   constexpr run                     computes one map from another output_bound            the largest
-//   magnitude of an output if inputs have at most `input`
+//   pack                    writes packed numbers from folded ones into zeros; constexpr
+//   run                     computes one map from another
+//   output_bound            the largest magnitude of an output if inputs have at most `input`
 // Optional members:
 //   large                   whether to prefer layer-wise batching, and all threads for one frame
 //   fills_map               false if it writes only some channels of a map that other steps write to

@@ -48,10 +48,10 @@ template <std::size_t Filters, std::size_t Taps, class T>
 [[gnu::always_inline]] inline void
 add_across_lanes(const std::array<std::array<vector<T>, Taps>, Filters>& sums, double* totals,
                  std::size_t filter_stride) {
-    constexpr std::size_t width = lanes<T>;
-    alignas(alignment) std::array<T, round_up(Filters * Taps, width)> flat;
+    constexpr std::size_t width = lanes<T>, blocks = ceil_div(Filters * Taps, width);
+    alignas(alignment) std::array<T, blocks * width> flat;
 #pragma GCC unroll 64
-    for (std::size_t block = 0; block < ceil_div(Filters * Taps, width); ++block) {
+    for (std::size_t block = 0; block < blocks; ++block) {
         std::array<vector<T>, width> rows;
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < width; ++r) {
