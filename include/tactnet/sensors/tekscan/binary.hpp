@@ -4,7 +4,6 @@
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>
-#include <tactnet/sensors/tekscan/binary_records.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include <tactnet/sensors/tekscan/binary_records.hpp>
+#include <tactnet/sensors/tekscan/binary_checks.hpp>
 
 #include <doctest/doctest.h>
 
