@@ -28,8 +28,8 @@ namespace detail {
 
 /// The first `classes` outputs for each image.
 template <class Network>
-[[nodiscard]] std::vector<float> logits_of(const Network& network, std::span<const std::uint8_t> images,
-                                           std::size_t classes) {
+[[nodiscard]] [[gnu::cold]] std::vector<float>
+logits_of(const Network& network, std::span<const std::uint8_t> images, std::size_t classes) {
     const std::unique_ptr<typename Network::workspace> memory(new typename Network::workspace); // not zeroed
     const frames_ref<Network::input_shape> frames(images);
     std::vector<float> logits;
@@ -51,8 +51,8 @@ template <class Network>
 ///
 /// Throws file_error as `load_model`, and std::invalid_argument as `deploy`.
 template <class Network>
-[[nodiscard]] deployed<Network> load_deployed(const safetensors& file,
-                                              std::optional<double> epsilon = std::nullopt) {
+[[nodiscard]] [[gnu::cold]] deployed<Network> load_deployed(const safetensors& file,
+                                                            std::optional<double> epsilon = std::nullopt) {
     const model<Network> trained =
         make_model<Network>(read_model(file, Network::input_shape, stored_arrays_of<Network>(), epsilon));
     deployed<Network> network = deploy(trained);
@@ -67,8 +67,8 @@ template <class Network>
     return network;
 }
 template <class Network>
-[[nodiscard]] deployed<Network> load_deployed(const std::filesystem::path& path,
-                                              std::optional<double> epsilon = std::nullopt) {
+[[nodiscard]] [[gnu::cold]] deployed<Network> load_deployed(const std::filesystem::path& path,
+                                                            std::optional<double> epsilon = std::nullopt) {
     return load_deployed<Network>(safetensors::read(path), epsilon);
 }
 
@@ -79,7 +79,7 @@ template <class Network>
 /// Throws file_error as `read_deployed`, also unless the self-test in the file gives exactly its logits.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] deployed<Network, eight_bit> load_deployed(const safetensors& file) {
+[[nodiscard]] [[gnu::cold]] deployed<Network, eight_bit> load_deployed(const safetensors& file) {
     using bytes = deployed<Network, eight_bit>;
     stored_deployed stored = read_deployed(file, folded_layout_of<typename bytes::view_type>());
     constexpr std::size_t numbers = bytes::view_type::folded_elements;
@@ -93,7 +93,7 @@ template <class Network, class Format>
 }
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] deployed<Network, eight_bit> load_deployed(const std::filesystem::path& path) {
+[[nodiscard]] [[gnu::cold]] deployed<Network, eight_bit> load_deployed(const std::filesystem::path& path) {
     return load_deployed<Network, eight_bit>(safetensors::read(path));
 }
 
@@ -101,8 +101,9 @@ template <class Network, class Format>
 /// `selftest` holds images to store with their logits, which loading expects bit by bit. Throws file_error,
 /// and as `add_deployed`.
 template <class Network>
-void save_deployed(const std::filesystem::path& path, const deployed<Network, eight_bit>& network,
-                   file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {
+[[gnu::cold]] void save_deployed(const std::filesystem::path& path,
+                                 const deployed<Network, eight_bit>& network, file_metadata metadata = {},
+                                 std::span<const std::uint8_t> selftest = {}) {
     safetensors_writer writer;
     writer.metadata = std::move(metadata);
     add_deployed(writer, folded_layout_of<typename deployed<Network, eight_bit>::view_type>(),

@@ -163,7 +163,7 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
 
 /// Makes a model of the content of a file. `check_selftest` runs the self-test.
 template <class Network>
-[[nodiscard]] model<Network> make_model(stored_model stored) {
+[[nodiscard]] [[gnu::cold]] model<Network> make_model(stored_model stored) {
     model<Network> m;
     set_parameters(m.network, stored.arrays);
     m.network.epsilon = stored.epsilon;
@@ -177,7 +177,8 @@ namespace detail {
 
 /// The logits of the classes, which a file holds, without the other outputs.
 template <class Network>
-[[nodiscard]] std::vector<float> class_logits(const model<Network>& m, std::span<const std::uint8_t> images) {
+[[nodiscard]] [[gnu::cold]] std::vector<float> class_logits(const model<Network>& m,
+                                                            std::span<const std::uint8_t> images) {
     thread_pool alone;
     std::vector<float> logits = m.logits(images, alone);
     const std::size_t count = logits.size() / Network::outputs, classes = m.classes.size();
@@ -194,8 +195,8 @@ template <class Network>
 /// there is one, and classes are named class_00, class_01, …. `epsilon` overrides the file's. Throws
 /// file_error, also when a self-test in the file does not give its logits.
 template <class Network>
-[[nodiscard]] model<Network> load_model(const safetensors& file,
-                                        std::optional<double> epsilon = std::nullopt) {
+[[nodiscard]] [[gnu::cold]] model<Network> load_model(const safetensors& file,
+                                                      std::optional<double> epsilon = std::nullopt) {
     model<Network> m =
         make_model<Network>(read_model(file, Network::input_shape, stored_arrays_of<Network>(), epsilon));
     check_selftest(file, Network::input_shape, m.classes.size(),
@@ -203,14 +204,14 @@ template <class Network>
     return m;
 }
 template <class Network>
-[[nodiscard]] model<Network> load_model(const std::filesystem::path& path,
-                                        std::optional<double> epsilon = std::nullopt) {
+[[nodiscard]] [[gnu::cold]] model<Network> load_model(const std::filesystem::path& path,
+                                                      std::optional<double> epsilon = std::nullopt) {
     return load_model<Network>(safetensors::read(path), epsilon);
 }
 
 /// A view of a model, which must outlive it.
 template <class Network>
-[[nodiscard]] model_parts parts_of(const model<Network>& m) {
+[[nodiscard]] [[gnu::cold]] model_parts parts_of(const model<Network>& m) {
     model_parts parts{.input = Network::input_shape,
                       .arrays = stored_arrays_of<Network>(),
                       .values = {},
@@ -258,8 +259,8 @@ template <class Network>
     writer.write(path);
 }
 template <class Network>
-void save_model(const std::filesystem::path& path, const model<Network>& m, file_metadata metadata = {},
-                std::span<const std::uint8_t> selftest = {}) {
+[[gnu::cold]] void save_model(const std::filesystem::path& path, const model<Network>& m,
+                              file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {
     save_model(path, parts_of(m), std::move(metadata), selftest,
                [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
 }

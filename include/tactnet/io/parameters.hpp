@@ -5,6 +5,7 @@
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/stored_arrays.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <utility>
@@ -32,12 +33,12 @@ read_arrays(const safetensors& file, const stored_arrays& arrays, std::size_t cl
 
 /// Fills a network with the result of `read_arrays`. Rows that were not stored become zero.
 template <class Network>
-void set_parameters(Network& network, const std::vector<std::vector<float>>& values) {
+[[gnu::cold]] void set_parameters(Network& network, const std::vector<std::vector<float>>& values) {
     std::size_t index = 0;
     network.for_each_parameter([&](const auto&, auto to) {
         const std::vector<float>& from = values.at(index++);
-        for (std::size_t i = 0; i < to.size(); ++i)
-            to[i] = i < from.size() ? from[i] : 0;
+        std::copy(from.begin(), from.end(), to.begin());
+        std::fill(to.begin() + static_cast<std::ptrdiff_t>(from.size()), to.end(), 0);
     });
 }
 

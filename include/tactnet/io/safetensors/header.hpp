@@ -7,11 +7,11 @@
 #include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/text/quoting.hpp>
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <iterator>
@@ -181,7 +181,12 @@ throw_element_error(std::string_view file, std::string_view tensor, std::size_t 
 /// other keys; one type of keys is one sort to compile.
 using tensor_order = std::vector<std::array<std::size_t, 3>>;
 [[gnu::cold, gnu::noinline]] inline void sort_tensors(tensor_order& order) {
-    std::sort(order.begin(), order.end());
+    using keys = tensor_order::value_type;
+    // Much less to compile than std::sort.
+    std::qsort(order.data(), order.size(), sizeof(keys), [](const void* a, const void* b) {
+        const keys &first = *static_cast<const keys*>(a), &second = *static_cast<const keys*>(b);
+        return first < second ? -1 : second < first ? 1 : 0;
+    });
 }
 
 /// Returns the number of bytes that the tensors cover. They must tile the data: a tensor that overlaps

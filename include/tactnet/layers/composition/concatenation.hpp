@@ -98,7 +98,7 @@ struct concatenation {
             kernels::unroll<size>([&](auto i) {
                 const std::string own =
                     has_name[i] ? std::string(given[i]) : "branch" + std::to_string(i + 1);
-                detail::describe_inner<at<i>>(joined_name(prefix, own), offsets[i], list);
+                detail::describe_inner(at<i>::describe, joined_name(prefix, own), offsets[i], list);
             });
         }
         static void prepare(const execution_context& context, const T* values, const T* running, memory& m) {

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <tactnet/detail/indexed_leaves.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/layers/layer.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -24,13 +23,42 @@ concept has_given_name = requires {
     requires Spec::has_given_name;
 };
 
+// Descriptions of networks are not worth the compiler's time: what follows is compiled once for all of them.
+
+using describe_function = void (*)(const std::string& prefix, std::vector<parameter>& list);
+
 /// Appends the arrays of an inner layer, shifted by its offset.
-template <class Layer>
-void describe_inner(const std::string& name, const layer_offset& offset, std::vector<parameter>& list) {
+[[gnu::cold, gnu::noinline]] inline void describe_inner(describe_function describe, const std::string& name,
+                                                        const layer_offset& offset,
+                                                        std::vector<parameter>& list) {
     const std::size_t first = list.size();
-    Layer::describe(name, list);
+    describe(name, list);
     for (std::size_t p = first; p < list.size(); ++p)
         list[p].offset += learnable(list[p].what) ? offset.parameters : offset.statistics;
+}
+
+/// A layer of a list, as its description needs it.
+struct listed_description {
+    std::string_view kind;
+    bool is_numbered, is_named;
+    describe_function describe;
+};
+
+/// Appends the arrays of all layers of a list, each under its given name, or under the name of its kind with
+/// a number if there are several.
+[[gnu::cold, gnu::noinline]] inline void describe_list(std::span<const listed_description> layers,
+                                                       const layer_offset* offsets, const std::string& prefix,
+                                                       std::vector<parameter>& list) {
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        std::size_t before = 0, all = 0;
+        for (std::size_t other = 0; other < layers.size(); ++other)
+            if (layers[other].kind == layers[i].kind)
+                ++all, before += other < i ? 1 : 0;
+        std::string own(layers[i].kind);
+        if (!layers[i].is_named && (layers[i].is_numbered || all > 1))
+            own += std::to_string(before + 1);
+        describe_inner(layers[i].describe, joined_name(prefix, own), offsets[i], list);
+    }
 }
 
 /// Binds the specifications of a list one after the other: the output of each is the input of the next.
@@ -87,23 +115,15 @@ public:
     /// Appends the arrays of all layers, each under its given name, or under the name of its kind with a
     /// number if there are several.
     static void describe(const std::string& prefix, std::vector<parameter>& list) {
-        kernels::unroll<size>([&](auto i) {
-            std::string own(kinds[i]);
-            if (!is_named[i] && (is_numbered[i] || same_kind(i, size) > 1))
-                own += std::to_string(same_kind(i, i) + 1);
-            detail::describe_inner<at<i>>(joined_name(prefix, own), offsets[i], list);
-        });
-    }
-
-private:
-    static constexpr std::array<std::string_view, size> kinds{detail::checked<Specs>::name...};
-    static constexpr std::array<bool, size> is_numbered{detail::checked<Specs>::numbered...},
-        is_named{detail::has_given_name<Specs>...};
-
-    /// How many of the first `count` layers are of the kind of layer `index`.
-    static constexpr std::size_t same_kind(std::size_t index, std::size_t count) {
-        return static_cast<std::size_t>(
-            std::count(kinds.begin(), kinds.begin() + static_cast<std::ptrdiff_t>(count), kinds[index]));
+        static constexpr auto layers = []<std::size_t... I>(std::index_sequence<I...>) {
+            return std::array<detail::listed_description, size>{
+                {{detail::checked<Specs>::name, detail::checked<Specs>::numbered,
+                  detail::has_given_name<Specs>, [](const std::string& name, std::vector<parameter>& to) {
+                      at<I>::describe(name, to);
+                  }}...}};
+        }
+        (std::index_sequence_for<Specs...>{});
+        detail::describe_list(layers, offsets.data(), prefix, list);
     }
 };
 

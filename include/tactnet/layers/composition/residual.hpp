@@ -88,9 +88,8 @@ struct residual {
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             main::describe(prefix, list);
-            detail::describe_inner<skip>(joined_name(prefix, std::string(skip_name)),
-                                         {.parameters = main::parameters, .statistics = main::statistics},
-                                         list);
+            detail::describe_inner(skip::describe, joined_name(prefix, std::string(skip_name)),
+                                   {.parameters = main::parameters, .statistics = main::statistics}, list);
         }
         static void prepare(const execution_context& context, const T* values, const T* running, memory& m) {
             main::prepare(context, values, running, m.main_memory);
