@@ -1,11 +1,9 @@
 #pragma once
 
-#include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
-#include <tactnet/kernels/integer/byte_products.hpp>
+#include <tactnet/kernels/integer/depthwise_layout.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
@@ -26,96 +24,11 @@ namespace kernels {
 
 namespace detail {
 
-/// Products of a group of inputs of each lane with the weights of that lane. Without an instruction for
-/// groups: of one integer of 32 bits.
-template <std::size_t Lanes, std::size_t Group = byte_products<Lanes>::group>
-struct lane_products : byte_products<Lanes> {
-    [[gnu::always_inline]] static int32_vec<Lanes>
-    add(const int32_vec<Lanes>& sums, const std::int8_t* weights, const std::uint8_t* inputs) {
-        using products = byte_products<Lanes>;
-        return products::add(sums, load_any<typename products::weights>(weights),
-                             load_any<typename products::inputs>(inputs));
-    }
-};
-template <std::size_t Lanes>
-struct lane_products<Lanes, 1> {
-    using weight = std::int32_t;
-    static constexpr std::size_t group = 1;
-    static constexpr int offset = 0;
-    [[gnu::always_inline]] static int32_vec<Lanes>
-    add(const int32_vec<Lanes>& sums, const std::int8_t* weights, const std::uint8_t* inputs) {
-        return sums + load_any<int32_vec<Lanes>>(weights) * load_any<int32_vec<Lanes>>(inputs);
-    }
-};
-
-/// How a depthwise convolution is cut: blocks of four vectors of channels, bands of rows of outputs, register
-/// blocks of columns.
-template <frame_convolution C>
-struct depthwise_layout {
-    static constexpr frame_convolution convolution = C;
-    /// Lanes of a vector: no more than fill four vectors, if that needs no more blocks.
-    static constexpr std::size_t lanes = [] {
-        const auto blocks = [](std::size_t l) { return (C.padded_filters() + 4 * l - 1) / (4 * l); };
-        std::size_t l = max_integer_lanes;
-        while (l > 4 && blocks(l / 2) == blocks(max_integer_lanes))
-            l /= 2;
-        return l;
-    }();
-    static constexpr std::size_t block = 4 * lanes, ///< channels, and bytes of a vector
-        blocks = (C.padded_filters() + block - 1) / block;
-    using products = lane_products<lanes>;
-    static constexpr std::size_t group = products::group;
-
-    /// Rows of the input under so many rows of outputs, and groups of them.
-    static constexpr std::size_t under(std::size_t rows) {
-        return (rows - 1) * C.window.stride.rows + C.window.kernel.rows;
-    }
-    static constexpr std::size_t groups(std::size_t rows) { return (under(rows) + group - 1) / group; }
-    /// Whether a group has rows under a row of outputs.
-    static constexpr bool overlap(std::size_t in_group, std::size_t row) {
-        const std::size_t first = row * C.window.stride.rows;
-        return in_group * group < first + C.window.kernel.rows && (in_group + 1) * group > first;
-    }
-    /// Columns of the input under all outputs.
-    static constexpr std::size_t pitch =
-        (C.columns() - 1) * C.window.stride.columns + C.window.kernel.columns;
-    /// Instructions on vectors for a band of a full block: loads, shuffles and stores of the rows, products.
-    static constexpr std::size_t band_cost(std::size_t rows) {
-        std::size_t overlaps = 0;
-        for (std::size_t g = 0; g < groups(rows); ++g)
-            for (std::size_t y = 0; y < rows; ++y)
-                overlaps += overlap(g, y) ? 1 : 0;
-        return 16 * groups(rows) * pitch +
-               4 * (group == 4 ? 1 : 2) * overlaps * C.window.kernel.columns * C.columns();
-    }
-    static constexpr std::size_t band = [] {
-        const std::size_t most =
-            std::min(std::max<std::size_t>(vector_registers == 32 ? 4 : 2, C.pool.rows), C.rows());
-        std::size_t best = std::min(C.pool.rows, C.rows());
-        for (std::size_t rows = best; rows <= most; rows += C.pool.rows)
-            if (band_cost(rows) * best < band_cost(best) * rows)
-                best = rows;
-        return best;
-    }();
-    /// Columns of a register block.
-    static constexpr std::size_t block_columns = [] {
-        const std::size_t step = C.pool.columns, sums = vector_registers == 32 ? 8 : 4;
-        const std::size_t most = std::max(sums / band / step * step, step);
-        const std::size_t count = (C.columns() + most - 1) / most, even = (C.columns() + count - 1) / count;
-        return (even + step - 1) / step * step;
-    }();
-    /// Bytes of the weights of a block: [group][row of the band][kernel column][vector][lane][input].
-    static constexpr std::size_t block_weights = groups(band) * band * C.window.kernel.columns * 4 * block;
-    /// Bytes of a band of a block: [group][column][vector][lane][input].
-    static constexpr std::size_t staged = groups(band) * pitch * 4 * block;
-};
-
 /// Interleaves the rows under a band, of which the first is `top`, counted with the padding. `Channels` are
 /// read of each pixel.
-template <class Layout, std::size_t Channels>
+template <class Layout, std::size_t Channels, frame_convolution C = Layout::convolution>
 [[gnu::flatten, gnu::noinline]] void stage_band(const std::uint8_t* input, const std::uint8_t* padding,
                                                 std::size_t top, std::size_t groups, std::uint8_t* to) {
-    constexpr frame_convolution C = Layout::convolution;
     constexpr std::size_t group = Layout::group, block = Layout::block, columns = C.window.input.columns;
     using bytes = uint8_vec<block>;
     for (std::size_t g = 0; g < groups; ++g) {
@@ -161,11 +74,11 @@ template <class Layout, std::size_t Channels>
 /// Computes one register block: `Rows` × `Columns` neighbouring outputs before pooling of a block of
 /// channels, of which `Channels` are written. `Output` is a byte, or a float for sum × factor without
 /// rounding.
-template <class Layout, std::size_t Channels, std::size_t Rows, std::size_t Columns, class Output>
+template <class Layout, std::size_t Channels, std::size_t Rows, std::size_t Columns, class Output,
+          frame_convolution C = Layout::convolution>
 [[gnu::flatten, gnu::noinline]] void
 convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
                          const integer_epilogue& epilogue, Output* output) {
-    constexpr frame_convolution C = Layout::convolution;
     constexpr std::size_t lanes = Layout::lanes, block = Layout::block,
                           vectors = (std::min<std::size_t>(Channels, 16) + 3) / 4;
     constexpr std::size_t step = C.window.stride.columns,
@@ -223,7 +136,8 @@ convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
             if constexpr (std::is_same_v<Output, std::uint8_t>)
                 results[o][v] = rounded<lanes>(largest, epilogue.factor<lanes>(v), epilogue.range);
             else
-                results[o][v] = reinterpret_cast<sum>(epilogue.unrounded<lanes, C.rectified>(largest, v));
+                results[o][v] = reinterpret_cast<sum>(
+                    epilogue.unrounded<lanes, C.rectified>(largest, epilogue.factor<lanes>(v)));
         }
     }
 #pragma GCC unroll 64
@@ -246,7 +160,7 @@ convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
 /// The depthwise method with channels in lanes.
 template <frame_convolution C, class Input>
 struct depthwise_integer_method {
-    using layout = detail::depthwise_layout<C>;
+    using layout = depthwise_integer_layout<C>;
     static constexpr const char* name = "depthwise";
     static constexpr bool applicable =
         C.is_depthwise() && std::is_same_v<Input, std::uint8_t> && max_integer_lanes > 1;
@@ -257,33 +171,11 @@ struct depthwise_integer_method {
     static constexpr std::size_t workspace_elements = layout::block + layout::staged;
     static constexpr int offset = layout::products::offset;
     static constexpr std::size_t filter_places = layout::blocks * layout::block;
-    static constexpr std::size_t place(std::size_t filter) {
-        return filter / layout::block * layout::block +
-               interleaved_place<layout::lanes>(filter % layout::block);
-    }
+    static constexpr std::size_t place(std::size_t filter) { return layout::place(filter); }
 
     template <class Weight>
-    static constexpr void pack(std::int8_t* packed, const Weight& weight_at) {
-        using weight = typename layout::products::weight;
-        for (std::size_t i = 0; i < layout::block_weights / sizeof(weight) * layout::blocks; ++i) {
-            // Which weight that is.
-            std::size_t rest = i;
-            const auto next = [&rest](std::size_t count) {
-                const std::size_t index = rest % count;
-                rest /= count;
-                return index;
-            };
-            const std::size_t input = next(layout::group), lane = next(layout::lanes), vector = next(4),
-                              column = next(C.window.kernel.columns), y = next(layout::band),
-                              group = next(layout::groups(layout::band)),
-                              filter = rest * layout::block + lane / 4 * 16 + vector * 4 + lane % 4,
-                              row =
-                                  group * layout::group + input - y * C.window.stride.rows; // may wrap around
-            const bool there = filter < C.filters && row < C.window.kernel.rows;
-            const auto bytes = tactnet::detail::bits_as<std::array<std::int8_t, sizeof(weight)>>(
-                weight{there ? weight_at(filter, std::size_t{0}, row, column) : std::int8_t{0}});
-            packed = std::copy(bytes.begin(), bytes.end(), packed);
-        }
+    static constexpr void pack(std::int8_t* packed, const Weight& weight) {
+        layout::pack(packed, weight);
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const std::uint8_t* input,

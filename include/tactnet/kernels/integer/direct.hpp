@@ -27,11 +27,11 @@ struct row_range {
 
 /// Computes one register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of
 /// filters. `Output` is a byte, or a float for sum × factor without rounding.
-template <class Layout, std::size_t Vectors, std::size_t Rows, std::size_t Columns, class Output>
+template <class Layout, std::size_t Vectors, std::size_t Rows, std::size_t Columns, class Output,
+          frame_convolution C = Layout::convolution>
 [[gnu::flatten, gnu::noinline]] void
 convolve_integer_block(const typename Layout::staged* input, const typename Layout::weight* weights,
                        const integer_epilogue& epilogue, Output* output, row_range multiplied) {
-    constexpr frame_convolution C = Layout::convolution;
     constexpr std::size_t width = Layout::width;
     using sum = int32_vec<width>;
     register_block<sum, Rows * Columns, Vectors> sums;
@@ -88,6 +88,7 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
     constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
 #pragma GCC unroll 64
     for (std::size_t v = 0; v < Vectors; ++v) {
+        const float_vec<width> factors = epilogue.factor<width>(v);
 #pragma GCC unroll 64
         for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
             const std::size_t top = o / pooled_columns * C.pool.rows,
@@ -103,7 +104,7 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
             epilogue.store<width, C.rectified>(
                 output + (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
                     v * width,
-                largest, v);
+                largest, factors);
         }
     }
 }

@@ -132,19 +132,20 @@ struct integer_epilogue {
     }
     /// sum × factor without rounding, after ReLU if `Rectified`.
     template <std::size_t Lanes, bool Rectified>
-    [[nodiscard]] [[gnu::always_inline]] float_vec<Lanes> unrounded(int32_vec<Lanes> sums,
-                                                                    std::size_t vector) const {
+    [[nodiscard]] [[gnu::always_inline]] static float_vec<Lanes>
+    unrounded(int32_vec<Lanes> sums, const float_vec<Lanes>& factors_of_sums) {
         if constexpr (Rectified)
             sums = sums > 0 ? sums : int32_vec<Lanes>{};
-        return __builtin_convertvector(sums, float_vec<Lanes>) * factor<Lanes>(vector);
+        return __builtin_convertvector(sums, float_vec<Lanes>) * factors_of_sums;
     }
     /// Stores bytes, or sums without rounding as floats. The range of bytes includes the ReLU.
     template <std::size_t Lanes, bool Rectified, class Output>
-    [[gnu::always_inline]] void store(Output* to, const int32_vec<Lanes>& sums, std::size_t vector) const {
+    [[gnu::always_inline]] void store(Output* to, const int32_vec<Lanes>& sums,
+                                      const float_vec<Lanes>& factors_of_sums) const {
         if constexpr (std::is_same_v<Output, std::uint8_t>)
-            store_rounded<Lanes>(to, sums, factor<Lanes>(vector), range);
+            store_rounded<Lanes>(to, sums, factors_of_sums, range);
         else
-            store_any(to, unrounded<Lanes, Rectified>(sums, vector));
+            store_any(to, unrounded<Lanes, Rectified>(sums, factors_of_sums));
     }
 };
 

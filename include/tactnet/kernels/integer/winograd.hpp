@@ -128,6 +128,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                                      lower = tile_output_line<2>(half[1]);
             sum y[4]{upper[0], upper[1], lower[0], lower[1]};
             const sum start = epilogue.start<width>(v);
+            const float_vec<width> factors = epilogue.factor<width>(v);
 #pragma GCC unroll 64
             for (std::size_t i = 0; i < 4; ++i)
                 y[i] = (y[i] >> tiles::excess) + start;
@@ -140,7 +141,8 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                     largest = larger(y[2], largest);
                 if (right && below)
                     largest = larger(y[3], largest);
-                epilogue.store<width, C.rectified>(output + tile * C.output_stride() + v * width, largest, v);
+                epilogue.store<width, C.rectified>(output + tile * C.output_stride() + v * width, largest,
+                                                   factors);
             } else {
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < 4; ++i) {
@@ -151,7 +153,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                         v * width;
                     if constexpr (C.adds)
                         y[i] += epilogue.added_term<width>(to, v);
-                    epilogue.store<width, C.rectified>(to, y[i], v);
+                    epilogue.store<width, C.rectified>(to, y[i], factors);
                 }
             }
         }
