@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/bits_as.hpp>
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
@@ -17,8 +18,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Multiplies, in each lane, a group of inputs by as many weights. Instruction sets without products of groups
-/// multiply integers of 32 bits.
+/// Multiplies, in each lane, a group of inputs by as many weights. Instruction sets without products of
+/// groups multiply integers of 32 bits.
 template <std::size_t Lanes, std::size_t Group = byte_products<Lanes>::group>
 struct depthwise_products : byte_products<Lanes> {
     [[gnu::always_inline]] static int32_vec<Lanes>
@@ -109,7 +110,7 @@ struct depthwise_integer_layout {
     static constexpr void pack(std::int8_t* packed, const Weight& weight_at) {
         using weight = typename products::weight;
         for (std::size_t i = 0; i < block_weights / sizeof(weight) * blocks; ++i) {
-            std::size_t rest = i; // of the index, whose digits are those of the order
+            std::size_t rest = i; // the index, digit by digit from the innermost
             const auto next = [&rest](std::size_t count) {
                 const std::size_t index = rest % count;
                 rest /= count;
