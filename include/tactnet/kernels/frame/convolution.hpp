@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -40,7 +41,7 @@ struct frame_convolution {
             w /= 2;
         return w;
     }
-    [[nodiscard]] constexpr std::size_t vectors() const { return (filters + width() - 1) / width(); }
+    [[nodiscard]] constexpr std::size_t vectors() const { return ceil_div(filters, width()); }
     [[nodiscard]] constexpr std::size_t padded_filters() const { return vectors() * width(); }
     [[nodiscard]] constexpr std::size_t output_stride() const {
         return map_stride > 0 ? map_stride : padded_filters();
@@ -110,7 +111,7 @@ struct frame_convolution {
     }
     /// Whether each pixel of the input holds whole vectors of so many lanes.
     [[nodiscard]] constexpr bool input_in_vectors_of(std::size_t lanes_of_vector) const {
-        const std::size_t vectors_of_input = (window.input.channels + lanes_of_vector - 1) / lanes_of_vector;
+        const std::size_t vectors_of_input = ceil_div(window.input.channels, lanes_of_vector);
         return input_stride % lanes_of_vector == 0 && input_stride >= vectors_of_input * lanes_of_vector &&
                input_offset_multiple % lanes_of_vector == 0;
     }
@@ -127,9 +128,9 @@ struct frame_convolution {
     [[nodiscard]] constexpr std::size_t block_columns(std::size_t most) const {
         const std::size_t step = pool.columns;
         most = std::max(most / step * step, step);
-        const std::size_t blocks = (columns() + most - 1) / most;
-        const std::size_t even = (columns() + blocks - 1) / blocks;
-        return (even + step - 1) / step * step;
+        const std::size_t blocks = ceil_div(columns(), most);
+        const std::size_t even = ceil_div(columns(), blocks);
+        return round_up(even, step);
     }
     friend constexpr bool operator==(const frame_convolution&, const frame_convolution&) = default;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
@@ -30,11 +31,11 @@ struct frame_dense {
     [[nodiscard]] constexpr std::size_t width() const {
         std::size_t best = lanes_for<float>(outputs);
         for (std::size_t w = best; w >= min_lanes<float>; w /= 2)
-            if ((outputs + w - 1) / w * w < (outputs + best - 1) / best * best)
+            if (round_up(outputs, w) < round_up(outputs, best))
                 best = w;
         return best;
     }
-    [[nodiscard]] constexpr std::size_t vectors() const { return (outputs + width() - 1) / width(); }
+    [[nodiscard]] constexpr std::size_t vectors() const { return ceil_div(outputs, width()); }
     [[nodiscard]] constexpr std::size_t output_stride() const { return vectors() * width(); }
     [[nodiscard]] constexpr std::size_t block_vectors() const { return std::min<std::size_t>(vectors(), 4); }
     [[nodiscard]] constexpr std::size_t weights() const { return inputs() * output_stride(); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/direct.hpp>
 
 #include <algorithm>
@@ -24,13 +25,12 @@ template <frame_convolution C, std::size_t Columns, std::size_t MissingLeft, std
 [[gnu::flatten, gnu::noinline]] void convolve_depthwise_block(const float* input, const float* weights,
                                                               const float* bias, float* output) {
     using wide = sized_vector<float, C.width()>;
-    constexpr std::size_t width = C.width(), out_rows = C.rows(),
-                          pooled = (Columns + C.pool.columns - 1) / C.pool.columns;
+    constexpr std::size_t width = C.width(), out_rows = C.rows(), pooled = ceil_div(Columns, C.pool.columns);
     constexpr std::size_t kernel_rows = C.window.kernel.rows, kernel_columns = C.window.kernel.columns,
                           stride_rows = C.window.stride.rows, stride_columns = C.window.stride.columns;
     constexpr std::size_t under_columns = (Columns - 1) * stride_columns + kernel_columns;
     // Rows of outputs under way, and rows of the input after which the code repeats.
-    constexpr std::size_t live = (kernel_rows + stride_rows - 1) / stride_rows, period = live * stride_rows,
+    constexpr std::size_t live = ceil_div(kernel_rows, stride_rows), period = live * stride_rows,
                           all = live * Columns;
     const auto at = [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
         return output + (y * C.output_columns() + x) * C.output_stride();
@@ -175,7 +175,7 @@ private:
     /// Columns of a block: with as many sums in registers as were fastest for kernels of 3 × 3 and 5 × 5 (Zen
     /// 5).
     static constexpr std::size_t block_columns = [] {
-        const std::size_t live = (C.window.kernel.rows + C.window.stride.rows - 1) / C.window.stride.rows;
+        const std::size_t live = ceil_div(C.window.kernel.rows, C.window.stride.rows);
         return C.block_columns((vector_registers == 32 ? 20 : 15) / live);
     }();
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>
@@ -87,7 +88,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
         weights += kernel.area() * Vectors * width;
     }
 
-    constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
+    constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns);
 #pragma GCC unroll 64
     for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
         const std::size_t top = o / pooled_columns * C.pool.rows, left = o % pooled_columns * C.pool.columns;
@@ -113,7 +114,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
 /// The columns of a convolution, cut into register blocks of `Size`.
 template <frame_convolution C, std::size_t Size = C.block_columns()>
 struct column_blocks {
-    static constexpr std::size_t size = Size, count = (C.columns() + size - 1) / size;
+    static constexpr std::size_t size = Size, count = ceil_div(C.columns(), size);
 
     static constexpr std::size_t columns(std::size_t b) { return std::min(size, C.columns() - b * size); }
     static constexpr std::size_t missing_left(std::size_t b) {

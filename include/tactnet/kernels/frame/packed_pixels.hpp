@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
@@ -31,7 +32,7 @@ struct packed_pixels {
         C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent2d(1) &&
         !C.adds && C.map_stride == 0 && pixels % C.pool.columns == 0 && C.columns() >= pixels;
 
-    static constexpr std::size_t vectors = (C.columns() + pixels - 1) / pixels; ///< of a row of outputs
+    static constexpr std::size_t vectors = ceil_div(C.columns(), pixels); ///< of a row of outputs
     static constexpr std::size_t rows = C.block_rows(); ///< of outputs that are computed together
     /// Sums in a register block, so that a third of the registers is left to inputs and weights: with 12 to
     /// 24 of 32 the times are within 9 % (Zen 5), with 20 they are the least.
@@ -39,8 +40,8 @@ struct packed_pixels {
     /// Vectors of a row in a register block, evenly spread.
     static constexpr std::size_t block = [] {
         constexpr std::size_t most = std::max<std::size_t>(most_sums / rows, 1);
-        constexpr std::size_t blocks = (vectors + most - 1) / most;
-        return (vectors + blocks - 1) / blocks;
+        constexpr std::size_t blocks = ceil_div(vectors, most);
+        return ceil_div(vectors, blocks);
     }();
 
     /// Rows of the input under a block, kept broadcast.
@@ -107,8 +108,8 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::under_row
     }
 
     // Pools take rows first, as whole vectors, then the pixels of these.
-    constexpr std::size_t pooled_rows = (Rows + C.pool.rows - 1) / C.pool.rows,
-                          pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
+    constexpr std::size_t pooled_rows = ceil_div(Rows, C.pool.rows),
+                          pooled_columns = ceil_div(Columns, C.pool.columns);
     alignas(alignment) std::array<float, pooled_rows * Vectors * lanes<float>> map;
 #pragma GCC unroll 64
     for (std::size_t o = 0; o < pooled_rows; ++o)

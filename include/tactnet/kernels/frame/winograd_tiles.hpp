@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
@@ -29,8 +30,7 @@ namespace kernels {
 }
 /// The number of tiles that cover the outputs.
 [[nodiscard]] constexpr std::size_t tile_count(const frame_convolution& c, extent2d outputs) {
-    return (c.rows() + outputs.rows - 1) / outputs.rows *
-           ((c.columns() + outputs.columns - 1) / outputs.columns);
+    return ceil_div(c.rows(), outputs.rows) * ceil_div(c.columns(), outputs.columns);
 }
 /// Vectors of filters in a register block of tiles × vectors: more if few tiles would leave it empty.
 [[nodiscard]] constexpr std::size_t tile_block_vectors(const frame_convolution& c, std::size_t tiles) {
@@ -39,8 +39,8 @@ namespace kernels {
 /// Tiles in a register block: as many as registers allow, in blocks of nearly the same size.
 [[nodiscard]] constexpr std::size_t tiles_of_block(std::size_t tiles, std::size_t vectors) {
     const std::size_t most = std::max<std::size_t>(max_block_sums / vectors, 1);
-    const std::size_t blocks = (tiles + most - 1) / most;
-    return (tiles + blocks - 1) / blocks;
+    const std::size_t blocks = ceil_div(tiles, most);
+    return ceil_div(tiles, blocks);
 }
 
 /// Whether simd/tile_lines.hpp has transforms for such a tile, it holds whole windows of the pool, and the
@@ -92,7 +92,7 @@ private:
 /// The cost of a convolution by tiles of so many outputs.
 [[nodiscard]] constexpr std::uint64_t cost_by_tiles(const frame_convolution& c, extent2d outputs) {
     const std::size_t channels = c.window.input.channels, input_lanes = lanes_for<float>(channels),
-                      input_vectors = (channels + input_lanes - 1) / input_lanes;
+                      input_vectors = ceil_div(channels, input_lanes);
     const extent2d side = tile_side(c, outputs);
     const std::uint64_t elements = side.area(), count = tile_count(c, outputs);
     const bool far = elements * channels * c.padded_filters() * sizeof(float) > tile_costs::max_near_bytes;
@@ -129,13 +129,13 @@ struct winograd_tiles {
     static_assert(tile_possible(C, Outputs), "winograd_tiles: this convolution has no such tile");
     static constexpr extent2d side = tile_side(C, Outputs);
     static constexpr std::size_t elements = side.area(); ///< of an input tile and of a transformed kernel
-    static constexpr std::size_t columns = (C.columns() + Outputs.columns - 1) / Outputs.columns;
+    static constexpr std::size_t columns = ceil_div(C.columns(), Outputs.columns);
     static constexpr std::size_t of_frame = tile_count(C, Outputs); ///< tiles of one frame
     static constexpr std::size_t count = Frames * of_frame;
 
     static constexpr std::size_t channels = C.window.input.channels;
     static constexpr std::size_t input_width = lanes_for<float>(channels);
-    static constexpr std::size_t input_vectors = (channels + input_width - 1) / input_width;
+    static constexpr std::size_t input_vectors = ceil_div(channels, input_width);
     static constexpr std::size_t input_stride = input_vectors * input_width;
     static constexpr std::size_t block_vectors = tile_block_vectors(C, of_frame);
     static constexpr std::size_t block_stride = block_vectors * C.width();
@@ -147,8 +147,8 @@ struct winograd_tiles {
         constexpr std::size_t most = std::max<std::size_t>(l1_map_bytes / of_a_tile, 8);
         if (elements * channels * C.padded_filters() * sizeof(float) > l2_weight_bytes)
             return count;
-        const std::size_t bands = (count + most - 1) / most;
-        return (count + bands - 1) / bands;
+        const std::size_t bands = ceil_div(count, most);
+        return ceil_div(count, bands);
     }();
     /// Tiles in a register block.
     static constexpr std::size_t block = tiles_of_block(band, block_vectors);

@@ -1,12 +1,10 @@
 #pragma once
 
 #include <tactnet/detail/round_up.hpp>
-#include <tactnet/kernels/simd/sized_vector.hpp>
-#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 // Products of every row of one matrix with every row of another: A · Bᵀ, where B is kept in the order of use.
@@ -52,7 +50,7 @@ public:
     /// The columns first … first + panel_width − 1 of that alone, to the beginning of `out`.
     void panel_products(std::size_t first, const float* a, std::size_t count, std::size_t stride, float* out,
                         std::size_t out_stride) const {
-        const float* panel = values_.data() + first * features_;
+        const float* const panel = values_.data() + first * features_;
         std::size_t i = 0;
         for (; i + block_rows <= count; i += block_rows)
             block<block_rows>(panel, a + i * stride, stride, out + i * out_stride, out_stride);
@@ -61,45 +59,22 @@ public:
     }
 
 private:
-    /// Terms added in registers before they go to the total: the error grows with the run and with the number
-    /// of runs, not with their product.
+    /// Terms that are added in registers before they go to the total: the error grows with the length of a
+    /// run plus the number of runs, not with their product.
     static constexpr std::size_t run = 128;
 
     template <std::size_t Rows>
-    [[gnu::flatten, gnu::noinline]] void block(const float* panel, const float* a, std::size_t stride,
-                                               float* out, std::size_t out_stride) const {
-        using v = vector<float>;
-        for (std::size_t first = 0; first == 0 || first < features_; first += run) {
-            const std::size_t end = std::min(first + run, features_);
-            register_block<v, Rows, panel_vectors> sums;
-#pragma GCC unroll 64
-            for (std::size_t r = 0; r < Rows; ++r) {
-#pragma GCC unroll 64
-                for (std::size_t p = 0; p < panel_vectors; ++p)
-                    sums[r][p] = v(0.0F);
-            }
-            for (std::size_t f = first; f < end; ++f) {
-                std::array<v, panel_vectors> b;
-#pragma GCC unroll 64
-                for (std::size_t p = 0; p < panel_vectors; ++p)
-                    b[p] = load(panel + f * panel_width + p * lanes<float>);
-#pragma GCC unroll 64
-                for (std::size_t r = 0; r < Rows; ++r) {
-                    const v value(a[r * stride + f]);
-#pragma GCC unroll 64
-                    for (std::size_t p = 0; p < panel_vectors; ++p)
-                        sums[r][p] = multiply_add(value, b[p], sums[r][p]);
-                }
-            }
-#pragma GCC unroll 64
-            for (std::size_t r = 0; r < Rows; ++r) {
-#pragma GCC unroll 64
-                for (std::size_t p = 0; p < panel_vectors; ++p) {
-                    float* to = out + r * out_stride + p * lanes<float>;
-                    store(to, first == 0 ? sums[r][p] : load(to) + sums[r][p]);
-                }
-            }
-        }
+    void block(const float* panel, const float* a, std::size_t stride, float* out,
+               std::size_t out_stride) const {
+        for (std::size_t first = 0; first == 0 || first < features_; first += run)
+            multiply_panel<Rows, panel_vectors>({.input = a + first,
+                                                 .input_stride = stride,
+                                                 .lines = 1,
+                                                 .depth = std::min(run, features_ - first),
+                                                 .line_distance = 0,
+                                                 .output = out,
+                                                 .output_stride = out_stride},
+                                                panel + first * panel_width, 0, {.adds = first > 0});
     }
 
     std::size_t rows_ = 0, features_ = 0;
