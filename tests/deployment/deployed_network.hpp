@@ -227,35 +227,17 @@ struct description<tactnet::residual<Main, Skip>> {
     }
 };
 
-/// Which convolutions of a plan are computed by tiles, in the order of their parameters.
+/// The tiles of all convolutions of a step, in the order of their parameters.
 template <class Step>
-void append_tiled(std::type_identity<Step>, std::vector<tile_size>&) {}
-template <class Format, tactnet::kernels::frame_convolution C>
-void append_tiled(std::type_identity<tactnet::convolution_step<Format, C>>, std::vector<tile_size>& list) {
-    constexpr tactnet::extent2d tile = tactnet::convolution_step<Format, C>::method::tile;
-    list.push_back({tile.rows, tile.columns});
-}
-template <class... Steps>
-void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<tile_size>& list);
-template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
-void append_tiled(
-    std::type_identity<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>>,
-    std::vector<tile_size>& list);
-template <class Main, class Skip, std::size_t Stride>
-void append_tiled(std::type_identity<tactnet::residual_step<Main, Skip, Stride>>,
-                  std::vector<tile_size>& list) {
-    append_tiled(std::type_identity<Main>{}, list);
-    append_tiled(std::type_identity<Skip>{}, list);
-}
-template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
-void append_tiled(
-    std::type_identity<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>>,
-    std::vector<tile_size>& list) {
-    (append_tiled(std::type_identity<typename Branches::step>{}, list), ...);
-}
-template <class... Steps>
-void append_tiled(std::type_identity<tactnet::step_chain<Steps...>>, std::vector<tile_size>& list) {
-    (append_tiled(std::type_identity<Steps>{}, list), ...);
+void append_tiled(std::vector<tile_size>& list) {
+    const auto append = [&]<class Argument>(const Argument&) {
+        if constexpr (tactnet::detail::is_inner_step<Argument>)
+            append_tiled<typename Argument::step>(list);
+        else if constexpr (std::is_same_v<Argument, tactnet::kernels::frame_convolution>)
+            list.push_back({Step::method::tile.rows, Step::method::tile.columns});
+    };
+    tactnet::step_description<Step>::visit(
+        [&](const char*, const char*, const auto&... arguments) { (append(arguments), ...); });
 }
 inline void mark_tiled(std::vector<described_layer>& layers, const std::vector<tile_size>& tiled,
                        std::size_t& at) {
@@ -271,7 +253,7 @@ template <class Network>
 std::vector<described_layer> describe() {
     auto layers = description<typename Network::specification>::list(Network::input_shape);
     std::vector<tile_size> tiled;
-    append_tiled(std::type_identity<typename tactnet::lowered_network<Network>::step>{}, tiled);
+    append_tiled<typename tactnet::lowered_network<Network>::step>(tiled);
     std::size_t at = 0;
     mark_tiled(layers, tiled, at);
     return layers;

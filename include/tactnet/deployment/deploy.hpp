@@ -2,8 +2,9 @@
 
 #include <tactnet/deployment/batch.hpp>
 #include <tactnet/deployment/deployed_view.hpp>
-#include <tactnet/deployment/lowering.hpp>
-#include <tactnet/deployment/lowering/sequence.hpp>
+#include <tactnet/deployment/lowering/branches.hpp>
+#include <tactnet/deployment/lowering/convolution.hpp>
+#include <tactnet/deployment/lowering/layers.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>

@@ -21,14 +21,15 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The text of a header that holds a deployed network: includes deployed_view.hpp, compiles without
-/// exceptions and run-time type information. In the chosen namespace it defines
+/// Returns the text of a header that holds a deployed network. The header includes deployed_view.hpp and
+/// compiles without exceptions and run-time type information. In the chosen namespace it defines
 ///   recogniser      the network, a deployed_view
-///   classes         names of its first outputs, in order; outputs behind them stand for nothing
+///   classes         names of its first outputs, in order; further outputs have no meaning
 ///   passes_selftest whether `frame`, some counts, still gives the outputs that it gives here, to 1e-4 of the
 ///                   largest
 /// A network that needs more workspace than a stack should hold takes it as a last argument, in calls of
-/// both. Throws std::invalid_argument for names that cannot be and for a frame that is not recognised.
+/// both. Throws std::invalid_argument if a name is not allowed or the frame gives outputs that are not
+/// finite.
 template <class Network, class Format>
 [[nodiscard]] std::string deployed_header(const deployed<Network, Format>& network,
                                           const header_description& says,

@@ -172,7 +172,7 @@ public:
 };
 
 /// The steps of a network whose input lies pixel by pixel without gaps, and how its parameters fold into
-/// them. Include the lowerings of its layers first (deployment/lowering.hpp).
+/// them. Include the lowerings of its layers first (deployment/deploy.hpp does).
 template <class Network, class Format = single_precision>
     requires(!inference_no_op<typename Network::specification>) // or there is nothing to deploy
 using lowered_network =

@@ -11,7 +11,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The skip of a residual block that passes its input on.
+/// The identity, as the skip of a residual block or a branch of a concatenation.
 struct no_step {
     static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
     static constexpr void pack(const float*, auto*) {}
@@ -22,8 +22,8 @@ struct step_description<no_step> {
     static constexpr void visit(auto&& to) { to("tactnet::no_step", "Nothing"); }
 };
 
-/// main(x) + skip(x), with the ReLU behind it. The skip is left in the output, and the main branch's last
-/// convolution adds to it. The input has `InputStride` elements from one pixel to the next.
+/// main(x) + skip(x), with the ReLU after it. The skip is written to the output first, and the main branch's
+/// last convolution adds to it. The input has `InputStride` elements from one pixel to the next.
 template <class Main, class Skip, std::size_t InputStride>
 struct residual_step {
     using format = typename Main::format;
@@ -32,7 +32,8 @@ struct residual_step {
     static constexpr shape output = Main::output;
     static constexpr std::size_t output_stride = Main::output_stride;
     static constexpr std::size_t folded = Main::folded + Skip::folded, packed = Main::packed + Skip::packed;
-    /// Where the skip's pixels are not as far apart as the output's, it is computed aside.
+    /// Elements for a skip that is computed in the workspace, since its pixels have another stride than the
+    /// output.
     static constexpr std::size_t aside = [] {
         if constexpr (std::is_same_v<Skip, no_step>)
             return std::size_t{0};
@@ -58,7 +59,7 @@ struct residual_step {
         leave_skip(packed_values, in, out, memory);
         Main::run(packed_values, in, out, memory);
     }
-    /// Its first half: the skip, in the output.
+    /// The first half: writes the skip to the output.
     static void leave_skip(const packed_number* packed_values, const activation* in, activation* out,
                            activation* memory) noexcept {
         if constexpr (std::is_same_v<Skip, no_step>) {
@@ -108,16 +109,16 @@ struct step_description<residual_step<Main, Skip, InputStride>> {
     }
 };
 
-/// A branch whose channels begin at `Offset` of the common map. Its last step writes them there, or, where it
-/// cannot, they are copied; a branch of no_step copies the input.
+/// A branch whose channels begin at `Offset` of the common map. Its last step writes them there, or they are
+/// copied if it cannot; a branch of no_step copies the input.
 template <class Step, std::size_t Offset>
 struct branch_step {
     using step = Step;
     static constexpr std::size_t offset = Offset;
 };
 
-/// Several branches over the same input of `Channels` channels, `InputStride` elements from one pixel to the
-/// next, side by side in one map of `Stride` elements a pixel.
+/// Branches over the same input, with `InputStride` elements from one pixel to the next, side by side in one
+/// map of `Stride` elements per pixel.
 template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
 struct concatenation_step {
     using format = typename Format::hidden_format;
@@ -127,7 +128,7 @@ struct concatenation_step {
 private:
     template <class Branch>
     static constexpr bool passes_input_on = std::is_same_v<typename Branch::step, no_step>;
-    /// The map of a branch by itself.
+    /// The output of a branch.
     template <class Branch>
     static constexpr shape map = [] {
         if constexpr (passes_input_on<Branch>)
@@ -135,7 +136,7 @@ private:
         else
             return Branch::step::output;
     }();
-    /// Elements for a branch that is computed aside.
+    /// Elements for a branch that is computed in the workspace and copied.
     template <class Branch>
     static constexpr std::size_t aside = [] {
         if constexpr (passes_input_on<Branch>)
@@ -174,7 +175,7 @@ public:
         clear_rest(out);
     }
     static constexpr bool large = (detail::is_large<typename Branches::step> || ...);
-    /// Where all branches write to their places.
+    /// Only if all branches write their slices of the map.
     template <class Executor>
         requires((aside<Branches> == 0 && !passes_input_on<Branches>)&&...)
     static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
@@ -186,7 +187,7 @@ public:
             [&](std::size_t frame) { clear_rest(out + frame * detail::map_distance<concatenation_step>); });
     }
 
-    /// Lanes behind the last channel.
+    /// Clears the lanes after the last channel.
     static void clear_rest(activation* out) {
         if constexpr (output.channels < Stride)
             for (std::size_t pixel = 0; pixel < output.area(); ++pixel)

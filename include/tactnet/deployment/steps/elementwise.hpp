@@ -17,7 +17,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A batch norm that follows no convolution, with or without ReLU: a factor and an offset for each channel.
+/// A batch norm that no convolution has fused, with or without ReLU: a factor and an offset per channel.
 template <class Format, shape Map, std::size_t Stride, bool Rectified>
 struct norm_step;
 template <class Format, shape Map, std::size_t Stride, bool Rectified>
@@ -95,7 +95,7 @@ struct square_root_step<single_precision, Map, Stride, Offset>
     : step_without_parameters<single_precision, Map, Stride> {
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
 
-    /// x + offset must stay finite too, and roots of small numbers are larger than they.
+    /// x + offset must stay finite too, and roots of small numbers exceed the numbers.
     static double output_bound(const float*, double input) { return std::max(input, 1.0) + offset; }
     static void run(const float*, const float* in, float* out, float*) noexcept {
         kernels::shifted_roots<Map.area() * Stride>(static_cast<float>(offset), in, out);
@@ -149,8 +149,8 @@ struct softmax_step<single_precision, Map, Stride> : step_without_parameters<sin
     }
 };
 
-/// A step that writes the outputs of a network as floats, and the softmax of these in their place: for number
-/// formats whose maps hold something else.
+/// A step that writes the outputs of a network as floats, with the softmax of these outputs in their place:
+/// for number formats whose maps hold something else.
 template <class Step>
 struct step_with_softmax : Step {
     using activation = typename Step::format::activation;
@@ -173,7 +173,7 @@ struct step_description<step_with_softmax<Step>> {
            inner_step<Step, composition::wrapper>{""});
     }
 };
-/// The same step where others follow.
+/// The step for a softmax in the middle of a network, which such a format cannot compute.
 template <class Step>
 struct softmax_not_last : Step {
     using activation = typename Step::format::activation;

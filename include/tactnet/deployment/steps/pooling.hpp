@@ -10,7 +10,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A max pool that no convolution takes along.
+/// A max pool that no convolution has fused.
 template <class Format, sliding_window Window, std::size_t Stride>
 struct pool_step;
 template <class Format, sliding_window Window, std::size_t Stride>
