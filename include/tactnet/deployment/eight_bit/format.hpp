@@ -134,8 +134,8 @@ struct eight_bit_step {
 
 namespace detail {
 
-/// The one error of a step that would read the frame and cannot: its words of 16 bits become bytes by what
-/// multiplies. Such steps then derive from those that read bytes, so that no other error follows.
+/// The only error of a step that cannot be the first, since it would write the frame's words of 16 bits on as
+/// bytes. Such steps derive from those that read bytes, so that no other error follows.
 template <std::size_t Stride>
 struct cannot_read_the_frame {
     static_assert(Stride == 0,

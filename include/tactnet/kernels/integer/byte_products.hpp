@@ -6,14 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 
-// Products of bytes without a sign and signed weights of 8 bits, where an instruction set has them: four
-// inputs at once. word_products.hpp says what a kind of product is.
+// Products of unsigned bytes and signed weights of 8 bits, four inputs at once, for instruction sets that
+// have them. word_products.hpp describes the members.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Inputs of 8 bits without a sign. As it stands: by products of 16 bits.
+/// Products for unsigned inputs of 8 bits. The primary template uses products of 16 bits.
 template <std::size_t Lanes>
 struct byte_products : word_products<Lanes> {};
 
@@ -95,7 +95,7 @@ struct byte_products<4> {
     using weights = int8x16_t;
     using inputs = int8x16_t;
     static constexpr std::size_t group = 4;
-    static constexpr int offset = 128; // this instruction knows no bytes without a sign times bytes with one
+    static constexpr int offset = 128; // this instruction multiplies signed bytes only
 
     [[gnu::always_inline]] static weights load(const std::int8_t* from) { return vld1q_s8(from); }
     [[gnu::always_inline]] static inputs broadcast(const staged* from) {
@@ -109,8 +109,8 @@ struct byte_products<4> {
 
 #elif defined(__arm__) && defined(__ARM_FEATURE_SIMD32) && !defined(__ARM_BIG_ENDIAN)
 
-/// Weights are bytes in memory and pairs of words in registers. One instruction takes every other byte of a
-/// register, another the others: in that order they lie.
+/// Weights are bytes in memory and pairs of words in registers. One instruction widens the even bytes of a
+/// register, another the odd bytes, hence the order.
 template <>
 struct byte_products<1> {
     using staged = std::int16_t;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/depthwise_layout.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
@@ -24,8 +25,8 @@ namespace kernels {
 
 namespace detail {
 
-/// Interleaves the rows under a band, of which the first is `top`, counted with the padding. `Channels` are
-/// read of each pixel.
+/// Interleaves the input rows under a band, from row `top` on, which counts the padding. Reads `Channels`
+/// bytes per pixel.
 template <class Layout, std::size_t Channels, frame_convolution C = Layout::convolution>
 [[gnu::flatten, gnu::noinline]] void stage_band(const std::uint8_t* input, const std::uint8_t* padding,
                                                 std::size_t top, std::size_t groups, std::uint8_t* to) {
@@ -84,8 +85,8 @@ convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
     constexpr std::size_t step = C.window.stride.columns,
                           under_columns = (Columns - 1) * step + C.window.kernel.columns,
                           groups = Layout::groups(Rows);
-    constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns,
-                          pixels = (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns;
+    constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns),
+                          pixels = ceil_div(Rows, C.pool.rows) * pooled_columns;
     using sum = int32_vec<lanes>;
     const auto pixel = [&](std::size_t row, std::size_t column) __attribute__((always_inline)) {
         return output + (row * C.output_columns() + column) * C.output_stride();
@@ -165,9 +166,9 @@ struct depthwise_integer_method {
     static constexpr bool applicable =
         C.is_depthwise() && std::is_same_v<Input, std::uint8_t> && max_integer_lanes > 1;
     static constexpr std::size_t cost =
-        layout::band_cost(layout::band) * layout::blocks * ((C.rows() + layout::band - 1) / layout::band);
+        layout::band_cost(layout::band) * layout::blocks * ceil_div(C.rows(), layout::band);
     static constexpr std::size_t packed_elements = layout::blocks * layout::block_weights;
-    /// Zeros of the input that a pixel outside has, then a staged band.
+    /// A block of padding, then a staged band.
     static constexpr std::size_t workspace_elements = layout::block + layout::staged;
     static constexpr int offset = layout::products::offset;
     static constexpr std::size_t filter_places = layout::blocks * layout::block;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/direct_layout.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
@@ -85,12 +86,13 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
         weights += C.window.kernel.rows * Layout::groups_of_row * Vectors * Layout::weights_of_group;
     }
 
-    constexpr std::size_t pooled_columns = (Columns + C.pool.columns - 1) / C.pool.columns;
+    constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns),
+                          pooled = ceil_div(Rows, C.pool.rows) * pooled_columns;
 #pragma GCC unroll 64
     for (std::size_t v = 0; v < Vectors; ++v) {
         const float_vec<width> factors = epilogue.factor<width>(v);
 #pragma GCC unroll 64
-        for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
+        for (std::size_t o = 0; o < pooled; ++o) {
             const std::size_t top = o / pooled_columns * C.pool.rows,
                               left = o % pooled_columns * C.pool.columns;
             const std::size_t high = std::min(C.pool.rows, Rows - top),
@@ -118,9 +120,9 @@ struct direct_integer_method {
     static constexpr const char* name = "direct";
     static constexpr bool applicable = true;
     /// Instructions for products. Those of four bytes add to the sums themselves.
-    static constexpr std::size_t cost =
-        (layout::group == 4 ? 1 : 2) * C.rows() * C.columns() * C.window.kernel.area() *
-        ((C.window.input.channels + layout::group - 1) / layout::group) * layout::vectors;
+    static constexpr std::size_t cost = (layout::group == 4 ? 1 : 2) * C.rows() * C.columns() *
+                                        C.window.kernel.area() *
+                                        ceil_div(C.window.input.channels, layout::group) * layout::vectors;
     static constexpr std::size_t packed_elements = layout::weights * sizeof(typename layout::weight),
                                  workspace_elements =
                                      layout::staged_elements * sizeof(typename layout::staged);

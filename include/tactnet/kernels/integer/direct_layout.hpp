@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/bits_as.hpp>
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 
@@ -60,7 +61,7 @@ struct direct_integer_layout {
     /// The staged input: elements from one pixel to the next, a multiple or a fraction of the group; elements
     /// from one row to the next; rows; all elements, with those that the last group may read after its taps.
     static constexpr std::size_t stride =
-        C.input_stride < group ? std::bit_ceil(C.input_stride) : (C.input_stride + group - 1) / group * group;
+        C.input_stride < group ? std::bit_ceil(C.input_stride) : round_up(C.input_stride, group);
     static constexpr std::size_t pitch = (C.window.input.columns + C.window.left + C.window.right) * stride;
     static constexpr std::size_t rows = C.window.input.rows + C.window.top + C.window.bottom;
     static constexpr std::size_t staged_elements = rows * pitch + group;
@@ -68,8 +69,7 @@ struct direct_integer_layout {
     /// Groups per pixel, columns per group, groups that cover the columns of the kernel.
     static constexpr std::size_t groups_of_pixel = std::max<std::size_t>(stride / group, 1),
                                  columns_of_group = std::max<std::size_t>(group / stride, 1),
-                                 groups_of_row =
-                                     (C.window.kernel.columns + columns_of_group - 1) / columns_of_group;
+                                 groups_of_row = ceil_div(C.window.kernel.columns, columns_of_group);
     static constexpr std::size_t weights_of_group = width * group;
     using weight = typename products::weight;
     static constexpr std::size_t weights =

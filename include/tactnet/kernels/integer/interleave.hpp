@@ -14,15 +14,15 @@
 #include <immintrin.h>
 #endif
 
-// Four vectors of bytes as 4 × `Lanes` 32-bit lanes of four bytes, one of each, and the way back.
-// Instructions interleave within 16 bytes, so that is the order here: lane j of vector v belongs to byte 16
+// Four vectors of bytes interleaved to lanes of 32 bits, with one byte of each vector per lane, and the
+// inverse. Instructions interleave within 16 bytes, hence the order: lane j of result v holds the bytes at 16
 // (j / 4) + 4 v + j % 4.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// The place of a byte among the lanes of four vectors: vector × Lanes + lane.
+/// The lane of a byte's place, counted over the four results: v × Lanes + j.
 template <std::size_t Lanes>
 [[nodiscard]] constexpr std::size_t interleaved_place(std::size_t byte) {
     return byte % 16 / 4 * Lanes + byte / 16 * 4 + byte % 4;
@@ -30,14 +30,14 @@ template <std::size_t Lanes>
 
 namespace detail {
 
-/// Elements of a and b in turns, from the lower or the upper half of each 16 bytes.
+/// Alternates elements of a and b, from the lower or the upper half of each 16 bytes.
 template <bool Upper, class Vector, std::size_t... I>
 [[gnu::always_inline]] inline Vector in_turns(const Vector& a, const Vector& b, std::index_sequence<I...>) {
     constexpr std::size_t n = sizeof...(I), row = 16 * n / sizeof(Vector);
     return __builtin_shufflevector(
         a, b, static_cast<int>(I / row * row + (Upper ? row / 2 : 0) + I % row / 2 + I % 2 * n)...);
 }
-/// The low halves of the elements of a and b, side by side within each 16 bytes.
+/// Keeps the low halves of the elements: within each 16 bytes those of a, then those of b.
 template <class Vector, std::size_t... I>
 [[gnu::always_inline]] inline Vector low_halves(const Vector& a, const Vector& b, std::index_sequence<I...>) {
     constexpr std::size_t n = sizeof...(I), row = 16 * n / sizeof(Vector);
@@ -47,7 +47,7 @@ template <class Vector, std::size_t... I>
 
 } // namespace detail
 
-/// Lane j of vector v holds the bytes of a, b, c and d that belong to it, in this order.
+/// Interleaves four vectors: a lane holds a byte of a, b, c and d, in this order.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline std::array<uint8_vec<4 * Lanes>, 4>
 interleave(const uint8_vec<4 * Lanes>& a, const uint8_vec<4 * Lanes>& b, const uint8_vec<4 * Lanes>& c,
@@ -66,7 +66,7 @@ interleave(const uint8_vec<4 * Lanes>& a, const uint8_vec<4 * Lanes>& b, const u
             reinterpret_cast<bytes>(detail::in_turns<true>(upper_ab, upper_cd, half))};
 }
 
-/// The bytes of 4 × `Lanes` integers from 0 to 255, in the order of the bytes that `interleave` takes.
+/// Narrows integers from 0 to 255, in the order of `interleave`, to bytes in their own order.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline uint8_vec<4 * Lanes>
 narrow(const std::array<int32_vec<Lanes>, 4>& whole) {
@@ -108,7 +108,7 @@ template <std::size_t Bytes, std::size_t Count>
     if constexpr (Count >= Bytes) {
         return load_any<uint8_vec<Bytes>>(from);
     } else if constexpr (Bytes > 16) {
-        // Halves in registers: compilers would assemble the vector in memory.
+        // By halves, or compilers assemble the vector in memory.
         constexpr std::size_t half = Bytes / 2;
         uint8_vec<half> upper{};
         if constexpr (Count > half)

@@ -55,7 +55,7 @@ template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline uint8_vec<Lanes> last_bytes(const int32_vec<Lanes>& whole) {
     using bytes = uint8_vec<Lanes>;
 #if !defined(TACTNET_NO_SIMD) && ((defined(__SSSE3__) && !defined(__AVX512VL__)) || defined(__aarch64__))
-    // By a shuffle: GCC 12 would convert them one by one.
+    // A shuffle, since GCC 12 converts lane by lane.
     const auto all = load_any<uint8_vec<4 * Lanes>>(&whole);
     if constexpr (Lanes == 4)
         return __builtin_shufflevector(all, all, 0, 4, 8, 12);
@@ -70,7 +70,7 @@ template <std::size_t Lanes>
 
 namespace detail {
 
-/// sum × factor within the range, relative to the zero, with its nearest integer as `with_nearest` gives it.
+/// `with_nearest` of sum × factor, clamped to the range relative to its zero.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
 clamped_with_nearest(const int32_vec<Lanes>& sums, const float_vec<Lanes>& factors, const byte_range& range) {
@@ -84,13 +84,13 @@ clamped_with_nearest(const int32_vec<Lanes>& sums, const float_vec<Lanes>& facto
 
 } // namespace detail
 
-/// sum × factor + zero, rounded and clamped to the range: integers from 0 to 255.
+/// Requantises sums: sum × factor + zero, rounded and clamped to the range, as integers from 0 to 255.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
 rounded(const int32_vec<Lanes>& sums, const float_vec<Lanes>& factors, const byte_range& range) {
     return detail::clamped_with_nearest<Lanes>(sums, factors, range) + (range.zero() - detail::above_nearest);
 }
-/// Stores the same integers as bytes.
+/// Stores requantised sums as bytes.
 template <std::size_t Lanes>
 [[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const int32_vec<Lanes>& sums,
                                                  const float_vec<Lanes>& factors, const byte_range& range) {

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <cstring>
 
-// How wide vectors of whole numbers are, and their memory. Their types: simd/compiler_vector.hpp.
+// Widths, loads and stores of integer vectors. Their types are in simd/compiler_vector.hpp.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Lanes of the widest vector of whole numbers that the instruction set multiplies.
+/// Lanes of the widest vector of 32-bit integers that the instruction set multiplies.
 #if defined(TACTNET_NO_SIMD)
 inline constexpr std::size_t max_integer_lanes = 1;
 #elif defined(__AVX512BW__)
@@ -32,13 +32,14 @@ inline constexpr std::size_t max_integer_lanes = 4;
     return width;
 }
 
-/// Of any alignment, and of memory that was written as another type.
+/// Loads from any alignment, and from memory that was written as another type.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_any(const void* from) {
     Vector values;
     std::memcpy(&values, from, sizeof(values));
     return values;
 }
+/// Stores to any alignment.
 template <class Vector>
 [[gnu::always_inline]] inline void store_any(void* to, const Vector& values) {
     std::memcpy(to, &values, sizeof(values));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/bits_as.hpp>
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/word_products.hpp>
@@ -42,9 +43,8 @@ struct integer_tiles {
             w /= 2;
         return w;
     }();
-    static constexpr std::size_t channels =
-        (C.window.input.channels + input_width - 1) / input_width * input_width;
-    static constexpr std::size_t groups = (C.window.input.channels + group - 1) / group;
+    static constexpr std::size_t channels = round_up(C.window.input.channels, input_width);
+    static constexpr std::size_t groups = ceil_div(C.window.input.channels, group);
     static constexpr std::size_t block_stride = block_vectors * width;
 
     /// Tiles that are transformed, multiplied and transformed back together: as many as the first level of
@@ -55,13 +55,12 @@ struct integer_tiles {
         if (elements * groups * group * C.padded_filters() * sizeof(std::int16_t) > l2_weight_bytes)
             return count;
         constexpr std::size_t most = std::max<std::size_t>(l1_map_bytes / of_a_tile, 8);
-        const std::size_t bands = (count + most - 1) / most;
-        return (count + bands - 1) / bands;
+        return ceil_div(count, ceil_div(count, most));
     }();
     /// Tiles per register block, of `tiles` in all: as many as registers allow, evenly spread.
     static constexpr std::size_t block_of(std::size_t tiles) {
         constexpr std::size_t most = std::max<std::size_t>(max_block_sums / block_vectors, 1);
-        return (tiles + (tiles + most - 1) / most - 1) / ((tiles + most - 1) / most);
+        return ceil_div(tiles, ceil_div(tiles, most));
     }
     static constexpr std::size_t block = block_of(band);
 
@@ -74,7 +73,7 @@ struct integer_tiles {
     static constexpr std::size_t weight_bytes =
         elements * groups * group * C.padded_filters() * sizeof(std::int16_t);
 
-    /// Beyond a thousand channels sums might pass 31 bits.
+    /// Whether tiles can compute it. Beyond 1024 channels, sums might need more than 31 bits.
     static constexpr bool possible = (C.window.kernel == extent2d(3) || C.window.kernel == extent2d(2)) &&
                                      C.window.stride == extent2d(1) && max_integer_lanes > 1 &&
                                      (C.pool == extent2d(1) || C.pool == extent2d(2)) && C.groups == 1 &&
@@ -93,7 +92,7 @@ template <frame_convolution C, class Weight>
 constexpr void pack_integer_tiles(std::int8_t* packed, const Weight& weight) {
     using tiles = integer_tiles<C>;
     constexpr std::size_t kernel = tiles::side - 1;
-    // A line of G, twice for kernels of three, times three or two numbers.
+    // A line of G, doubled for kernels of three, times the numbers of a kernel.
     const auto transformed = [](std::size_t line, const std::array<int, kernel>& g) {
         constexpr int times = kernel == 3 ? 2 : 1;
         if (line == 0)

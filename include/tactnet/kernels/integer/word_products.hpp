@@ -17,19 +17,19 @@
 #include <arm_acle.h>
 #endif
 
-// sums += weights · inputs in whole numbers: signed weights of 8 bits times inputs of 8 or 16 bits, exactly,
-// in sums of 32 bits. An instruction set multiplies a `group` of neighbouring inputs at once, spread over all
-// lanes, with the weights of as many inputs, of one filter a lane: [filter][input of the group]. No step on
-// the way has fewer than 32 bits for a sum of products, so that none of them can saturate.
+// sums += weights · inputs in integers: signed weights of 8 bits times inputs of 8 or 16 bits, exactly, in
+// sums of 32 bits. An instruction multiplies a `group` of neighbouring inputs, broadcast to all lanes, by as
+// many weights of one filter per lane: [filter][input of the group]. Every intermediate sum has 32 bits, so
+// nothing saturates.
 //
 // clang-format off
-// A kind of product says
-//   staged   the type in which inputs lie in memory while they are multiplied
-//   weight   that of the weights: of 16 bits where inputs are, since widening them takes as long as a product
-//   group    inputs multiplied at once
-//   offset   what is subtracted from an input of 8 bits when it is staged
-//   order    if the weights of a group lie in another order: the input that each belongs to
-//   most_sums  if fewer sums stay in registers than of floats: how many
+// Members of products:
+//   staged     the type of inputs in memory while they are multiplied
+//   weight     the type of weights: 16 bits if inputs have 16, since widening takes as long as a product
+//   group      inputs per instruction
+//   offset     subtracted from an input of 8 bits as it is staged
+//   order      optional: the input that each weight of a group belongs to, if in another order
+//   most_sums  optional: sums that stay in registers, if fewer than of floats
 // clang-format on
 
 namespace tactnet {
@@ -38,7 +38,7 @@ namespace kernels {
 
 namespace detail {
 
-/// The bits of a group, which lies at any address.
+/// Loads the bits of a group from any address.
 template <class Group>
 [[nodiscard]] [[gnu::always_inline]] inline Group group_at(const void* from) {
     Group bits;
@@ -47,9 +47,9 @@ template <class Group>
 }
 
 #if !defined(TACTNET_NO_SIMD) && defined(__SSE2__)
-/// sum += products of neighbouring words, as two instructions side by side: compilers, which may take
-/// products and sums in any order, would take all products first and keep the sums in memory.
-/// A sum has one type from its beginning to its end: where types change, compilers copy.
+/// sum += products of neighbouring words, as two adjacent instructions: compilers, which may reorder products
+/// and sums, would compute all products first and keep the sums in memory. A sum keeps one type throughout,
+/// since compilers copy where types change.
 template <class Sum, class Words>
 [[nodiscard]] [[gnu::always_inline]] inline Sum add_products(Sum sum, const Words& w, const Words& x) {
     Words product;
@@ -63,7 +63,7 @@ template <class Sum, class Words>
     return sum;
 }
 #elif !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
-/// Keeps a sum of whole numbers where it is in the order of the program.
+/// Keeps an integer sum at its place in the order of the program.
 template <class Register>
 [[nodiscard]] [[gnu::always_inline]] inline Register in_order(Register sum) {
     asm("" : "+w"(sum));
@@ -73,7 +73,7 @@ template <class Register>
 
 } // namespace detail
 
-/// Inputs of 16 bits. As it stands: without vector instructions.
+/// Products for inputs of 16 bits. The primary template uses no vector instructions.
 template <std::size_t Lanes>
 struct word_products {
     using staged = std::int16_t;
@@ -177,8 +177,7 @@ struct word_products<16> {
 
 #elif defined(__arm__) && defined(__ARM_FEATURE_SIMD32) && !defined(__ARM_BIG_ENDIAN)
 
-// No vectors, but pairs of words in the registers of a core: Cortex-M4 and M7, and 32-bit ARM since
-// version 6.
+// Pairs of words in general registers: Cortex-M4 and M7, and 32-bit ARM since version 6.
 
 template <>
 struct word_products<1> {

@@ -14,7 +14,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Convolution in 8 bits with what follows it, by the method of least cost.
+/// A convolution in 8 bits with its epilogue, by the method of least cost.
 template <class Input, class Output, kernels::frame_convolution Kernel>
 struct convolution_step<eight_bit_between<Input, Output>, Kernel>
     : eight_bit_step<shape{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters},
@@ -23,7 +23,7 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel>
     static constexpr bool fills_map = Kernel.map_stride == 0;
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
-    static constexpr std::size_t number_elements = sizeof(Output); ///< of a number that it writes, in bytes
+    static constexpr std::size_t number_elements = sizeof(Output); ///< bytes per number that it writes
     static constexpr folded_arrays arrays{{"weight",
                                            folded_kind::weights,
                                            {Kernel.filters, Kernel.window.input.channels / Kernel.groups,
@@ -34,7 +34,7 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel>
                                           range_array("added", Kernel.adds),
                                           range_array("output", writes_bytes)};
     static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
-    /// The largest magnitude of a number that it reads.
+    /// The largest magnitude of an input.
     static constexpr double largest_input = std::is_same_v<Input, std::uint8_t> ? 255 : 32768;
 
 private:

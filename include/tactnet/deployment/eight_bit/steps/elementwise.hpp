@@ -59,7 +59,7 @@ template <class Function, shape Map, std::size_t Stride>
 struct activation_step<eight_bit::input_format, Function, Map, Stride>
     : activation_step<eight_bit, Function, Map, Stride>, detail::cannot_read_the_frame<Stride> {};
 
-/// A batch norm by itself in 8 bits, with or without ReLU: one weight of 16 bits for each channel.
+/// A separate batch norm in 8 bits, with or without ReLU: a weight of 16 bits per channel.
 template <class Input, shape Map, std::size_t Stride, bool Rectified>
 struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>
     : eight_bit_step<Map, Stride> {
@@ -118,7 +118,7 @@ public:
     }
 };
 
-/// A square root in 8 bits, of the sensor's words or of bytes: √(x + offset) − √offset, 0 for x below 0.
+/// A square root in 8 bits, of the sensor's words or of bytes: √(x + offset) − √offset, and 0 for x < 0.
 template <class Input, shape Map, std::size_t Stride, class Offset>
 struct square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>
     : eight_bit_step<Map, Stride> {

@@ -44,7 +44,7 @@ template <class Output, average_windows Windows, std::size_t Channels, std::size
 struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>
     : eight_bit_step<shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
-    static constexpr std::size_t number_elements = sizeof(Output); ///< of a number that it writes, in bytes
+    static constexpr std::size_t number_elements = sizeof(Output); ///< bytes per number that it writes
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", writes_bytes)};
     static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
 
