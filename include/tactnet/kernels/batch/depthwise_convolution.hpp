@@ -150,8 +150,11 @@ private:
                                                 double* totals_from) {
         constexpr std::size_t width = lanes<T>, taps = C.kernel.columns;
         std::array<std::array<vector<T>, taps>, Rows> sums;
-        for (auto& row : sums)
-            row.fill(vector<T>(T{}));
+#pragma GCC unroll 64
+        for (std::size_t row = 0; row < Rows; ++row)
+#pragma GCC unroll 64
+            for (std::size_t tap = 0; tap < taps; ++tap)
+                sums[row][tap] = vector<T>(T{});
         for (std::size_t y = begin_row; y < end_row; ++y) {
             const auto limited = [&](std::size_t tap) {
                 return std::clamp(tap, first_row, first_row + Rows) - first_row;

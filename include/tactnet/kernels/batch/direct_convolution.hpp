@@ -66,12 +66,8 @@ correlate_block(const T* input, const T* weights, const T* bias, T* output, std:
         (Columns.step == 1 && C.stride.columns == 1 ? C.spacing.columns : 1) * width;
     std::array<std::array<vector<T>, Outputs>, Channels> sums;
 #pragma GCC unroll 64
-    for (std::size_t c = 0; c < Channels; ++c) {
-        const vector<T> start(bias ? bias[c] : T{});
-#pragma GCC unroll 64
-        for (std::size_t o = 0; o < Outputs; ++o)
-            sums[c][o] = start;
-    }
+    for (std::size_t c = 0; c < Channels; ++c)
+        sums[c].fill(vector<T>(bias ? bias[c] : T{}));
     const std::ptrdiff_t column_position = Columns.position(index);
     for (std::size_t channel = 0; channel < C.input.channels; ++channel) {
         for (std::size_t row = first_row; row < last_row; ++row) {

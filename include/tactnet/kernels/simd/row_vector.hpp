@@ -17,8 +17,6 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-#ifndef TACTNET_NO_SIMD
-
 template <class Vector, class T>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_anywhere(const T* from) {
     return Vector::load_unaligned(from);
@@ -27,6 +25,9 @@ template <class Vector, class T>
 [[gnu::always_inline]] inline void store_anywhere(T* to, const Vector& values) {
     values.store_unaligned(to);
 }
+
+#ifndef TACTNET_NO_SIMD
+
 /// Loads bytes and converts them to floats.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_floats(const std::uint8_t* from) {
@@ -102,14 +103,6 @@ template <class Vector>
 
 #else
 
-template <class Vector, class T>
-[[nodiscard]] inline Vector load_anywhere(const T* from) {
-    return *from;
-}
-template <class Vector, class T>
-inline void store_anywhere(T* to, const Vector& values) {
-    *to = values.value;
-}
 /// Loads a byte and converts it to a float.
 template <class Vector>
 [[nodiscard]] inline Vector load_floats(const std::uint8_t* from) {

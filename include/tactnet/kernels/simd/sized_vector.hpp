@@ -22,14 +22,6 @@ using sized_vector = xsimd::make_sized_batch_t<T, Lanes>;
 template <class T>
 inline constexpr std::size_t min_lanes = 16 / sizeof(T);
 
-template <class Vector, class T>
-[[nodiscard]] [[gnu::always_inline]] inline Vector load_as(const T* from) {
-    return Vector::load_aligned(from);
-}
-template <class Vector, class T>
-[[gnu::always_inline]] inline void store_as(T* to, const Vector& values) {
-    values.store_aligned(to);
-}
 /// The larger of both; `b` if one is NaN. Not xsimd::max, for which GCC 12 warns in its own header.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
@@ -43,20 +35,21 @@ using sized_vector = vector<T>;
 template <class T>
 inline constexpr std::size_t min_lanes = 1;
 
-template <class Vector, class T>
-[[nodiscard]] inline Vector load_as(const T* from) {
-    return *from;
-}
-template <class Vector, class T>
-inline void store_as(T* to, const Vector& values) {
-    *to = values.value;
-}
 template <class Vector>
 [[nodiscard]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
     return a > b ? a : b;
 }
 
 #endif
+
+template <class Vector, class T>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_as(const T* from) {
+    return Vector::load_aligned(from);
+}
+template <class Vector, class T>
+[[gnu::always_inline]] inline void store_as(T* to, const Vector& values) {
+    values.store_aligned(to);
+}
 
 /// The lanes of the widest vector that `count` values fill, or of the narrowest vector.
 template <class T>

@@ -33,18 +33,6 @@ template <class T>
 inline constexpr std::size_t lanes = xsimd::batch<T>::size;
 
 template <class T>
-[[nodiscard]] inline vector<T> load(const T* from) {
-    return vector<T>::load_aligned(from);
-}
-template <class T>
-inline void store(T* to, const vector<T>& values) {
-    values.store_aligned(to);
-}
-template <class T>
-[[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
-    return fused_multiply_add(a, b, c);
-}
-template <class T>
 [[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
     return xsimd::sqrt(a);
 }
@@ -89,12 +77,12 @@ template <class T>
         for (std::size_t first = 0; first < lanes<T>; first += narrow) {
             std::array<half, narrow> folded;
             for (std::size_t i = 0; i < narrow; ++i) {
-                store(flat.data(), rows[first + i]);
+                rows[first + i].store_aligned(flat.data());
                 folded[i] = half::load_aligned(flat.data()) + half::load_aligned(flat.data() + narrow);
             }
             xsimd::haddp(folded.data()).store_aligned(sums.data() + first);
         }
-        return load(sums.data());
+        return vector<T>::load_aligned(sums.data());
     }
 }
 
@@ -108,6 +96,10 @@ struct vector {
 
     vector() = default;
     vector(T v) : value(v) {}
+    [[nodiscard]] static vector load_aligned(const T* from) { return *from; }
+    [[nodiscard]] static vector load_unaligned(const T* from) { return *from; }
+    void store_aligned(T* to) const { *to = value; }
+    void store_unaligned(T* to) const { *to = value; }
     friend vector operator+(vector a, vector b) { return a.value + b.value; }
     friend vector operator-(vector a, vector b) { return a.value - b.value; }
     friend vector operator*(vector a, vector b) { return a.value * b.value; }
@@ -124,21 +116,9 @@ template <class T>
 inline constexpr std::size_t lanes = 1;
 
 template <class T>
-[[nodiscard]] inline vector<T> load(const T* from) {
-    return *from;
-}
-template <class T>
-inline void store(T* to, const vector<T>& values) {
-    *to = values.value;
-}
-template <class T>
-[[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
-    return fused_multiply_add(a.value, b.value, c.value);
-}
-template <class T>
 [[nodiscard]] inline vector<T> fused_multiply_add(const vector<T>& a, const vector<T>& b,
                                                   const vector<T>& c) {
-    return multiply_add(a, b, c);
+    return fused_multiply_add(a.value, b.value, c.value);
 }
 template <class T>
 [[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
@@ -168,6 +148,19 @@ template <class T>
 #if !defined(TACTNET_NO_SIMD) && defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic pop
 #endif
+
+template <class T>
+[[nodiscard]] inline vector<T> load(const T* from) {
+    return vector<T>::load_aligned(from);
+}
+template <class T>
+inline void store(T* to, const vector<T>& values) {
+    values.store_aligned(to);
+}
+template <class T>
+[[nodiscard]] inline vector<T> multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
+    return fused_multiply_add(a, b, c);
+}
 
 /// Keeps a loaded value in its register. GCC would load it again for each product, though loads that cross a
 /// cache line take twice as long.

@@ -24,11 +24,8 @@ template <std::size_t Channels, std::size_t Filters, std::size_t Tiles, class T>
 [[gnu::always_inline]] inline void multiply_element(const T* transformed, const T* weights, T* products) {
     std::array<std::array<vector<T>, Tiles>, Filters> sums;
 #pragma GCC unroll 64
-    for (std::size_t f = 0; f < Filters; ++f) {
-#pragma GCC unroll 64
-        for (std::size_t t = 0; t < Tiles; ++t)
-            sums[f][t] = vector<T>(T{});
-    }
+    for (std::size_t f = 0; f < Filters; ++f)
+        sums[f].fill(vector<T>(T{}));
     for (std::size_t channel = 0; channel < Channels; ++channel) {
         std::array<vector<T>, Tiles> x;
 #pragma GCC unroll 64
