@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/deployment/steps/batch_executor.hpp>
+#include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/runtime/work_share.hpp>
@@ -63,8 +64,8 @@ struct batch_inference {
     /// Frames at a time through a large network, if there are not more threads. Weights are read once for all
     /// of them, but their maps evict each other from the caches. Hence the weights divided by the workspace
     /// of a frame, from 1 to 16.
-    static constexpr std::size_t most_on_all_threads = std::clamp<std::size_t>(
-        (View::weight_bytes + View::workspace_bytes - 1) / View::workspace_bytes, 1, 16);
+    static constexpr std::size_t most_on_all_threads =
+        std::clamp<std::size_t>(detail::ceil_div(View::weight_bytes, View::workspace_bytes), 1, 16);
     /// Bytes of stack for a smaller network. Threads have a quarter of a megabyte on most systems, and that
     /// stays in the second level of cache. More pays only if the weights outgrow that level.
     static constexpr std::size_t most_memory =

@@ -148,22 +148,28 @@ template <shape Shape, eigen_dense M>
     return frame;
 }
 
+namespace detail {
+
+/// A `tensor` that is no temporary.
+template <class Tensor>
+concept lasting_tensor = std::is_lvalue_reference_v<Tensor> && requires(Tensor frame) {
+    frame.view();
+};
+
+} // namespace detail
+
 /// Maps a frame, which must outlive the map, as a matrix of (channels · rows) × columns.
 template <class T, shape Shape>
 [[nodiscard]] auto map_frame(tensor_view<T, Shape> frame) noexcept {
     using matrix = frame_matrix<std::remove_const_t<T>, Shape>;
     return Eigen::Map<std::conditional_t<std::is_const_v<T>, const matrix, matrix>>(frame.data());
 }
-template <class T, shape Shape>
-[[nodiscard]] auto map_frame(tensor<T, Shape>& frame) noexcept {
+/// As above, for a `tensor`, which must outlive the map.
+template <class Tensor>
+    requires detail::lasting_tensor<Tensor>
+[[nodiscard]] auto map_frame(Tensor&& frame) noexcept {
     return map_frame(frame.view());
 }
-template <class T, shape Shape>
-[[nodiscard]] auto map_frame(const tensor<T, Shape>& frame) noexcept {
-    return map_frame(frame.view());
-}
-template <class T, shape Shape>
-void map_frame(tensor<T, Shape>&&) = delete; // a temporary would not outlive the map
 
 /// Maps the planes of a frame or feature map, which must outlive the maps: a matrix of rows × columns for
 /// each channel.
@@ -175,16 +181,12 @@ template <class T, shape Shape>
     }
     (std::make_index_sequence<Shape.channels>());
 }
-template <class T, shape Shape>
-[[nodiscard]] auto map_planes(tensor<T, Shape>& frame) noexcept {
+/// As above, for a `tensor`, which must outlive the maps.
+template <class Tensor>
+    requires detail::lasting_tensor<Tensor>
+[[nodiscard]] auto map_planes(Tensor&& frame) noexcept {
     return map_planes(frame.view());
 }
-template <class T, shape Shape>
-[[nodiscard]] auto map_planes(const tensor<T, Shape>& frame) noexcept {
-    return map_planes(frame.view());
-}
-template <class T, shape Shape>
-void map_planes(tensor<T, Shape>&&) = delete;
 
 /// Maps the frame of a recording or of a live sensor as a matrix of rows × columns. The map is valid as long
 /// as the cells: for the frame of a decoder until its next call. Throws std::invalid_argument unless there

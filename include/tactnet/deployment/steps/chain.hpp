@@ -89,6 +89,7 @@ struct step_chain {
         });
     }
 };
+/// Describes the steps of a chain in order.
 template <class... Steps>
 struct step_description<step_chain<Steps...>> {
     static constexpr void visit(auto&& to) {
