@@ -64,8 +64,8 @@ private:
     static constexpr std::size_t run = 128;
 
     template <std::size_t Rows>
-    void block(const float* panel, const float* a, std::size_t stride, float* out,
-               std::size_t out_stride) const {
+    [[gnu::noinline]] void block(const float* panel, const float* a, std::size_t stride, float* out,
+                                 std::size_t out_stride) const {
         for (std::size_t first = 0; first == 0 || first < features_; first += run)
             multiply_panel<Rows, panel_vectors>({.input = a + first,
                                                  .input_stride = stride,
