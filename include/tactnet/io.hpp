@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/io/checkpoint.hpp>
+#include <tactnet/io/deployed_file.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
