@@ -8,9 +8,8 @@
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/normalisation.hpp>
-#include <tactnet/networks/published_training.hpp>
+#include <tactnet/networks/published.hpp>
 #include <tactnet/networks/recognition.hpp>
-#include <tactnet/networks/resolution.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/networks/tactresnet.hpp>

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tactnet/training/data/input_batch.hpp>
-#include <tactnet/training/data/labelled_images.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>
@@ -9,7 +7,6 @@
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/loop.hpp>
-#include <tactnet/training/loop/divergence.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/trainable.hpp>

@@ -1,6 +1,6 @@
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/tensor/tensor.hpp>
-#include <tactnet/training/data/labelled_images.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
+#include <tactnet/layers/activation.hpp>
 #include <tactnet/layers/conv2d.hpp>
 #include <tactnet/layers/dense.hpp>
-#include <tactnet/layers/relu.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/network.hpp>
 

@@ -1,5 +1,5 @@
 #include <tactnet/networks.hpp>
-#include <tactnet/networks/published_training.hpp>
+#include <tactnet/networks/published.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 // Three kinds of small pressure images: a spot, a bar and a ring, anywhere and of any strength, with noise.
 
 #include <tactnet/runtime/random.hpp>
-#include <tactnet/training/data/labelled_images.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 
 #include <algorithm>
 #include <cstdint>

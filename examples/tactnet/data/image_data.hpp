@@ -4,7 +4,7 @@
 
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
-#include <tactnet/training/data/labelled_images.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 
 #include <cstddef>
 #include <cstdint>

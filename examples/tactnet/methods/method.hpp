@@ -8,7 +8,7 @@
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
-#include <tactnet/networks/published_training.hpp>
+#include <tactnet/networks/published.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>

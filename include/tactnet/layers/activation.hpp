@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/layers/activation_function.hpp>
 #include <tactnet/layers/layer.hpp>
 
@@ -32,6 +33,27 @@ struct activation {
         static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
             for (std::size_t e = 0; e < elements; ++e)
                 in_gradient[e] = Function::backward(out[e], out_gradient[e]);
+        }
+    };
+};
+
+/// Rectified linear unit: max(x, 0). In place.
+struct relu {
+    using function = relu_function; ///< for deployment
+    static constexpr std::string_view name = "relu";
+    static constexpr bool numbered = true;
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .in_place = true, .keeps_output = true};
+    }
+
+    template <class T, shape Input>
+    struct layer : lane_block_layer<T, Input, relu> {
+        static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
+
+        static void forward_block(const T* in, T* out) { kernels::relu_forward(in, out, elements); }
+        static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
+            kernels::relu_backward(out, out_gradient, in_gradient, elements);
         }
     };
 };

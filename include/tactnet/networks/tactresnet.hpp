@@ -2,8 +2,7 @@
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/networks/published_training.hpp>
-#include <tactnet/networks/resolution.hpp>
+#include <tactnet/networks/published.hpp>
 
 #include <algorithm>
 

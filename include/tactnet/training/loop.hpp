@@ -1,10 +1,9 @@
 #pragma once
 
 #include <tactnet/detail/round_up.hpp>
-#include <tactnet/training/data/input_batch.hpp>
+#include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/early_stopping.hpp>
-#include <tactnet/training/loop/divergence.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/sam_perturbation.hpp>

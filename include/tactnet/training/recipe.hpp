@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/image/augmentation.hpp>
-#include <tactnet/networks/published_training.hpp>
+#include <tactnet/networks/published.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/optimiser.hpp>
 #include <tactnet/training/schedule.hpp>

@@ -6,7 +6,7 @@
 #include <tactnet/networks/imagenet/squeezenet.hpp>
 #include <tactnet/networks/imagenet/vgg16.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/networks/published_training.hpp>
+#include <tactnet/networks/published.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 
 #include <cstddef>

@@ -8,7 +8,7 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
-#include <tactnet/training/data/images_as_taken.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 
 #include <memory>

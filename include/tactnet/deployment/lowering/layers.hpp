@@ -12,7 +12,6 @@
 #include <tactnet/layers/dropout.hpp>
 #include <tactnet/layers/local_response_norm.hpp>
 #include <tactnet/layers/max_pool.hpp>
-#include <tactnet/layers/relu.hpp>
 #include <tactnet/layers/softmax.hpp>
 #include <tactnet/layers/square_root.hpp>
 

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <tactnet/layers/activation.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
 #include <tactnet/layers/composition/named.hpp>
 #include <tactnet/layers/composition/norm_relu_pool.hpp>
 #include <tactnet/layers/composition/residual.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
-#include <tactnet/layers/relu.hpp>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

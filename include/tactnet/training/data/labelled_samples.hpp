@@ -1,9 +1,14 @@
 #pragma once
 
+#include <tactnet/image/augmentation.hpp>
+#include <tactnet/image/resize.hpp>
+#include <tactnet/image/transform.hpp>
+#include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/shape.hpp>
-#include <tactnet/training/data/labelled_images.hpp>
+#include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -15,15 +20,71 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Features of samples, as many of each, stored one after the other, and the class of each: what other layers
-/// have made of images, for those that are trained behind them. A view.
+namespace detail {
+
+template <shape Taken, shape Seen>
+void vary_and_reduce(const image_transform& t, const std::uint8_t* from, float* to) {
+    alignas(alignment) std::array<float, Taken.size()> varied;
+    transform_image<Taken>(t, std::span<const std::uint8_t, Taken.size()>(from, Taken.size()),
+                           tensor_view<float, Taken>(varied.data()));
+    resize<Taken, Seen>(tensor_view<const float, Taken>(varied.data()), tensor_view<float, Seen>(to));
+    for (std::size_t e = 0; e < Seen.size(); ++e) // bicubic interpolation overshoots
+        to[e] = std::clamp(to[e], 0.0f, 255.0f);
+}
+
+} // namespace detail
+
+/// The larger images that small ones were reduced from. Shifting a touch by half a tactel of a small image,
+/// or turning it by some degrees, gives an image that cannot be computed from the small one. To learn from
+/// small images, transform what the sensor recorded and reduce the result. A view.
+///
+///     labelled_images{small, labels, 22, images_as_taken::of<shape{28, 50}, shape{7, 13}>(large)}
+struct images_as_taken {
+    /// Writes a transformed image, reduced.
+    using variation = void (*)(const image_transform&, const std::uint8_t* from, float* to);
+
+    lasting_span<const std::uint8_t> pixels{}; ///< one image after the other, in the order of the small ones
+    shape taken{}, seen{};                     ///< before and after they are reduced
+    variation vary = nullptr;                  ///< null if there are no larger images
+
+    /// Reduces as `resize` does: bicubic, with antialiasing.
+    template <shape Taken, shape Seen>
+    [[nodiscard]] static images_as_taken of(lasting_span<const std::uint8_t> pixels) {
+        return {pixels, Taken, Seen, &detail::vary_and_reduce<Taken, Seen>};
+    }
+    /// Whether there are larger images.
+    [[nodiscard]] bool given() const { return vary != nullptr; }
+    /// Tactels of the large images for one of the small, in the direction with more.
+    [[nodiscard]] double tactels_for_one() const {
+        return std::max(static_cast<double>(taken.rows) / static_cast<double>(seen.rows),
+                        static_cast<double>(taken.columns) / static_cast<double>(seen.columns));
+    }
+};
+
+/// Images of one size as 8-bit counts, and the class of each. The pixels are contiguous: a vector of bytes,
+/// or of a std::array for each image. A view.
+struct labelled_images {
+    lasting_span<const std::uint8_t> pixels;
+    lasting_span<const std::size_t> labels;
+    std::size_t classes = 0;
+    images_as_taken taken{}; ///< the images that they were reduced from, if any
+
+    template <shape Shape>
+    [[nodiscard]] std::span<const std::uint8_t, Shape.size()> image(std::size_t index) const {
+        return std::span<const std::uint8_t, Shape.size()>(pixels.data() + index * Shape.size(),
+                                                           Shape.size());
+    }
+};
+
+/// Features of samples, equally many for each and stored contiguously, and the class of each sample. Features
+/// are the outputs of other layers, for layers that are trained on top of them. A view.
 struct labelled_features {
-    std::span<const float> values;
-    std::span<const std::size_t> labels;
+    lasting_span<const float> values;
+    lasting_span<const std::size_t> labels;
     std::size_t classes = 0;
 };
 
-/// What a network learns from and is tested on: images, or features. A view.
+/// The samples that a network learns from and is tested on: images or features. A view.
 class labelled_samples {
 public:
     labelled_samples(const labelled_images& images)
@@ -42,9 +103,9 @@ public:
             throw std::logic_error("labelled_samples: expected images, found features");
         return std::get<0>(numbers_);
     }
-    /// Of images, those of which they were made.
+    /// The images that these were reduced from, if any.
     [[nodiscard]] const images_as_taken& taken() const { return taken_; }
-    /// The numbers of one sample, as many as there is room for: counts, or features.
+    /// Copies the counts or the features of one sample, as many as there is room for.
     void copy(std::size_t sample, std::span<float> to) const {
         std::visit(
             [&](const auto& numbers) {
@@ -55,8 +116,8 @@ public:
             numbers_);
     }
 
-    /// Throws std::invalid_argument unless a network of such inputs and so many outputs can tell the classes
-    /// apart, every label is one of them, and there are as many numbers as the labels need.
+    /// Throws std::invalid_argument if the network has fewer outputs than there are classes, if a label is
+    /// none of the classes, or if the number of values does not match the labels and the input.
     void check(shape input, std::size_t outputs) const {
         const std::size_t expected = size() * input.size(),
                           found = std::visit([](const auto&numbers) { return numbers.size(); }, numbers_);
@@ -73,8 +134,7 @@ public:
             if (label >= classes_)
                 refuse("labels below " + std::to_string(classes_), std::to_string(label));
     }
-    /// Throws std::invalid_argument for a feature that is not a finite number. `input` is the shape of a
-    /// sample, as above.
+    /// Throws std::invalid_argument for a feature that is not finite. `input` is the shape of a sample.
     void check_finite(shape input) const {
         if (are_images())
             return;

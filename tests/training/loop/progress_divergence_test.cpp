@@ -1,4 +1,4 @@
-#include <tactnet/training/loop/divergence.hpp>
+#include <tactnet/training/loop/progress.hpp>
 
 #include <doctest/doctest.h>
 

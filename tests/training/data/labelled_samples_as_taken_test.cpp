@@ -2,7 +2,7 @@
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/training/data/images_as_taken.hpp>
+#include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 

@@ -1,4 +1,4 @@
-#include <tactnet/layers/relu.hpp>
+#include <tactnet/layers/activation.hpp>
 
 #include <cmath>
 #include <limits>

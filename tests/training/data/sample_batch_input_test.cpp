@@ -1,4 +1,4 @@
-#include <tactnet/training/data/input_batch.hpp>
+#include <tactnet/training/data/sample_batch.hpp>
 
 #include <doctest/doctest.h>
 

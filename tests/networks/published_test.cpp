@@ -1,4 +1,4 @@
-#include <tactnet/networks/resolution.hpp>
+#include <tactnet/networks/published.hpp>
 
 #include <doctest/doctest.h>
 
