@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/quantisation/node_executor.hpp>
-#include <tactnet/quantisation/reference_operators.hpp>
 
 #include <algorithm>
 #include <cmath>

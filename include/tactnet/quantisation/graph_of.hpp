@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/steps.hpp>
-#include <tactnet/quantisation/reference_operators.hpp>
+#include <tactnet/quantisation/node_executor.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -2,7 +2,6 @@
 
 #include <tactnet/quantisation/filter_rounding.hpp>
 #include <tactnet/quantisation/node_executor.hpp>
-#include <tactnet/quantisation/reference_operators.hpp>
 
 #include <algorithm>
 #include <cstddef>

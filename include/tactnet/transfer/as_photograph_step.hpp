@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/three_channels.hpp>

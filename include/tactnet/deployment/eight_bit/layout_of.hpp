@@ -80,6 +80,5 @@ struct folded_check<eight_bit> {
 };
 
 } // namespace detail
-
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/steps/batch_executor.hpp>
-#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/convolution_method.hpp>
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/deployment/steps/description.hpp>
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/kernels/frame/local_response.hpp>

@@ -1,4 +1,4 @@
-#include <tactnet/quantisation/range_search.hpp>
+#include <tactnet/quantisation/calibrated_network.hpp>
 
 #include <doctest/doctest.h>
 
