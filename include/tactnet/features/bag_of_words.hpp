@@ -65,7 +65,7 @@ public:
         for (std::size_t first = 0; first < descriptor_count; first += nearest.size()) {
             const std::size_t n = std::min(nearest.size(), descriptor_count - first);
             if (origin_.empty())
-                search_(descriptors.data() + first * Values, n, nearest.data());
+                search_.find(descriptors.data() + first * Values, n, nearest.data());
             else
                 search_far(descriptors.subspan(first * Values, n * Values), nearest.data());
             for (std::size_t i = 0; i < n; ++i)
@@ -95,7 +95,7 @@ private:
             const std::size_t size = std::min(near_zero.size(), descriptors.size());
             for (std::size_t e = 0; e < size; ++e)
                 near_zero[e] = moved(descriptors[e], e);
-            search_(near_zero.data(), size / Values, nearest);
+            search_.find(near_zero.data(), size / Values, nearest);
             descriptors = descriptors.subspan(size);
         }
     }

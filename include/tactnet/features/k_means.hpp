@@ -165,8 +165,8 @@ private:
                                                         : kernels::nearest_row<Values>(result_.centres);
         const float* const from = far ? moved_.data() : points_.data();
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
-            search(from + b * block * Values, std::min(block, count_ - b * block),
-                   result_.nearest.data() + b * block);
+            search.find(from + b * block * Values, std::min(block, count_ - b * block),
+                        result_.nearest.data() + b * block);
         });
         return measure([&](std::size_t i) { return distance(i, result_.nearest[i]); });
     }

@@ -4,13 +4,13 @@
 
 #include <cstddef>
 
-// What a core has to itself, by which kernels cut their work into parts that stay near.
-// Sizes change times, never results: each output is the same sum in the same order.
+// The caches of one core, by which kernels cut their work into parts that stay in cache. Sizes change times,
+// never results: each output is the same sum in the same order.
 //
-// Configuration: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB, plain numbers of KiB, for a processor
-// of which more is known, before the first header of the library. The defaults are what nearly every
-// processor with vectors has at least. Units of other sizes have namespaces of their own, as those of other
-// instruction sets (config.hpp).
+// Configuration: for a known processor, define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB, plain numbers
+// of KiB, before the first header of the library. Nearly every processor with vectors has at least the
+// defaults. Translation units with other sizes use namespaces of their own, like those for other instruction
+// sets (config.hpp).
 #if (defined(TACTNET_L1_CACHE_KIB) && defined(TACTNET_L1_CACHE_BY_DEFAULT)) ||                               \
     (defined(TACTNET_L2_CACHE_KIB) && defined(TACTNET_L2_CACHE_BY_DEFAULT))
 #error "tactnet: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB before the first header of the library"
@@ -37,9 +37,10 @@ static_assert(
     "tactnet: expected at least 4 KiB of L1 (TACTNET_L1_CACHE_KIB), and of L2 (TACTNET_L2_CACHE_KIB) as "
     "much as of L1");
 
-/// Of the first level what an intermediate map may take, beside weights and outputs that pass through.
+/// The part of the first level for an intermediate map, beside weights and outputs that pass through.
 inline constexpr std::size_t l1_map_bytes = l1_cache_bytes / 4 * 3;
-/// Weights that are read again for each part of a map come from the second level, quickly enough up to here.
+/// Up to so many bytes, weights that are read again for each part of a map come quickly enough from the
+/// second level.
 inline constexpr std::size_t l2_weight_bytes = l2_cache_bytes / 8;
 
 } // namespace kernels

@@ -19,7 +19,7 @@ void compare(std::size_t rows, std::size_t points) {
                from = support::whole_numbers<float>(points * Values, 104729);
     std::vector<std::uint32_t> found(points + 1, 12345);
     const nearest_row<Values> search(matrix);
-    search(from.data(), points, found.data());
+    search.find(from.data(), points, found.data());
     for (std::size_t i = 0; i < points; ++i) {
         std::size_t expected = 0;
         float least = std::numeric_limits<float>::infinity();
@@ -50,12 +50,12 @@ TEST_CASE("nearest_row: against plain loops, ties included") {
 TEST_CASE("nearest_row: no rows, and points that are not numbers") {
     std::uint32_t index = 7;
     const float broken[2] = {std::numeric_limits<float>::quiet_NaN(), 0};
-    nearest_row<2>()(broken, 1, &index);
+    nearest_row<2>().find(broken, 1, &index);
     CHECK(index == 0);
     const std::vector<float> rows{1, 2, 3, 4};
     index = 7;
     nearest_row<2> search(rows);
-    search(broken, 1, &index);
+    search.find(broken, 1, &index);
     CHECK(index == 0);
 }
 
@@ -65,6 +65,6 @@ TEST_CASE("nearest_row: far away, where squares still hold") {
     const std::vector<float> point(64, 9e16f);
     std::uint32_t index = 0;
     nearest_row<64> search(rows);
-    search(point.data(), 1, &index);
+    search.find(point.data(), 1, &index);
     CHECK(index == 39);
 }

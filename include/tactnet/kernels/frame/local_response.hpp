@@ -12,7 +12,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// `Stride` elements from one pixel to the next, in both maps; zeros behind the last channel stay zeros.
+/// `Stride` elements from one pixel to the next, in both maps. Zeros after the last channel stay zeros.
 template <class Rule, std::size_t Stride>
 void normalise_pixels(std::size_t pixels, const float* input, float* output) {
     constexpr std::size_t room = padded_size<float>(Stride);

@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <cstring>
 
-// Interpolation at positions that an affine map gives. Positions are computed and pixels are weighed in
-// vectors. In between, the pixels around each position are copied by plain loads and stores: on the
-// processors at hand in a quarter of the time of gathers, and there is no processor that cannot do it. The
-// image is laid out as pairs of a pixel and the one below, so that one load takes 2 × 2 or 2 × 4 pixels.
+// Interpolation at positions given by an affine map. Positions and weighted sums are computed in vectors. In
+// between, plain loads and stores copy the pixels around each position, which takes a quarter of the time of
+// gathers and works on every processor. The image is laid out as pairs of a pixel and the pixel below, so
+// that one load takes 2 × 2 or 2 × 4 pixels.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -24,26 +24,27 @@ struct affine_positions {
     double row_start, row_by_row, row_by_column, column_start, column_by_row, column_by_column;
 };
 
-/// `Rows` × `Columns` outputs, each from `Taps` × `Taps` pixels around its position: 2 weighs them linearly,
-/// 4 by Keys' cubic with a = −½. Where a position is whole in a direction, that pixel alone counts.
+/// `Rows` × `Columns` outputs, each from `Taps` × `Taps` pixels around its position: 2 interpolates linearly,
+/// 4 by Keys' cubic with a = −½. At a whole position in a direction, the result is that pixel alone.
 template <std::size_t Rows, std::size_t Columns, std::size_t Taps>
 class affine_sampling {
     static_assert(Taps == 2 || Taps == 4);
     static constexpr std::size_t radius = Taps / 2;
 
 public:
-    /// Pixels before the first and behind the last of the image, in both directions. Positions farther out
-    /// than the first half of them see nothing else.
+    /// Pixels of padding before the first and after the last of the image, in both directions. Positions
+    /// beyond half of the padding see padding alone.
     static constexpr std::size_t before = Taps - 1, behind = Taps;
     static constexpr std::size_t stride = Columns + before + behind;
     static constexpr std::size_t padded_rows = Rows + before + behind;
 
-    /// `padded` is an image of the outputs' size with `before` and `behind` pixels around, `stride` apart.
+    /// `padded` is an image of the size of the outputs with `before` and `behind` pixels around it, rows
+    /// `stride` apart.
     [[gnu::flatten]] static void run(const affine_positions& map, const float* padded, float* to) {
         static_assert(2 * padded_rows * stride < (1u << 24),
                       "positions are whole numbers in single precision");
         buffers memory;
-        if constexpr (Rows * Columns < min_lanes<float>) // vectors read on behind the last position
+        if constexpr (Rows * Columns < min_lanes<float>) // vectors read past the last position
             memory = {};
         pair_rows(padded, memory.pairs.data());
         blocked<Rows, rows_at_once>([&](auto rows, std::size_t first) {
@@ -55,8 +56,8 @@ public:
     }
 
 private:
-    // Some hundred positions, so that what is written is out of the store queue when it is read again, and
-    // everything stays in the first cache.
+    // A few hundred positions: stores have left the store queue before their values are loaded again, and
+    // everything stays in the first level of cache.
     static constexpr std::size_t rows_at_once = std::clamp<std::size_t>(384 / Columns, 1, Rows),
                                  positions = rows_at_once * Columns + lanes<float>;
 
@@ -74,7 +75,8 @@ private:
         return all;
     }();
 
-    /// The place in `pairs` of the first pixel to weigh and the rest of each position in a row of outputs.
+    /// Stores, for each position in a row of outputs, the place in `pairs` of its first pixel and the
+    /// fractions.
     static void find_positions(const affine_positions& map, std::size_t y, std::size_t at, buffers& memory) {
         constexpr std::size_t width = row_lanes<float>(Columns);
         using wide = sized_vector<float, width>;
@@ -99,7 +101,7 @@ private:
         }
     }
 
-    /// Each pixel and the one below it.
+    /// Interleaves each pixel with the one below it.
     static void pair_rows(const float* padded, float* pairs) {
         constexpr std::size_t count = (padded_rows - 1) * stride, width = lanes_for<float>(count);
         using wide = sized_vector<float, width>;
@@ -153,7 +155,7 @@ private:
         }
     }
 
-    /// Between the pixels next to a position, `rest` behind one of them.
+    /// Interpolation weights at a fraction `rest` between two pixels.
     template <class Vector>
     struct weights {
         Vector rest;

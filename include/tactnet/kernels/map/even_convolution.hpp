@@ -12,14 +12,14 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Convolution of a map with a kernel as large as the map reaches and even in both directions, as an
-/// influence that depends on distance is:
+/// Convolution of a map with a kernel that is as large as the map and even in both directions, such as an
+/// influence that depends on distance:
 ///
 ///     to(y, x) = Σ kernel(|y − y'|, |x − x'|) from(y', x').
 ///
-/// Beyond the map there is nothing: it is padded with zeros, so that nothing wraps around. Maps are of
-/// double, rows `stride` apart, aligned, and zero between the last column and the next row. The work memory
-/// is taken when this is made; a convolution takes none. One of them serves one thread.
+/// The map is padded with zeros, so that nothing wraps around. Maps are of double, aligned, with rows
+/// `stride` apart, and zero between the last column and the next row. The constructor allocates the
+/// workspace; a convolution allocates nothing. Each thread needs an object of its own.
 template <shape Shape>
 class even_convolution {
     static constexpr std::size_t power_of_two(std::size_t least) {
@@ -33,15 +33,15 @@ class even_convolution {
                                  wide = power_of_two(2 * Shape.columns - 1);
 
 public:
-    /// From one row of a map to the next.
+    /// Elements from one row of a map to the next.
     static constexpr std::size_t stride = padded_size<double>(Shape.columns);
     static constexpr std::size_t size = Shape.rows * stride;
-    /// Of a kernel, transformed: sums of kernels are sums of these.
+    /// A transformed kernel. The spectrum of a sum of kernels is the sum of their spectra.
     using spectrum = aligned_vector<double>;
 
     even_convolution() : upright_(stride * tall), lying_(frequencies * wide) {}
 
-    /// `kernel(rows, columns)`: what a cell does to another so many rows and columns away.
+    /// `kernel(rows, columns)` is the influence of a cell on another so many rows and columns away.
     template <class Kernel>
     [[nodiscard]] spectrum spectrum_of(const Kernel& kernel) {
         std::fill(upright_.begin(), upright_.end(), 0.0);
@@ -53,7 +53,7 @@ public:
             }
         transform_columns();
         std::fill(lying_.begin(), lying_.end(), 0.0);
-        turn();
+        transpose();
         for (std::size_t f = 0; f < frequencies; ++f)
             for (std::size_t x = 1; x < Shape.columns; ++x)
                 lying(f, wide - x) = lying(f, x);
@@ -61,7 +61,7 @@ public:
             along_rows_.to_reversed(lying_.data() + group * wide);
         spectrum result(lying_);
         for (double& each : result)
-            each /= static_cast<double>(tall * wide); // of the transforms back and forth
+            each /= static_cast<double>(tall * wide); // forward and inverse transform together scale by this
         return result;
     }
 
@@ -74,7 +74,7 @@ public:
             std::fill(block + Shape.rows * width, block + tall * width, 0.0);
         }
         transform_columns();
-        turn();
+        transpose();
         for (std::size_t group = 0; group < frequencies; group += width) {
             double* const block = lying_.data() + group * wide;
             std::fill(block + Shape.columns * width, block + wide * width, 0.0);
@@ -84,7 +84,7 @@ public:
                 store(block + i, load(block + i) * load(factors + i));
             along_rows_.from_reversed(block);
         }
-        turn_back();
+        transpose_back();
         for (std::size_t group = 0; group < stride; group += width) {
             double* const block = upright_.data() + group * tall;
             along_columns_.from_reversed(block);
@@ -94,7 +94,8 @@ public:
     }
 
 private:
-    // Signals lie side by side in blocks of one vector, all samples of a block one after the other.
+    // Signals lie side by side in blocks of one vector, with all samples of a block one after the other:
+    // columns upright, rows of frequencies lying.
     static constexpr std::size_t frequencies = padded_size<double>(tall);
     double& upright(std::size_t row, std::size_t column) {
         return upright_[column / width * width * tall + row * width + column % width];
@@ -107,13 +108,13 @@ private:
         for (std::size_t group = 0; group < stride; group += width)
             along_columns_.to_reversed(upright_.data() + group * tall);
     }
-    void turn() {
+    void transpose() {
         for (std::size_t group = 0; group < frequencies; group += width)
             for (std::size_t x = 0; x < Shape.columns; ++x)
                 for (std::size_t f = group; f < std::min(group + width, tall); ++f)
                     lying(f, x) = upright(f, x);
     }
-    void turn_back() {
+    void transpose_back() {
         for (std::size_t group = 0; group < stride; group += width)
             for (std::size_t f = 0; f < tall; ++f)
                 for (std::size_t x = group; x < std::min(group + width, Shape.columns); ++x)

@@ -15,23 +15,23 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Convolution of a map with few weights that are even in both directions, in place and written out: faster
-/// than even_convolution for weights that cover some ten cells, and for maps with many empty rows.
+/// Direct convolution of a map with few weights that are even in both directions, in place: faster than
+/// even_convolution for weights that cover some ten cells, and for maps with many empty rows.
 ///
 ///     map(y, x) ← max(0, Σ weight(|i|, |j|) map(y + i, x + j)),    |i| ≤ radius.rows, |j| ≤ radius.columns.
 ///
-/// Beyond the map there is nothing. Values of the map below zero and NaN count as zero, and infinite ones as
-/// the largest number. The work memory is taken when this is made. One of them serves one thread.
+/// The map is padded with zeros. Negative values and NaN count as zero, infinite values as the largest
+/// number. The constructor allocates the workspace. Each thread needs an object of its own.
 template <shape Shape>
 class even_stencil {
     static constexpr std::size_t width = row_lanes<float>(Shape.columns),
                                  vectors = row_vectors(Shape.columns, width);
     using wide = sized_vector<float, width>;
-    // Rows with room for the longest radius on both sides.
+    // Rows with room for the largest radius on both sides.
     static constexpr std::size_t margin = round_up(Shape.columns, width), row_size = 3 * margin;
 
 public:
-    /// `weight(rows, columns)`; a radius beyond the map is cut.
+    /// `weight(rows, columns)` is the weight at such a distance. A radius beyond the map is reduced.
     template <class Weight>
     even_stencil(extent2d radius, const Weight& weight)
         : radius_(std::min(radius.rows, Shape.rows - 1), std::min(radius.columns, Shape.columns - 1)),
@@ -74,7 +74,7 @@ public:
     }
 
 private:
-    /// The rows y − i and y + i, added, or nothing if both are empty: they have the same weights.
+    /// The sum of the rows y − i and y + i, which have the same weights; null if both are empty.
     const float* rows_apart(std::size_t y, std::size_t i, const std::array<bool, Shape.rows>& empty) {
         const bool above = i <= y && !empty[y - i], below = i > 0 && y + i < Shape.rows && !empty[y + i];
         const float* const a = rows_.data() + (above ? y - i : 0) * row_size;

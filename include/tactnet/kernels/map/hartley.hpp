@@ -8,24 +8,24 @@
 #include <numbers>
 
 // The discrete Hartley transform H[k] = Σ x[n] (cos 2πnk/N + sin 2πnk/N) of as many signals side by side as a
-// vector has lanes. It is real and its own inverse but for a factor N, and it makes a product of a circular
-// convolution with an even kernel, as Fourier's does, at half the work (Bracewell, The Hartley Transform,
-// 1986).
+// vector has lanes. It is real and, apart from a factor N, its own inverse. Like Fourier's, it turns a
+// circular convolution with an even kernel into a product, with half the work (Bracewell, The Hartley
+// Transform, 1986).
 //
-// Halving: of the transforms E and O of the even and the odd samples, M = N/2 each,
+// One step combines the transforms E and O of the even and the odd samples, M = N/2 each:
 //
 //     H[k]     = E[k] + a[k],     a[k]   = cos(2πk/N) O[k] + sin(2πk/N) O[M−k]
 //     H[k + M] = E[k] − a[k],     a[M−k] = sin(2πk/N) O[k] − cos(2πk/N) O[M−k].
 //
-// These steps, from N = 2 up, take samples in bit-reversed order to a transform in natural order. The
-// transform is symmetric, so that the transposes of the steps, from N down, take samples in natural order to
-// a transform in bit-reversed order: convolutions need no reordering.
+// These steps, from N = 2 up, turn samples in bit-reversed order into a transform in natural order. The
+// transform is symmetric, so the transposed steps, from N down, turn samples in natural order into a
+// transform in bit-reversed order: convolutions need no reordering.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Transforms of a power of two of samples. Sample n of the signals is the vector at data + n ·
+/// Transforms of `Size` samples, a power of two. Sample n of the signals is the vector at data + n ·
 /// lanes<double>.
 template <std::size_t Size>
 class hartley {
@@ -42,20 +42,20 @@ public:
         }
     }
 
-    /// Samples in natural order become their transform in bit-reversed order.
+    /// Transforms samples in natural order; the result is in bit-reversed order.
     void to_reversed(double* data) const { split<Size>(data); }
-    /// Samples in bit-reversed order become their transform in natural order.
+    /// Transforms samples in bit-reversed order; the result is in natural order.
     void from_reversed(double* data) const { join<Size>(data); }
 
 private:
-    /// a and b at places `first` and `second`.
+    /// Stores a and b at places `first` and `second`.
     static void put(double* data, std::size_t first, const v& a, std::size_t second, const v& b) {
         store(data + first * lanes<double>, a);
         store(data + second * lanes<double>, b);
     }
     static v at(const double* data, std::size_t place) { return load(data + place * lanes<double>); }
 
-    /// x and y become x + y and x − y.
+    /// Replaces x and y by x + y and x − y.
     static void sum_and_difference(double* data, std::size_t x, std::size_t y) {
         const v first = at(data, x), second = at(data, y);
         put(data, x, first + second, y, first - second);

@@ -10,21 +10,21 @@
 #include <type_traits>
 
 // The two passes of a separable resize whose weights are compile-time constants. An `Axis` (see
-// image/resize_kernel.hpp) tells `inputs`, `outputs`, `taps` and, in `table`, the first input and the weights
-// of each output's taps.
+// image/resize_kernel.hpp) has `inputs`, `outputs`, `taps` and, in `table`, the first input and the weights
+// of each output.
 //
-// Down the rows, whole rows are multiplied by a weight and added. Along the rows, a vector of outputs is the
-// sum over all inputs that any of them needs, each spread over the lanes and multiplied by a vector of
-// weights, most of them zero: small images leave too little for gathers or transposes to pay off.
+// The pass down the rows multiplies whole rows by a weight and adds them. In the pass along the rows, a
+// vector of outputs is the sum over all inputs that any of them needs, each broadcast and multiplied by a
+// vector of weights, most of them zero: images are too small for gathers or transposes to pay off.
 //
-// Zero times NaN is NaN: `Guarded` passes never multiply by a weight of zero, and are bit-exact
-// with the others otherwise.
+// Zero times NaN is NaN: `Guarded` passes never multiply by a weight of zero, and are otherwise bit-identical
+// with the others.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Whether all of `Count` elements are numbers of which 64 can be added in any order.
+/// Whether all of `Count` elements are finite, and so small that 64 of them can be added in any order.
 template <std::size_t Count>
 [[nodiscard]] [[gnu::flatten]] bool all_addable(const float* from) {
     if constexpr (Count < min_lanes<float>) {
@@ -42,7 +42,7 @@ template <std::size_t Count>
 }
 
 namespace detail {
-/// How many outputs from `first` on have the same inputs as taps, `most` at most.
+/// How many outputs from `first` on use the same inputs, at most `most`.
 template <class Axis>
 [[nodiscard]] std::size_t outputs_alike(std::size_t first, std::size_t most) {
     std::size_t count = 1;
@@ -53,8 +53,8 @@ template <class Axis>
 }
 } // namespace detail
 
-/// `Axis::outputs` rows of `Columns` elements from `Axis::inputs` of them. Behind rows shorter than a vector
-/// there is something to be read.
+/// Computes `Axis::outputs` rows of `Columns` elements from `Axis::inputs` rows. Memory after rows shorter
+/// than a vector must be readable.
 template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t ToStride, bool Guarded>
 [[gnu::flatten]] void resample_down(const float* from, float* to) {
     constexpr std::size_t width = row_lanes<float>(Columns), vectors = row_vectors(Columns, width);
@@ -91,7 +91,7 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
             }
             each_vector([&](std::size_t begin) {
                 const float* const at = from + Axis::table[o].first * FromStride + begin;
-                // From zero on: a compiler that fuses a · b + c · d may choose either product.
+                // Starts at zero: a compiler that fuses a · b + c · d may choose either product.
                 std::array<wide, rows> sums;
 #pragma GCC unroll 64
                 for (std::size_t r = 0; r < rows; ++r)
@@ -108,7 +108,7 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
                     store_row(o + r, begin, sums[r]);
             });
         };
-        // Neighbours with the same taps are computed together, so that these are loaded once.
+        // Neighbours that use the same inputs are computed together, so that these are loaded once.
         constexpr std::size_t most = vector_registers / 2 / Axis::taps;
         for (std::size_t o = 0; o < Axis::outputs;)
             if (detail::outputs_alike<Axis>(o, most) == most)
@@ -118,7 +118,7 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
     }
 }
 
-/// The weights along the rows: for vectors of `Lanes` outputs, what each input from `first` on adds to them.
+/// The weights along the rows: for each vector of `Lanes` outputs, the weights of each input from `first` on.
 template <class Axis, std::size_t Lanes>
 struct weight_bands {
     static constexpr std::size_t count = row_vectors(Axis::outputs, Lanes);
@@ -150,7 +150,7 @@ struct weight_bands {
     }();
     /// Multiply-adds of vectors for one row.
     static constexpr std::size_t products = table.back().weights / Lanes + table.back().span;
-    /// What these take beside those of 16 lanes: registers of 64 bytes count twice.
+    /// Their cost: registers of 64 bytes count twice.
     static constexpr std::size_t cost = products * (Lanes * sizeof(float) == 64 ? 2 : 1);
 
     alignas(64) static constexpr std::array<float, products* Lanes> weights = [] {
@@ -183,13 +183,13 @@ constexpr auto narrowed_bands() {
 template <class Axis>
 using cheapest_bands = typename decltype(detail::narrowed_bands<Axis, lanes<float>>())::type;
 
-/// `Rows` rows of `Axis::outputs` elements from as many of `Axis::inputs`.
+/// Computes `Rows` rows of `Axis::outputs` elements from as many rows of `Axis::inputs`.
 template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToStride, bool Guarded>
 [[gnu::flatten]] void resample_along(const float* from, float* to) {
     using bands = cheapest_bands<Axis>;
     constexpr std::size_t width = bands::weights.size() / bands::products;
     using wide = sized_vector<float, width>;
-    // As many rows at a time as registers hold and as hide the latency, in blocks of about the same size.
+    // As many rows together as registers hold and as hide the latency, in blocks of nearly the same size.
     constexpr std::size_t most = std::min<std::size_t>(vector_registers - 4, 14),
                           blocks = ceil_div(Rows, most);
     for (const auto& band : bands::table)

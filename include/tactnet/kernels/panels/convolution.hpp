@@ -10,32 +10,33 @@
 #include <cstddef>
 
 // Convolution of maps that no near cache holds: a product of the inputs under the taps and panels of filters
-// (product.hpp). Taps are cut into parts, so that a panel and the rows it meets stay near: while one part of
-// some outputs is near, all filters pass. Where an image has neither padding nor gaps that matter, its inputs
-// are read in place.
+// (product.hpp). Taps are cut into parts, so that a panel and its rows stay in cache: all filters use one
+// part of some outputs before the next is loaded. If an image has neither padding nor gaps that matter, its
+// inputs are read in place, without a copy.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// How a convolution is computed by panels. Sizes only.
+/// A convolution cut into bands of outputs and parts of taps. Sizes only.
 struct panel_plan {
-    /// Taps of a part: four vectors of sixteen filters each make a panel of 32 kB. Outputs of a band, and
-    /// elements of their inputs.
+    /// Limits on the taps of a part (a panel of four vectors of 16 filters then has 32 kB), the outputs of a
+    /// band, and the elements of their inputs.
     static constexpr std::size_t most_taps = 128, most_pixels = 224, fewest_pixels = 56,
                                  most_inputs = l2_cache_bytes / 2 / sizeof(float);
-    /// Rows that lie a multiple of so many elements apart meet in the same lines of a cache.
+    /// Rows that lie a multiple of so many elements apart share the same sets of a cache.
     static constexpr std::size_t clashing = 1024;
 
-    /// Of one row, where each pixel stands for itself; of one pixel, where all are one.
+    /// With an image of one row if each pixel stands for itself, of one pixel if the kernel covers all
+    /// pixels.
     frame_convolution convolution;
-    bool staged;               ///< copied, with its padding around
+    bool staged;               ///< whether the input is copied, with its padding around it
     std::size_t stride;        ///< elements from one pixel to the next of the copy, or of the input
-    bool joined;               ///< the taps of a kernel row lie side by side
-    std::size_t line_taps;     ///< that lie side by side: of a kernel row, or the channels of one tap
-    std::size_t parts_of_line; ///< more than one where lines are long
-    std::size_t lines_of_part; ///< more than one where lines are short
-    std::size_t band_rows, band_columns; ///< outputs for which all filters pass
+    bool joined;               ///< whether the taps of a kernel row lie side by side
+    std::size_t line_taps;     ///< taps that lie side by side: of a kernel row, or the channels of one tap
+    std::size_t parts_of_line; ///< more than one if lines are long
+    std::size_t lines_of_part; ///< more than one if lines are short
+    std::size_t band_rows, band_columns; ///< outputs that are computed for all filters before the next
 
     constexpr explicit panel_plan(const frame_convolution& as_given) : convolution(as_given) {
         sliding_window& w = convolution.window;
@@ -63,15 +64,16 @@ struct panel_plan {
             std::clamp<std::size_t>(most_taps / line_taps, 1, joined ? w.kernel.rows : w.kernel.columns);
         cut_bands();
     }
-    /// Several such images side by side, if they are flat(): one band holds pixels of as many as stay near,
-    /// so that weights are read once for all of them.
+    /// Several images side by side, which must be flat(): a band holds pixels of as many images as stay in
+    /// cache, and weights are read once for all of them.
     [[nodiscard]] constexpr panel_plan side_by_side(std::size_t images) const {
         panel_plan longer = *this;
         longer.convolution.window.input.columns *= images;
         longer.cut_bands();
         return longer;
     }
-    /// Whether the image is one row of pixels without a neighbourhood, so that several make a longer one.
+    /// Whether the image is one row of pixels without a neighbourhood, so that several images make a longer
+    /// row.
     [[nodiscard]] constexpr bool flat() const {
         return convolution.window.kernel == extent2d(1) && convolution.window.input.rows == 1 &&
                convolution.window.stride == extent2d(1);
@@ -82,19 +84,19 @@ struct panel_plan {
         return {(rows - 1) * w.stride.rows + w.kernel.rows,
                 (columns - 1) * w.stride.columns + w.kernel.columns};
     }
-    /// Elements of memory that one thread needs.
+    /// Elements of workspace for one thread.
     [[nodiscard]] constexpr std::size_t workspace() const {
         return staged ? under(band_rows, flat() ? most_pixels : band_columns).area() * stride : 0;
     }
     [[nodiscard]] constexpr std::size_t weights() const { return convolution.weights(); }
 
-    /// Some taps that are added up in registers.
+    /// Some taps that are added in registers.
     struct part {
         std::size_t first;                ///< tap, in the order of the weights
         std::size_t lines, depth;         ///< so many lines, of each so many taps
         std::size_t row, column, channel; ///< of the first tap
     };
-    /// body(part) for all of them in order.
+    /// Calls body(part) for all parts in order.
     template <class Body>
     constexpr void for_each_part(Body&& body) const {
         const extent2d kernel = convolution.window.kernel;
@@ -117,7 +119,7 @@ struct panel_plan {
     }
 
 private:
-    /// As many outputs as stay near, in bands of nearly the same size.
+    /// As many outputs as stay in cache, in bands of nearly the same size.
     constexpr void cut_bands() {
         const sliding_window& w = convolution.window;
         const std::size_t pixels =
@@ -176,7 +178,7 @@ inline void convolve_panels(const panel_plan& plan, const panel_share& share, co
                                    .rectified = c.rectified && part.first + part.lines * part.depth == taps};
                 for (std::size_t panel = share.first_panel; panel < share.last_panel; ++panel)
                     for (std::size_t r = 0; r < rows; ++r) {
-                        const bool one = rows * columns == 1; // one row takes the panels together
+                        const bool one = rows * columns == 1; // a single row takes all panels
                         multiply_panels({.input = at + r * w.stride.rows * row_distance,
                                          .input_stride = w.stride.columns * plan.stride,
                                          .lines = part.lines,

@@ -8,18 +8,18 @@
 #include <array>
 #include <cstddef>
 
-// Products of rows and panels, which the convolutions and dense layers of large networks are made of. A panel
-// holds the weights of a few vectors of filters, [input][filter]. Sizes are arguments: all layers of all
-// networks share these few pieces of code. Each output is one chain of multiply-adds in the order of the
-// inputs, whichever rows are computed with it.
+// Products of rows and panels of weights, for the convolutions and dense layers of large networks and for A ·
+// Bᵀ (rows/packed.hpp). A panel holds the weights of a few vectors of filters, [input][filter]. Sizes are
+// run-time arguments, so all layers share these few functions. Each output is one chain of multiply-adds in
+// the order of the inputs, whichever rows are computed with it.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Vectors of filters in a panel at most: the more, the fewer inputs are read.
+/// The most vectors of filters in a panel: the more, the fewer inputs are read.
 inline constexpr std::size_t most_panel_vectors = vector_registers == 32 ? 4 : 2;
-/// Rows of a register block: as many as leave registers for the weights and one input.
+/// The most rows of a register block: they leave registers for the weights and one input.
 [[nodiscard]] constexpr std::size_t most_panel_rows(std::size_t vectors) {
     constexpr std::size_t most = vector_registers == 32 ? 14 : 12;
     return std::min((vector_registers - 1 - vectors) / vectors, most);
@@ -42,11 +42,12 @@ struct filter_panels {
     }
 };
 
-/// What becomes of the sums of a product.
+/// The epilogue applied to the sums of a product.
 struct epilogue {
-    const float* bias = nullptr; ///< of the panel's filters; none for the second and later parts of a sum
-    bool adds = false;           ///< to what the output holds
-    bool rectified = false;
+    const float* bias =
+        nullptr;            ///< of the filters of the panel; null for the second and later parts of a sum
+    bool adds = false;      ///< whether the output accumulates
+    bool rectified = false; ///< whether a ReLU follows
 };
 
 /// The rows of a product, in and out. A row of inputs is `lines` pieces of `depth` inputs each.
@@ -59,17 +60,18 @@ struct panel_rows {
     std::size_t output_stride;
 };
 
-/// How far ahead weights are asked for: as long as memory takes to answer, and no page too far.
+/// How far ahead weights are prefetched, in elements: it covers the latency of memory within a page or two.
 inline constexpr std::size_t prefetch_distance = 8192 / sizeof(float);
 
 /// `Rows` rows times `Panels` panels of `Vectors` vectors of filters, `panel_distance` elements apart in the
-/// weights, side by side in the output. One row meets several panels, since one would wait for memory.
+/// weights, side by side in the output. A single row multiplies several panels, since one panel would wait
+/// for memory.
 template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
 [[gnu::flatten, gnu::noinline]] void multiply_panel(const panel_rows& rows, const float* panel,
                                                     std::size_t panel_distance, epilogue end) {
     using wide = vector<float>;
     constexpr std::size_t width = lanes<float>, across = Vectors * Panels;
-    // Every third row has a pointer; those between are reached by the stride, so that registers suffice.
+    // Every third row has a pointer, and the stride reaches those between: general registers suffice.
     constexpr std::size_t pointers = (Rows + 2) / 3, sums_of_block = Rows * across;
     const std::size_t stride = rows.input_stride, gap = rows.line_distance - rows.depth;
     const std::size_t lines = rows.lines, depth = rows.depth;
@@ -135,13 +137,13 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
     }
 }
 
-/// Panels that one row meets at once, if they have `vectors` vectors each.
+/// Panels that a single row multiplies together, if they have `vectors` vectors each.
 [[nodiscard]] constexpr std::size_t panels_of_one_row(std::size_t vectors) {
     return std::max<std::size_t>((vector_registers == 32 ? 16 : 6) / vectors, 1);
 }
 
-/// `count` rows times the panels [first, last), which lie one behind the other in the weights, from `panel`
-/// on: the first of `first`. Output and bias are those of filter 0.
+/// `count` rows times the panels [first, last). Panels lie one after the other in the weights, beginning with
+/// panel 0; output and bias begin with filter 0.
 inline void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& panels,
                             std::size_t first, std::size_t last, const float* weights, epilogue end) {
     using block = void (*)(const panel_rows&, const float*, std::size_t, epilogue);
@@ -178,7 +180,7 @@ inline void multiply_panels(panel_rows rows, std::size_t count, const filter_pan
             panel += at_once;
             continue;
         }
-        // Evenly: a rest of few rows would wait for its own sums.
+        // Pieces of nearly the same size: a rest of few rows would be bound by the latency of its sums.
         const std::size_t most = most_panel_rows(vectors), pieces = ceil_div(count, most);
         for (std::size_t p = 0; p < pieces; ++p) {
             const std::size_t size = count / pieces + (p < count % pieces);

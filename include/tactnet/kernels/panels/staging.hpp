@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-// A piece of a map with its padding around, as a copy.
+// Copies a piece of a map with the padding around it.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -14,7 +14,7 @@ namespace kernels {
 
 namespace detail {
 
-/// A copy by whole vectors, of which the last reaches back over its neighbour.
+/// Copies whole vectors; the last overlaps its neighbour.
 template <class Vector, std::size_t Lanes>
 [[gnu::always_inline]] inline void copy_vectors(const float* from, float* to, std::size_t count) {
     std::size_t i = 0;
@@ -42,7 +42,7 @@ inline void stage_map(const sliding_window& w, std::size_t input_stride, const f
     const auto kept = [](std::size_t at, std::size_t before, std::size_t first, std::size_t count) {
         return at > before + first ? std::min(at - before - first, count) : 0;
     };
-    // Columns of the copy that lie on padding before the image, and the end of those on the image.
+    // The first column of the copy on the image, and the end of these columns.
     const std::size_t begin = w.left > left ? std::min(w.left - left, size.columns) : 0,
                       end = std::max(begin, kept(w.left + w.input.columns, 0, left, size.columns));
     for (std::size_t r = 0; r < size.rows; ++r, to += size.columns * stride) {

@@ -8,8 +8,8 @@
 #include <array>
 #include <cstddef>
 
-// Transforms of Winograd's convolutions by square tiles, for maps that no near cache holds: y = Aᵀ [(G g Gᵀ)
-// ∘ (Bᵀ d B)] A, with d the input tile, g the kernel, y the outputs (simd/tile_lines.hpp).
+// Transforms of Winograd convolutions by square tiles, for maps that no near cache holds: y = Aᵀ [(G g Gᵀ) ∘
+// (Bᵀ d B)] A, with d the input tile, g the kernel, y the outputs (simd/tile_lines.hpp).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -33,7 +33,7 @@ template <std::size_t Outputs>
     }
 }
 
-/// Where the outputs of one tile go, and what becomes of them.
+/// The place of the outputs of one tile, and their epilogue.
 struct tile_outputs {
     float* output;
     std::size_t row_distance, pixel_distance; ///< elements

@@ -11,18 +11,18 @@
 #include <array>
 #include <cstddef>
 
-// Winograd's convolutions of maps that no near cache holds: for each element of the transformed tiles, a
+// Winograd convolutions of maps that no near cache holds: for each element of the transformed tiles, a
 // product of tiles and panels of filters (product.hpp).
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// How a convolution is cut into tiles. Sizes only.
+/// A convolution cut into tiles. Sizes only.
 struct tile_plan {
-    /// Channels that are added up in registers.
+    /// The most channels that are added in registers.
     static constexpr std::size_t most_depth = 128;
-    /// Tiles for which weights are worth being read: a few register blocks.
+    /// The fewest tiles that are worth reading transformed weights: a few register blocks.
     static constexpr std::size_t fewest_tiles = 12;
 
     frame_convolution convolution;
@@ -35,8 +35,8 @@ struct tile_plan {
             c.input_stride % lanes<float> == 0 && c.input_offset_multiple % lanes<float> == 0;
         if (!possible)
             return;
-        // Products of an element: F(4 × 4) reads more weights, so it must save a third; and either must meet
-        // its weights often enough, and save a fifth of the products by taps.
+        // In products: F(4 × 4) reads more weights, so it must save a third of those of F(2 × 2). Either must
+        // use its weights often enough, and save a fifth of the products of taps.
         const std::size_t by_2 = 16 * tiles(2), by_4 = 36 * tiles(4), by_taps = c.window.taps_on_pixels();
         if (tiles(4) >= fewest_tiles && by_4 * 3 <= by_2 * 2 && by_4 * 5 <= by_taps * 4)
             outputs = 4;
@@ -50,14 +50,14 @@ struct tile_plan {
     [[nodiscard]] constexpr std::size_t count() const { return tiles(outputs); }
 
     [[nodiscard]] constexpr std::size_t channels() const { return convolution.window.input.channels; }
-    /// Elements from one transformed tile to the next: not so many that tiles meet in the same lines of a
+    /// Elements from one transformed tile to the next: a distance with which tiles do not share sets of a
     /// cache.
     [[nodiscard]] constexpr std::size_t tile_stride() const {
         return channels() + (channels() % 512 == 0 ? whole_lines(lanes<float>) : 0);
     }
     [[nodiscard]] constexpr std::size_t product_stride() const { return convolution.padded_filters(); }
-    /// Tiles from the first transform to the last: about as many as make the maps as large as the weights,
-    /// which each band reads.
+    /// Tiles of a band, which passes all transforms before the next begins: about as many as make the maps as
+    /// large as the weights, which each band reads.
     [[nodiscard]] constexpr std::size_t band(std::size_t tiles_of_all) const {
         const std::size_t most =
             std::max(channels() * convolution.padded_filters() / (channels() + convolution.padded_filters()),
@@ -65,7 +65,7 @@ struct tile_plan {
         const std::size_t bands = ceil_div(tiles_of_all, most);
         return ceil_div(tiles_of_all, bands);
     }
-    /// Parts that the channels are cut into.
+    /// The number of parts into which the channels are cut.
     [[nodiscard]] constexpr std::size_t parts() const { return ceil_div(channels(), most_depth); }
     [[nodiscard]] constexpr std::size_t part_begin(std::size_t part) const {
         return channels() * part / parts();
@@ -74,7 +74,7 @@ struct tile_plan {
         return elements() * channels() * convolution.padded_filters();
     }
     [[nodiscard]] constexpr std::size_t patch() const { return elements() * channels(); }
-    /// Elements of memory that one thread needs for bands of so many tiles.
+    /// Elements of workspace that one thread needs for bands of so many tiles.
     [[nodiscard]] constexpr std::size_t workspace(std::size_t band_tiles) const {
         return patch() + band_tiles * workspace_of_tile();
     }
@@ -123,7 +123,7 @@ constexpr void pack_tiles_of(const tile_plan& plan, float* packed, Weight&& weig
         }
     }
 }
-/// Into zeros.
+/// `packed` must be zero-initialised.
 template <class Weight>
 constexpr void pack_tiles(const tile_plan& plan, float* packed, Weight&& weight) {
     if (plan.outputs == 2)
@@ -132,7 +132,7 @@ constexpr void pack_tiles(const tile_plan& plan, float* packed, Weight&& weight)
         pack_tiles_of<4>(plan, packed, weight);
 }
 
-/// Some of the outputs of a convolution: tiles of all frames, counted without gaps, and panels of filters.
+/// A share of a convolution: tiles, counted over all frames, and panels of filters.
 struct tile_share {
     std::size_t first_tile, last_tile, first_panel, last_panel;
 };
@@ -142,7 +142,7 @@ struct frame_distances {
     std::size_t input, output;
 };
 
-/// output = convolution, bias, a sum, max pool, ReLU. `memory` holds plan.workspace(band) elements.
+/// Computes a share of the convolution and its epilogue. `memory` holds plan.workspace(band) elements.
 template <std::size_t Outputs>
 void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share& share,
                        const frame_distances& distances, const float* input, const float* weights,

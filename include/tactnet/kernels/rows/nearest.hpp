@@ -12,18 +12,18 @@
 #include <limits>
 #include <span>
 
-// Which row of a matrix is nearest to a point. ‖x − w‖² is least where x·w − ‖w‖²/2 is largest, so the search
-// is a matrix product whose results stay in registers: only the largest of each lane is kept.
+// Finds the row of a matrix nearest to a point. ‖x − w‖² is smallest where x·w − ‖w‖²/2 is largest, so the
+// search is a matrix product whose results stay in registers: it keeps only the largest of each lane.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// Rows of `Values` numbers, packed for the search. A point's result does not depend on the others.
+/// Rows of `Values` numbers, packed for the search. The result of a point does not depend on other points.
 template <std::size_t Values>
 class nearest_row {
 public:
-    /// `rows`: one after the other. Throws std::bad_alloc.
+    /// `rows` lie one after the other. Throws std::bad_alloc.
     explicit nearest_row(std::span<const float> rows = {})
         : panels_(ceil_div(rows.size() / Values, panel)),
           packed_(panels_ * panel * Values),
@@ -40,19 +40,19 @@ public:
         }
     }
 
-    /// Points that are searched for together: calls with as many, or several times as many, are the fastest.
+    /// Points that are searched together: calls with a multiple of this count are the fastest.
     static constexpr std::size_t group = 48;
 
-    /// index[i]: the row nearest to point i, the first of several as near; near is what x·w − ‖w‖²/2 says in
-    /// single precision. Points lie one after the other. Without rows, or for a point with NaN, index 0.
-    void operator()(const float* points, std::size_t count, std::uint32_t* index) const noexcept {
+    /// index[i] = the row nearest to point i by x·w − ‖w‖²/2 in single precision; the first of equally near
+    /// rows. Points lie one after the other. Without rows, or for a point with NaN, the index is 0.
+    void find(const float* points, std::size_t count, std::uint32_t* index) const noexcept {
         for (std::size_t first = 0; first < count; first += group)
             search(points + first * Values, std::min(group, count - first), index + first);
     }
 
 private:
-    // A block of points × vectors of sums stays in registers; a group of points and a panel of rows in the
-    // first cache.
+    // A block of points × vectors of sums stays in registers; a group of points and a panel of rows stay in
+    // the first cache.
     static constexpr std::size_t block_points = 6;
     static constexpr std::size_t block_vectors = vector_registers == 32 ? 4 : 2;
     static constexpr std::size_t panel = block_vectors * lanes<float>;
@@ -67,8 +67,8 @@ private:
             found[i].score.fill(-std::numeric_limits<float>::infinity());
             found[i].row.fill(0);
         }
-        // The last block goes back over points of the one before rather than take points one by one: what is
-        // compared twice changes nothing.
+        // The last block overlaps the one before, which is faster than single points. Comparing a point twice
+        // changes nothing.
         for (std::size_t p = 0; p < panels_; ++p)
             for (std::size_t i = 0; i < count; i += count < block_points ? 1 : block_points)
                 if (count < block_points) {
@@ -113,8 +113,8 @@ private:
             store(found[i].row.data(), row);
         });
     }
-    /// Lane l holds a row of vector `row[l]`: of the lanes with the largest score, the first row. Where
-    /// nothing was larger than the start, row 0.
+    /// The first row among the lanes with the largest score; row 0 if no score was larger than the start.
+    /// Lane l holds a row of vector `row[l]`.
     [[nodiscard]] static std::uint32_t first_largest(const best& b) noexcept {
         const float score = *std::max_element(b.score.begin(), b.score.end());
         std::uint32_t result = std::numeric_limits<std::uint32_t>::max();

@@ -7,18 +7,18 @@
 #include <algorithm>
 #include <cstddef>
 
-// Products of every row of one matrix with every row of another: A · Bᵀ, where B is kept in the order of use.
-// Unlike a general matrix product, every sum is taken in one fixed order, whatever the number of rows: a row
-// alone is bit-exact with the same row in a batch.
+// A · Bᵀ, the products of every row of one matrix with every row of another, where B is packed in the order
+// of use. Unlike a general matrix product, it adds in one fixed order, whatever the number of rows: a row
+// alone is bit-identical with the same row in a batch.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// The rows of B: features of as many rows as fill a panel lie side by side.
+/// The rows of B. The features of as many rows as fill a panel lie side by side.
 class packed_rows {
 public:
-    /// Vectors side by side in a panel, and rows of A at once: all sums stay in registers.
+    /// Vectors of a panel, and rows of A that are multiplied together: all sums stay in registers.
     static constexpr std::size_t panel_vectors = vector_registers / 8, block_rows = 6;
     static constexpr std::size_t panel_width = panel_vectors * lanes<float>;
 
@@ -37,7 +37,8 @@ public:
 
     [[nodiscard]] std::size_t rows() const { return rows_; }
     [[nodiscard]] std::size_t features() const { return features_; }
-    /// Rows in whole panels: what `products` writes for each row of A. Those behind the last are zero.
+    /// Rows in whole panels: the elements that `products` writes for each row of A. Those after the last row
+    /// are zero.
     [[nodiscard]] std::size_t padded_rows() const { return round_up(rows_, panel_width); }
 
     /// out[i][j] = row i of A · row j of B. Rows of A begin `stride` floats apart, those of `out` (aligned)
@@ -47,7 +48,7 @@ public:
         for (std::size_t first = 0; first < rows_; first += panel_width)
             panel_products(first, a, count, stride, out + first, out_stride);
     }
-    /// The columns first … first + panel_width − 1 of that alone, to the beginning of `out`.
+    /// The columns first … first + panel_width − 1 of these products alone, to the beginning of `out`.
     void panel_products(std::size_t first, const float* a, std::size_t count, std::size_t stride, float* out,
                         std::size_t out_stride) const {
         const float* const panel = values_.data() + first * features_;

@@ -7,15 +7,15 @@
 #include <cstddef>
 #include <limits>
 
-// The inner loops of sequential minimal optimisation. The gradient is in double: its size grows with the cost
-// of an error, its tolerance does not. Arrays are aligned and padded to whole vectors with samples that may
-// not move.
+// The inner loops of sequential minimal optimisation. The gradient is in double, since its size grows with
+// the cost of an error while its tolerance does not. Arrays are aligned, and padded to whole vectors with
+// samples that may not move.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
-/// A sample and the value that it was chosen for.
+/// A sample and the value by which it was selected.
 struct selected_sample {
     double value;
     std::size_t index;
@@ -23,7 +23,7 @@ struct selected_sample {
 
 namespace detail {
 
-/// The largest values so far, lane by lane, and where they were; of equal ones the first.
+/// The largest values so far and their places, lane by lane; the first of equal values.
 class lane_maximum {
 public:
     void take(const vector<double>& values) {
@@ -75,15 +75,15 @@ private:
     return best.best();
 }
 
-/// The sample to fall while another rises, and how far the pair is from the optimum.
+/// The sample that falls while another rises, and how far the pair is from the optimum.
 struct selected_partner {
-    selected_sample sample; ///< with twice the gain of a step that no bound cuts short
-    double lowest;          ///< the smallest gradient of samples that may fall
+    selected_sample sample; ///< its value is twice the gain of a step without bounds
+    double lowest;          ///< the smallest gradient among samples that may fall
 };
 
 /// Second-order choice (Fan, Chen, Lin, "Working set selection using second order information for training
 /// SVM", JMLR 6, 2005): largest (g_i − g_t)² / (K_ii + K_tt − 2 K_it). `low` is 0 for samples that may fall
-/// and +∞ for others. `row` is that of the rising sample, `own` its K_ii.
+/// and +∞ for others. `row` is the kernel row of the rising sample, `own` its K_ii.
 [[nodiscard]] inline selected_partner select_partner(const double* gradient, const double* low,
                                                      const float* row, const double* diagonal, double own,
                                                      double rising, double least_curvature,
