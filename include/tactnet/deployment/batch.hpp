@@ -86,8 +86,8 @@ struct batch_inference {
                                         " counts and " + std::to_string(outputs) +
                                         " outputs for each, found " + std::to_string(frames.elements()) +
                                         " counts and " + std::to_string(to.size()) + " outputs");
-        const auto infer = [&](std::size_t first, activation* elements, const auto& executor) {
-            return view.infer_batch(frames, first, to.data() + first * outputs, elements, executor,
+        const auto infer = [&](std::size_t first, activation* thread_memory, const auto& executor) {
+            return view.infer_batch(frames, first, to.data() + first * outputs, thread_memory, executor,
                                     status == nullptr ? nullptr : status + first);
         };
         std::atomic<bool> usual = true;
@@ -107,15 +107,15 @@ struct batch_inference {
                 const work_share share{index, shares};
                 alignas(alignment)
                     std::array<activation, on_stack ? on_one_thread * View::workspace_elements : 1>
-                        stack; // not zeroed
-                activation* const elements =
-                    on_stack ? stack.data() : heap + index * View::workspace_elements;
+                        stack_memory; // not zeroed
+                activation* const thread_memory =
+                    on_stack ? stack_memory.data() : heap + index * View::workspace_elements;
                 inline_executor<on_one_thread> here;
                 const std::size_t end = share.end(count);
                 for (std::size_t first = share.begin(count); first < end; first += on_one_thread) {
                     const batch_executor<inline_executor<on_one_thread>> executor{
                         here, std::min(on_one_thread, end - first)};
-                    if (infer(first, elements, executor) != frame_status::ok)
+                    if (infer(first, thread_memory, executor) != frame_status::ok)
                         usual = false;
                 }
             });

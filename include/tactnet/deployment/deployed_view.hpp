@@ -196,12 +196,12 @@ public:
         activation* const in = memory;
         activation* const out = in + executor.copies() * input::map;
         std::atomic<bool> usual = true;
-        const auto check = [&](std::size_t frame, bool finite) {
+        const auto check = [&](std::size_t i, bool finite) {
             if (finite)
                 return;
             usual = false;
             if (status != nullptr)
-                status[frame] = frame_status::not_finite;
+                status[i] = frame_status::not_finite;
         };
         executor.for_each_frame(
             [&](std::size_t i) { check(i, read(frames[first + i], in + i * input::map)); });
@@ -216,7 +216,8 @@ public:
 
 private:
     bool read(frame_ref<Input> frame, activation* in) const noexcept {
-        return frame.visit([&](auto view) { return input::read(packed_, view.data(), in); });
+        return frame.visit(
+            [&](auto frame_elements) { return input::read(packed_, frame_elements.data(), in); });
     }
     static constexpr void check_stack() {
         static_assert(fits_stack<workspace_bytes, most_on_stack>,

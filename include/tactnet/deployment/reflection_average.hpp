@@ -40,10 +40,10 @@ public:
                        workspace& memory) const noexcept {
         frame_status status = frame_status::ok;
         for (std::size_t i = 0; i < all_reflections.size(); ++i)
-            frame.visit([&]<class Count>(tensor_view<const Count, input_shape> counts) {
+            frame.visit([&]<class Count>(tensor_view<const Count, input_shape> frame_elements) {
                 // Bytes stay bytes, which the network may read faster.
                 auto* const reflected = reinterpret_cast<Count*>(memory.frame.data());
-                reflect_image(input_shape, all_reflections[i], counts.data(), reflected);
+                reflect_image(input_shape, all_reflections[i], frame_elements.data(), reflected);
                 if (network_.infer(tensor_view<const Count, input_shape>(reflected), memory.of_each[i],
                                    memory.network) != frame_status::ok)
                     status = frame_status::not_finite;

@@ -75,9 +75,9 @@ private:
                                         std::to_string(frames.elements()) + " counts");
         std::vector<float> images(used * size);
         for (std::size_t i = 0; i < used; ++i)
-            frames[i * count / used].visit([&](auto frame) {
+            frames[i * count / used].visit([&](auto frame_elements) {
                 for (std::size_t e = 0; e < size; ++e)
-                    images[i * size + e] = static_cast<float>(frame.data()[e]);
+                    images[i * size + e] = static_cast<float>(frame_elements.data()[e]);
             });
         return images;
     }
