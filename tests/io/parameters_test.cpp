@@ -87,7 +87,7 @@ TEST_CASE("parameters: what is stored comes back") {
     file.require_extents("conv2.weight", std::vector<std::size_t>{3, 2, 2, 2});
     file.require_extents("bn2.running_var", std::vector<std::size_t>{3});
     file.require_extents("fc.weight", std::vector<std::size_t>{5, dense_inputs});
-    CHECK(stored_classes<small_network>(file) == 5);
+    CHECK(stored_classes(file, stored_arrays_of<small_network>()) == 5);
 
     small_network copy;
     CHECK_FALSE(same_numbers(copy, original));
@@ -104,7 +104,7 @@ TEST_CASE("parameters: fewer classes than outputs: only their rows are stored, t
     file.require_extents("fc.bias", std::vector<std::size_t>{3});
     file.require_extents("conv2.weight",
                          std::vector<std::size_t>{3, 2, 2, 2}); // three filters, not three classes
-    CHECK(stored_classes<small_network>(file) == 3);
+    CHECK(stored_classes(file, stored_arrays_of<small_network>()) == 3);
 
     small_network copy = numbered_network();
     load_parameters(copy, file, 3);
@@ -183,7 +183,7 @@ TEST_CASE("parameters: more classes than outputs") {
     arrays content = arrays_of(numbered_network());
     content["fc.bias"] = {{6}, std::vector<float>(6)};
     CHECK_THROWS_WITH_AS(
-        static_cast<void>(stored_classes<small_network>(file_of(content))),
+        static_cast<void>(stored_classes(file_of(content), stored_arrays_of<small_network>())),
         "weights.safetensors: tensor 'fc.bias': expected one number for each of 1 to 5 classes, "
         "found 6",
         file_error);

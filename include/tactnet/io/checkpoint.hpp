@@ -35,6 +35,8 @@ struct state_array {
     std::span<double> doubles = {}; ///< or empty
 };
 
+namespace detail {
+
 /// Views of the arrays of a trainer, which must outlive them.
 template <class Trainer>
 [[nodiscard]] std::vector<state_array> state_arrays(Trainer& trainer) {
@@ -47,6 +49,8 @@ template <class Trainer>
     });
     return arrays;
 }
+
+} // namespace detail
 
 /// Writes arrays and the numbers of the progress, all or nothing. Throws file_error.
 [[gnu::cold]] inline void save_checkpoint(const std::filesystem::path& path,
@@ -70,7 +74,7 @@ template <class Trainer>
 /// file_error.
 template <class Trainer>
 void save_checkpoint(const std::filesystem::path& path, Trainer& trainer, const file_metadata& settings) {
-    save_checkpoint(path, state_arrays(trainer), trainer.progress(), settings);
+    save_checkpoint(path, detail::state_arrays(trainer), trainer.progress(), settings);
 }
 
 namespace detail {
@@ -145,8 +149,8 @@ template <class Trainer>
 checksum_state load_checkpoint(const std::filesystem::path& path, Trainer& trainer,
                                const file_metadata& settings) {
     return load_checkpoint(
-        path, state_arrays(trainer), [&](std::span<const double> numbers) { trainer.restore(numbers); },
-        settings);
+        path, detail::state_arrays(trainer),
+        [&](std::span<const double> numbers) { trainer.restore(numbers); }, settings);
 }
 
 } // namespace TACTNET_ARCH

@@ -35,7 +35,7 @@ inline namespace TACTNET_ARCH {
 
 /// A model as read from a file, without the network's type.
 struct stored_model {
-    std::vector<std::vector<float>> arrays; ///< see read_arrays
+    std::vector<std::vector<float>> arrays; ///< the values of each array, in order
     double epsilon = 1e-5;                  ///< of batch norms
     std::vector<float> mean;                ///< of the input; empty where none is subtracted
     float scale = 1;
@@ -123,7 +123,7 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
     const std::size_t classes = stored_classes(file, arrays);
     m.classes = detail::class_names(file, std::move(d.classes), classes);
     m.epsilon = epsilon ? *epsilon : d.epsilon.value_or(1e-5);
-    m.arrays = read_arrays(file, arrays, classes);
+    m.arrays = detail::read_arrays(file, arrays, classes);
     if (d.subtracts_mean.value_or(file.contains("input_mean"))) {
         file.require_extents("input_mean", detail::image_extents(input));
         m.mean = file.values<float>("input_mean");
@@ -165,7 +165,7 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
 template <class Network>
 [[nodiscard]] [[gnu::cold]] model<Network> make_model(stored_model stored) {
     model<Network> m;
-    set_parameters(m.network, stored.arrays);
+    detail::set_parameters(m.network, stored.arrays);
     m.network.epsilon = stored.epsilon;
     std::copy(stored.mean.begin(), stored.mean.end(), m.normalise.mean.begin());
     m.normalise.scale = stored.scale;

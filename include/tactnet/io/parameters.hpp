@@ -17,16 +17,18 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace detail {
+
 /// Reads arrays from a file, in order. The output layer has a row per class, in the file and in the result.
 /// Throws as `load_parameters`.
 [[nodiscard]] [[gnu::cold]] inline std::vector<std::vector<float>>
 read_arrays(const safetensors& file, const stored_arrays& arrays, std::size_t classes) {
-    detail::check_classes("load_parameters", classes, arrays.outputs);
+    check_classes("load_parameters", classes, arrays.outputs);
     require_arrays(file, arrays, classes);
     std::vector<std::vector<float>> values;
     for (const named_array& a : arrays.list) {
         values.push_back(file.values<float>(a.name));
-        detail::check_values(file, a.name, values.back());
+        check_values(file, a.name, values.back());
     }
     return values;
 }
@@ -42,19 +44,6 @@ template <class Network>
     });
 }
 
-/// Fills a network from a file. With fewer `classes` than outputs the file holds only as many rows of the
-/// output layer; the others become zero. The weights of a dense layer may be stored as [outputs, inputs] or
-/// as [outputs, channels, rows, columns] of its input. `input_mean`, `selftest.*` and PyTorch's
-/// `num_batches_tracked` are ignored. Throws file_error when an array is missing, has other extents or is not
-/// finite, when a variance is negative, or when there is a tensor that the network does not have; the network
-/// is then unchanged. Throws std::invalid_argument unless there are 1 to Network::outputs classes.
-template <class Network>
-void load_parameters(Network& network, const safetensors& file, std::size_t classes = Network::outputs) {
-    set_parameters(network, read_arrays(file, stored_arrays_of<Network>(), classes));
-}
-
-namespace detail {
-
 /// Adds the array at `index`, whose elements are `values`; of the output layer the rows of the first classes.
 [[gnu::cold]] inline void add_array(safetensors_writer& writer, const stored_arrays& arrays,
                                     std::size_t index, std::span<const float> values, std::size_t classes) {
@@ -65,6 +54,17 @@ namespace detail {
 }
 
 } // namespace detail
+
+/// Fills a network from a file. With fewer `classes` than outputs the file holds only as many rows of the
+/// output layer; the others become zero. The weights of a dense layer may be stored as [outputs, inputs] or
+/// as [outputs, channels, rows, columns] of its input. `input_mean`, `selftest.*` and PyTorch's
+/// `num_batches_tracked` are ignored. Throws file_error when an array is missing, has other extents or is not
+/// finite, when a variance is negative, or when there is a tensor that the network does not have; the network
+/// is then unchanged. Throws std::invalid_argument unless there are 1 to Network::outputs classes.
+template <class Network>
+void load_parameters(Network& network, const safetensors& file, std::size_t classes = Network::outputs) {
+    detail::set_parameters(network, detail::read_arrays(file, stored_arrays_of<Network>(), classes));
+}
 
 /// Adds all arrays of a network in single precision; of its output layer the rows of the first `classes`
 /// outputs. Throws std::invalid_argument unless there are 1 to Network::outputs of them.

@@ -179,10 +179,6 @@ private:
                                    {shape_text(extents)});
     return extents[0];
 }
-template <class Network>
-[[nodiscard]] std::size_t stored_classes(const safetensors_index& file) {
-    return stored_classes(file, stored_arrays_of<Network>());
-}
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -1,4 +1,4 @@
-#include <tactnet/io/images/natural_order.hpp>
+#include <tactnet/io/images/folder.hpp>
 
 #include <doctest/doctest.h>
 
