@@ -1,12 +1,10 @@
 #pragma once
 
-#include <tactnet/detail/round_up.hpp>
-#include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/early_stopping.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
+#include <tactnet/training/loop/gradient_step.hpp>
 #include <tactnet/training/loop/progress.hpp>
-#include <tactnet/training/loop/sam_perturbation.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/recipe.hpp>
 
@@ -27,13 +25,13 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// Moves a running mean towards the latest values, by their share.
+/// Moves a running mean towards the latest values by their share.
 inline void blend(std::span<float> mean, std::span<const float> latest, float share) {
     for (std::size_t i = 0; i < mean.size(); ++i)
         mean[i] += share * (latest[i] - mean[i]);
 }
 
-/// Throws unless there are values of the right number, or none, for each array.
+/// Throws unless each array has values of the right number, or none.
 inline void check_trunk(std::span<const parameter> parameters, std::span<const std::vector<float>> arrays) {
     const auto refuse = [](const std::string& what, std::size_t expected, std::size_t found) {
         throw std::invalid_argument("trainer: expected " + std::to_string(expected) + " " + what +
@@ -46,8 +44,8 @@ inline void check_trunk(std::span<const parameter> parameters, std::span<const s
             refuse("numbers in " + parameters[i].name, parameters[i].size, arrays[i].size());
 }
 
-/// Throws unless batch norms of a network of features, which has one value of each in a sample, see more than
-/// one: of a single value they give their shift alone, whatever the value is.
+/// Throws if batch norms of a network of features, with one value of each in a sample, would see batches of
+/// one sample: of a single value they return their shift alone, whatever the value is.
 inline void check_batches(trainable& network, const epoch_samples& shown) {
     const shape input = network.input_shape();
     if (input.rows * input.columns == 1 && !network.running_statistics().empty() &&
@@ -58,28 +56,23 @@ inline void check_batches(trainable& network, const epoch_samples& shown) {
 
 } // namespace detail
 
-/// A training in progress, epoch by epoch. Every random number is a function of (seed, epoch, sample), all
-/// sums have a fixed order: the same seed gives the same bits on any number of threads, in one go or in
-/// several (see for_each_state).
-/// The network is one of any type: `trainer` is for one of a type that is known.
+/// A training in progress, epoch by epoch, of a network of any type; `trainer` is for a known type. Every
+/// random number is a function of (seed, epoch, sample), and all sums have a fixed order: the same seed gives
+/// the same bits on any number of threads, without a break or resumed (see for_each_state).
 class training_loop {
 public:
-    /// The numbers of the samples must outlive the training. Features go to the network as they are, whatever
-    /// the recipe says of images.
+    /// The values of the samples must outlive the training. Features enter the network unchanged, whatever
+    /// the recipe says about images.
     training_loop(std::unique_ptr<trainable> network, const recipe& how, const labelled_samples& samples,
                   data_split split, std::uint64_t seed, thread_pool& threads)
         : network_(std::move(network)),
           how_(checked(how, samples, split)),
           samples_(samples),
           split_(std::move(split)),
-          seed_(seed),
           threads_(threads),
           shown_(how, *network_, samples, split_.training, seed, threads),
           stopping_(how.patience),
-          space_(network_->make_workspace()),
-          in_(network_->input_shape().size(), threads),
-          out_(network_->outputs()),
-          out_gradient_(network_->outputs()) {
+          step_(*network_, how, samples.classes(), seed, threads) {
         detail::check_batches(*network_, shown_);
         network_->epsilon() = how.epsilon;
         if (samples_.are_images()) {
@@ -89,15 +82,11 @@ public:
                                 "input_rule::") +
                     (how.input == input_rule::counts ? "counts" : "subtract_mean"));
             if (how.input == input_rule::subtract_mean)
-                in_.subtract_mean(samples_.pixels(), split_.training);
+                step_.in().subtract_mean(samples_.pixels(), split_.training);
             else if (how.input == input_rule::scale)
-                in_.scale_by(1.0f / 255);
+                step_.in().scale_by(1.0f / 255);
         }
-        const std::size_t size = network_->learnable_values().size();
-        optimiser_.resize(size);
-        gradients_.assign(size, 0);
         const std::vector<parameter> parameters = network_->describe();
-        decayed_ = detail::decay_mask(how.optimiser, parameters, size);
         std::uint32_t index = 0;
         for (const parameter& p : parameters)
             detail::initialise(p, network_->values_of(p), how.initialisation, seed, index);
@@ -109,19 +98,19 @@ public:
     [[nodiscard]] bool finished() const { return progress_.stopped || history().size() >= how_.epochs; }
     [[nodiscard]] const std::vector<epoch_report>& history() const { return progress_.history; }
     [[nodiscard]] std::size_t samples_per_epoch() const { return shown_.size(); }
-    /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
-    /// where there are no validation images, or where the recipe keeps that.
+    /// The network with the smallest validation loss so far, smoothed over a few validations. The latest if
+    /// there are no validation images, or if the recipe keeps the last.
     [[nodiscard]] const trainable& best() const {
         return split_.validation.empty() || how_.keeps_last ? candidate() : *best_;
     }
     [[nodiscard]] const trainable& latest() const { return candidate(); }
     /// Inputs are (number − mean) × scale, of counts or of features.
-    [[nodiscard]] std::span<const float> mean() const { return in_.mean(); }
-    [[nodiscard]] float scale() const { return in_.scale(); }
+    [[nodiscard]] std::span<const float> mean() const { return step_.in().mean(); }
+    [[nodiscard]] float scale() const { return step_.in().scale(); }
     [[nodiscard]] const data_split& split() const { return split_; }
 
-    /// Begins with the parameters and statistics of another network, for example one that was trained on
-    /// simulated images, in place of random ones. Throws std::logic_error after the first epoch.
+    /// Starts from the parameters and statistics of another network, for example one trained on simulated
+    /// images, in place of random ones. Throws std::logic_error after the first epoch.
     void start_from(std::span<const float> values, std::span<const float> statistics,
                     std::optional<double> momentum = std::nullopt) {
         check_not_begun();
@@ -132,15 +121,14 @@ public:
                 each->momentum() = *momentum;
     }
 
-    /// Begins with arrays of a network that was trained on something else: of each array of `describe`, in
-    /// its order, the values, or none for one that stays as it was drawn. Those that are given learn at the
-    /// recipe's share of the rate. Throws std::logic_error after the first epoch, std::invalid_argument for
-    /// arrays of other sizes.
+    /// Starts from arrays of a network that was trained on something else. `arrays` holds the values of each
+    /// array of `describe`, in its order, or none for an array that keeps its random values. The given arrays
+    /// learn at the recipe's share of the rate. Throws std::logic_error after the first epoch, and
+    /// std::invalid_argument for arrays of other sizes.
     void start_from_trunk(std::span<const std::vector<float>> arrays) {
         check_not_begun();
         const std::vector<parameter> parameters = network_->describe();
         detail::check_trunk(parameters, arrays);
-        rate_shares_.assign(gradients_.size(), 1.0F);
         for (std::size_t i = 0; i < arrays.size(); ++i) {
             if (arrays[i].empty())
                 continue;
@@ -148,15 +136,13 @@ public:
             for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
                 std::copy(arrays[i].begin(), arrays[i].end(), each->values_of(p).begin());
             if (learnable(p.what))
-                std::fill_n(rate_shares_.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size,
-                            static_cast<float>(how_.pretrained_rate));
+                step_.set_rate_share(p, how_.pretrained_rate);
         }
     }
 
-    /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
-    /// that leaves numbers which are not finite, when the validation loss is not, or when a gradient was so
-    /// large that its square is not. `latest` and `best` are then as before the epoch; the training cannot go
-    /// on.
+    /// Trains for one epoch, and validates when due. Throws training_diverged if a loss, a parameter or the
+    /// square of a gradient is not finite. `latest` and `best` are then as before the epoch, and the training
+    /// cannot continue.
     const epoch_report& run_epoch() {
         kept_->take(candidate());
         try {
@@ -168,30 +154,30 @@ public:
         return history().back();
     }
 
-    /// visit(name, span of float or double) for all that a resumed training needs; after writing to them,
-    /// `restore`.
+    /// Calls visit(name, span of float) for each array that a resumed training needs. To resume, write to
+    /// them, then call `restore`.
     template <class Visit>
     void for_each_state(Visit&& visit) {
         visit("values", network_->learnable_values());
         visit("statistics", network_->running_statistics());
-        visit("optimiser.first", std::span<float>(optimiser_.first));
-        visit("optimiser.second", std::span<float>(optimiser_.second));
+        visit("optimiser.first", std::span<float>(step_.optimiser().first));
+        visit("optimiser.second", std::span<float>(step_.optimiser().second));
         visit("averaged.values", averaged_->learnable_values());
         visit("averaged.statistics", averaged_->running_statistics());
         visit("best.values", best_->learnable_values());
         visit("best.statistics", best_->running_statistics());
     }
-    /// The numbers beside the arrays.
+    /// The numbers besides the arrays.
     [[nodiscard]] std::vector<double> progress() const {
         training_progress p = progress_;
-        p.steps = optimiser_.steps;
+        p.steps = step_.optimiser().steps;
         p.smallest_loss = stopping_.smallest(), p.waited = stopping_.waited();
         return p.numbers();
     }
-    /// Throws std::invalid_argument, and changes nothing, for numbers that no training with this recipe has.
+    /// Throws std::invalid_argument, and changes nothing, if no training with this recipe has these numbers.
     void restore(std::span<const double> numbers) {
         progress_ = training_progress::from(numbers, how_.epochs, shown_.steps());
-        optimiser_.steps = progress_.steps;
+        step_.optimiser().steps = progress_.steps;
         stopping_.restore(progress_.smallest_loss, progress_.waited);
     }
 
@@ -231,79 +217,35 @@ private:
         }
         detail::check_parameters(network_->learnable_values(), report);
         detail::check_parameters(network_->running_statistics(), report);
-        detail::check_squares(optimiser_.second, report);
+        detail::check_squares(step_.optimiser().second, report);
         if ((epoch + 1) % how_.validate_every == 0 || epoch + 1 == how_.epochs) {
             if (how_.remeasure_statistics)
-                remeasure_statistics(how_.averaging > 0 ? *averaged_ : *network_);
+                step_.remeasure_statistics(candidate(), samples_, split_.training);
             if (!split_.validation.empty())
                 validate(report);
         }
         return report;
     }
 
-    /// One step; returns the mean loss before it.
+    /// Takes one step; returns the mean loss of its batch before the step.
     double take(std::span<const std::size_t> places, std::size_t epoch, double rate) {
-        const std::size_t count = places.size();
-        in_.fill(count,
-                 [&](std::size_t i, std::span<float> sample) { shown_.make(places[i], epoch, sample); });
-        out_.resize(count), out_gradient_.resize(count);
-        std::vector<std::size_t> labels(count);
-        for (std::size_t i = 0; i < count; ++i)
+        step_.in().fill(places.size(), [&](std::size_t i, std::span<float> sample) {
+            shown_.make(places[i], epoch, sample);
+        });
+        std::vector<std::size_t> labels(places.size());
+        for (std::size_t i = 0; i < labels.size(); ++i)
             labels[i] = shown_.label(places[i]);
-
-        const double loss = find_gradients(labels);
-        if (how_.sharpness_radius > 0) {
-            perturbation_.climb(*network_, gradients_, how_.sharpness_radius);
-            find_gradients(labels);
-            perturbation_.come_back(*network_);
-        }
-        take_step<float>(how_.optimiser, optimiser_, rate, network_->learnable_values(), gradients_, decayed_,
-                         rate_shares_);
+        const double loss = step_.take(labels, rate);
         if (how_.averaging > 0)
             average();
         return loss;
     }
 
-    /// Of the batch in in_, where the network is now; returns its mean loss.
-    double find_gradients(std::span<const std::size_t> labels) {
-        const auto step = static_cast<std::uint32_t>(optimiser_.steps);
-        network_->prepare(threads_, *space_);
-        network_->forward(threads_, *space_, in_.samples(), out_, seed_, step);
-        const double loss = detail::softmax_cross_entropy<float>(
-            {labels.size(), out_.size(), sample_batch::lanes}, out_.data(), labels, samples_.classes(),
-            how_.label_smoothing, out_gradient_.data());
-        network_->backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
-        return loss;
-    }
-
     void average() {
-        const auto steps = static_cast<double>(optimiser_.steps);
+        const auto steps = static_cast<double>(step_.optimiser().steps);
         const auto past = static_cast<float>(std::min(how_.averaging, (1 + steps) / (10 + steps)));
         detail::blend(averaged_->learnable_values(), network_->learnable_values(), 1 - past);
         detail::blend(averaged_->running_statistics(), network_->running_statistics(), 1 - past);
-    }
-
-    /// Statistics of the network that is to be validated, anew from the training images as they are: the mean
-    /// of what batches of them give, each counted by its images. Not from the images as they were varied:
-    /// shifted and turned ones have empty corners, and other moments than those that are to be recognised.
-    void remeasure_statistics(trainable& network) {
-        const std::span<const std::size_t> chosen = split_.training;
-        const std::size_t most = how_.batch == 0 ? chosen.size() : std::min(how_.batch, chosen.size());
-        const std::size_t batches = detail::ceil_div(chosen.size(), most);
-        const double momentum = network.momentum();
-        network.prepare(threads_, *space_);
-        for (std::size_t batch = 0; batch < batches; ++batch) {
-            const std::size_t first = chosen.size() * batch / batches,
-                              last = chosen.size() * (batch + 1) / batches;
-            network.momentum() = static_cast<double>(last - first) / static_cast<double>(last);
-            in_.fill(last - first, [&](std::size_t i, std::span<float> sample) {
-                samples_.copy(chosen[first + i], sample);
-            });
-            out_.resize(last - first);
-            network.forward(threads_, *space_, in_.samples(), out_, seed_,
-                            static_cast<std::uint32_t>(optimiser_.steps + batch));
-        }
-        network.momentum() = momentum;
     }
 
     void validate(epoch_report& report) {
@@ -322,18 +264,11 @@ private:
     recipe how_;
     labelled_samples samples_;
     data_split split_;
-    std::uint64_t seed_;
     thread_pool& threads_;
     epoch_samples shown_;
     early_stopping stopping_;
-    optimiser_state<float> optimiser_;
-    aligned_vector<float> gradients_, decayed_;
-    aligned_vector<float> rate_shares_; ///< empty where all learn at the same rate
     training_progress progress_;
-    detail::sam_perturbation perturbation_;
-    std::unique_ptr<trainable::workspace> space_;
-    input_batch in_;
-    sample_batch out_, out_gradient_;
+    detail::gradient_step step_;
 };
 
 } // namespace TACTNET_ARCH
