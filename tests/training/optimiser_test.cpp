@@ -153,11 +153,11 @@ TEST_CASE(
 }
 
 TEST_CASE("decay_mask: weights decay, and norms where the rule says so, biases and statistics never") {
-    const std::vector<parameter> parameters{{"weight", parameter_role::weight, {2}, 0, 2, 1},
-                                            {"bias", parameter_role::bias, {1}, 2, 1, 1},
-                                            {"scale", parameter_role::scale, {1}, 3, 1, 1},
-                                            {"shift", parameter_role::shift, {1}, 4, 1, 1},
-                                            {"mean", parameter_role::running_mean, {1}, 0, 1, 1}};
+    const std::vector<parameter> parameters{{{"weight", {2}, {}, 0, 2}, parameter_role::weight, 1},
+                                            {{"bias", {1}, {}, 2, 1}, parameter_role::bias, 1},
+                                            {{"scale", {1}, {}, 3, 1}, parameter_role::scale, 1},
+                                            {{"shift", {1}, {}, 4, 1}, parameter_role::shift, 1},
+                                            {{"mean", {1}, {}, 0, 1}, parameter_role::running_mean, 1}};
     const auto mask = [&](const optimiser& rule) { return detail::decay_mask(rule, parameters, 6); };
     const aligned_vector<float> weights{1, 1, 0, 0, 0, 0}, norms_too{1, 1, 0, 1, 1, 0};
     CHECK(mask(sgd{.l2 = 0.1}) == weights);
