@@ -25,7 +25,7 @@ public:
 
     /// Appends a step that reads a map, and returns the map that it writes: `into`, unless that is none.
     template <class Step>
-    std::size_t append(std::size_t input, std::size_t into = calibration_graph::none) {
+    [[gnu::cold]] std::size_t append(std::size_t input, std::size_t into = calibration_graph::none) {
         std::size_t output = input;
         step_description<Step>::visit(
             [&]<class... Arguments>(const char*, const char*, const Arguments&... arguments) {
@@ -45,20 +45,22 @@ public:
 private:
     // A step by the arguments of its description.
     template <class Step>
-    std::size_t add(std::size_t input, std::size_t) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t) {
         static_assert(std::is_same_v<Step, no_step>);
         return input;
     }
     template <class Step, class... Steps>
-    std::size_t add(std::size_t input, std::size_t into, const inner_step<Steps, composition::chain>&...) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
+                                  const inner_step<Steps, composition::chain>&...) {
         std::size_t left = sizeof...(Steps);
         ((input = append<Steps>(input, --left == 0 ? into : calibration_graph::none)), ...);
         return input;
     }
     /// The skip comes first when it runs, and last among folded numbers and ranges.
     template <class Step, class Main, class Skip>
-    std::size_t add(std::size_t input, std::size_t into, const inner_step<Main, composition::sum>&,
-                    const inner_step<Skip, composition::sum>&, input_stride) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
+                                  const inner_step<Main, composition::sum>&,
+                                  const inner_step<Skip, composition::sum>&, input_stride) {
         const std::size_t first = net_.nodes.size();
         const std::size_t output = append<Main>(input, into), sum = net_.nodes.size() - 1;
         net_.nodes[sum].added = append<Skip>(input);
@@ -69,8 +71,9 @@ private:
     }
     /// Branches that write their slices of one map share its range: the range that the last of them has made.
     template <class Step, class Format, class... Steps>
-    std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>, const shape&, input_stride,
-                    std::size_t, const inner_step<Steps, composition::concatenation>&...) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>, const shape&,
+                                  input_stride, std::size_t,
+                                  const inner_step<Steps, composition::concatenation>&...) {
         static_assert(
             (!fills_map<Steps> && ...),
             "deploy: in 8 bits each branch of a concatenation must end in a convolution whose filters "
@@ -81,13 +84,14 @@ private:
         return common;
     }
     template <class Step, class Inner>
-    std::size_t add(std::size_t input, std::size_t into, const inner_step<Inner, composition::wrapper>&) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
+                                  const inner_step<Inner, composition::wrapper>&) {
         net_.softmax = reference_softmax;
         return append<Inner>(input, into);
     }
     template <class Step, class Format>
-    std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                    const kernels::frame_convolution& kernel) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
+                                  const kernels::frame_convolution& kernel) {
         return add_parameters<Step>({.window = kernel.window,
                                      .groups = kernel.groups,
                                      .filters = kernel.filters,
@@ -99,8 +103,8 @@ private:
                                     into);
     }
     template <class Step, class Format>
-    std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                    const kernels::frame_dense& kernel) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
+                                  const kernels::frame_dense& kernel) {
         return add_parameters<Step>({.window = {kernel.input, {kernel.input.rows, kernel.input.columns}, 1},
                                      .filters = kernel.outputs,
                                      .input = input},
@@ -108,41 +112,43 @@ private:
     }
     /// A batch norm.
     template <class Step, class Format>
-    std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>, const shape&,
-                    input_stride, bool rectified) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
+                                  const shape&, input_stride, bool rectified) {
         return add_parameters<Step>({.reference = reference_norm, .rectified = rectified, .input = input},
                                     into);
     }
     /// A square root.
     template <class Step, class Format, std::intmax_t Numerator, std::intmax_t Denominator>
-    std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>, const shape&,
-                    input_stride, std::type_identity<std::ratio<Numerator, Denominator>>) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
+                                  const shape&, input_stride,
+                                  std::type_identity<std::ratio<Numerator, Denominator>>) {
         return add_parameters<Step>(
             {.reference = reference_square_root, .offset = Step::offset, .input = input}, into);
     }
     /// An average pool.
     template <class Step, class Format>
-    std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                    const average_windows& windows, std::size_t, input_stride) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
+                                  const average_windows& windows, std::size_t, input_stride) {
         return add_parameters<Step>({.reference = reference_average_pool, .means = windows, .input = input},
                                     into);
     }
     /// A max pool, whose bytes stay what they are.
     template <class Step, class Format>
-    std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>, const sliding_window& window,
-                    input_stride) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>,
+                                  const sliding_window& window, input_stride) {
         return add_node<Step>({.reference = reference_max_pool, .window = window, .input = input},
                               net_.add_map(Step::output, net_.maps[input].range));
     }
     template <class Step, class Format, activation_function Function>
-    std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                    std::type_identity<Function>, const shape&, input_stride) {
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
+                                  std::type_identity<Function>, const shape&, input_stride) {
         return add_operator<Step, (Step::ranges > 1)>(reference_activation<Function>, input, into);
     }
 
     /// A step whose output has a range of its own, or the range of its input.
     template <class Step, bool OwnRange>
-    std::size_t add_operator(graph_node::function reference, std::size_t input, std::size_t into) {
+    [[gnu::cold]] std::size_t add_operator(graph_node::function reference, std::size_t input,
+                                           std::size_t into) {
         if constexpr (OwnRange)
             return add_parameters<Step>({.reference = reference, .input = input}, into);
         else
@@ -151,7 +157,7 @@ private:
     }
     /// A step whose output has a range of its own, or is the output of the network.
     template <class Step>
-    std::size_t add_parameters(const graph_node& step, std::size_t into) {
+    [[gnu::cold]] std::size_t add_parameters(const graph_node& step, std::size_t into) {
         std::size_t range = calibration_graph::none;
         if (Step::ranges > (step.adds ? 2 : 1))
             range = net_.ranges++;
@@ -159,7 +165,7 @@ private:
                               into == calibration_graph::none ? net_.add_map(Step::output, range) : into);
     }
     template <class Step>
-    std::size_t add_node(graph_node step, std::size_t output) {
+    [[gnu::cold]] std::size_t add_node(graph_node step, std::size_t output) {
         step.output = output, step.folded = folded_;
         if constexpr (Step::folded > 0)
             step.set_ranges = &Step::set_ranges;

@@ -25,7 +25,7 @@ struct layout_visitor {
     std::size_t place = 0;
 
     template <class... Arguments>
-    void operator()(const char*, const char*, const Arguments&... arguments) {
+    [[gnu::cold]] void operator()(const char*, const char*, const Arguments&... arguments) {
         if constexpr ((is_inner_step<Arguments> || ...))
             (append_inner(arguments), ...);
         else if constexpr (requires { Step::largest_input; })

@@ -122,11 +122,7 @@ template <activation_function Function>
     return text;
 }
 
-/// What an argument adds to the title of its step, for people.
-template <class Argument>
-[[nodiscard]] std::string details_of(const Argument&) {
-    return {};
-}
+// Details of an argument for the title of its step, for people.
 [[nodiscard]] inline std::string size_of(const extent2d& e) {
     return std::to_string(e.rows) + " × " + std::to_string(e.columns);
 }
@@ -166,14 +162,14 @@ public:
     /// Defines a step and all steps inside by their descriptions, and returns its name. `stride` is the text
     /// of the elements from one pixel of the input to the next.
     template <class Step>
-    std::string define(const shape& input, const std::string& stride) {
+    [[gnu::cold]] std::string define(const shape& input, const std::string& stride) {
         using description = step_description<Step>;
         static_assert(
             requires { sizeof(description); },
             "deployed_header: this step cannot be spelled; specialise step_description for it");
         if constexpr (requires { description::header; })
             include(description::header);
-        spelling spelled{*this, input, stride, {}, {}};
+        spelling spelled(*this, input, stride);
         description::visit(spelled);
         if constexpr (requires { Step::output; })
             return defined(spelled, input, Step::output);
@@ -182,45 +178,61 @@ public:
     }
 
 private:
-    /// Visits the description of a step.
+    /// Visits the description of a step. What is no template is compiled once for all steps.
     struct spelling {
         step_text& all;
         shape input;
         std::string stride, title, type;
 
+        spelling(step_text& text, const shape& step_input, const std::string& input_stride_text)
+            : all(text), input(step_input), stride(input_stride_text) {}
+
         template <class... Arguments>
-        void operator()(const char* name, const char* what, const Arguments&... arguments) {
+        [[gnu::cold]] void operator()(const char* name, const char* what, const Arguments&... arguments) {
             title = what, type = name;
-            std::string list;
-            ((title += detail::details_of(arguments), list += (list.empty() ? "" : ", ") + text(arguments)),
-             ...);
-            if (!list.empty())
-                type += "<" + list + ">";
+            (append(arguments), ...);
+            if constexpr (sizeof...(Arguments) > 0)
+                type += '>';
+        }
+
+    private:
+        [[gnu::cold, gnu::noinline]] void append_text(const std::string& text) {
+            type += (first ? "<" : ", ") + text;
+            first = false;
         }
         template <class Value>
-        std::string text(const Value& value) {
-            return detail::text_of(value);
+        [[gnu::cold]] void append(const Value& value) {
+            if constexpr (requires { Value::type::header; })
+                all.include(Value::type::header);
+            append_text(detail::text_of(value));
         }
-        template <class Type>
-        std::string text(std::type_identity<Type> type_argument) {
-            if constexpr (requires { Type::header; })
-                all.include(Type::header);
-            return detail::text_of(type_argument);
+        [[gnu::cold, gnu::noinline]] void append(input_stride) { append_text(stride); }
+        [[gnu::cold, gnu::noinline]] void append(const sliding_window& window) {
+            title += detail::details_of(window);
+            append_text(detail::text_of(window));
         }
-        std::string text(input_stride) { return stride; }
-        std::string text(const kernels::frame_convolution& c) { return detail::text_of(c, stride); }
-        std::string text(const kernels::frame_dense& d) { return detail::text_of(d, stride); }
+        [[gnu::cold, gnu::noinline]] void append(const kernels::frame_convolution& c) {
+            title += detail::details_of(c);
+            append_text(detail::text_of(c, stride));
+        }
+        [[gnu::cold, gnu::noinline]] void append(const kernels::frame_dense& d) {
+            append_text(detail::text_of(d, stride));
+        }
         template <class Step, composition How>
-        std::string text(const inner_step<Step, How>& inner) {
-            std::string name = all.define<Step>(input, stride);
+        [[gnu::cold]] void append(const inner_step<Step, How>& inner) {
+            const std::string name = all.define<Step>(input, stride);
             if constexpr (How == composition::chain)
                 input = Step::output, stride = name + "::output_stride";
             if constexpr (How == composition::concatenation)
-                name = "tactnet::branch_step<" + name + ", " + std::to_string(inner.offset) + ">";
-            return name;
+                append_text("tactnet::branch_step<" + name + ", " + std::to_string(inner.offset) + ">");
+            else
+                append_text(name);
         }
+
+        bool first = true;
     };
-    std::string defined(const spelling& spelled, const shape& input, const shape& output) {
+    [[gnu::cold, gnu::noinline]] std::string defined(const spelling& spelled, const shape& input,
+                                                     const shape& output) {
         std::string name = "step_" + std::to_string(++count_);
         definitions_ += "// " + spelled.title + ": " + detail::size_of(input) + " → " +
                         detail::size_of(output) + "\nusing " + name + " = " + spelled.type + ";\n";
