@@ -152,7 +152,7 @@ struct depthwise_method : frame_method {
             in = workspace;
         }
         using blocks = column_blocks<one_to_one, block_columns>;
-        const auto block = [&](auto columns, auto left, auto right, std::size_t b) {
+        blocks::for_each([&](auto columns, auto left, auto right, std::size_t b) {
             const auto first = static_cast<std::ptrdiff_t>(b * blocks::size * C.window.stride.columns) -
                                static_cast<std::ptrdiff_t>(C.window.left);
             const float* const from = in + first * static_cast<std::ptrdiff_t>(one_to_one.input_stride);
@@ -160,15 +160,7 @@ struct depthwise_method : frame_method {
             for (std::size_t f = 0; f < C.padded_filters(); f += C.width())
                 convolve_depthwise_block<one_to_one, columns, left, right>(
                     from + f, packed + f * C.taps(), packed + packed_weights + f, to + f);
-        };
-        const auto edge = [&](auto b) {
-            block(constant<blocks::columns(b)>{}, constant<blocks::missing_left(b)>{},
-                  constant<blocks::missing_right(b)>{}, b);
-        };
-        unroll<blocks::first_whole>(edge);
-        for (std::size_t b = blocks::first_whole; b < blocks::last_whole; ++b)
-            block(constant<blocks::size>{}, constant<0>{}, constant<0>{}, b);
-        unroll<blocks::count - blocks::last_whole>([&](auto b) { edge(constant<blocks::last_whole + b>{}); });
+        });
     }
 
 private:

@@ -141,6 +141,18 @@ struct column_blocks {
             ++b;
         return b;
     }();
+    /// body(columns, missing left, missing right, block) for all blocks; constants but the last.
+    template <class Body>
+    [[gnu::always_inline]] static void for_each(const Body& body) {
+        const auto edge = [&](auto b) __attribute__((always_inline)) {
+            body(constant<columns(b)>{}, constant<missing_left(b)>{}, constant<missing_right(b)>{}, b);
+        };
+        unroll<first_whole>(edge);
+        for (std::size_t b = first_whole; b < last_whole; ++b)
+            body(constant<size>{}, constant<0>{}, constant<0>{}, b);
+        unroll<count - last_whole>([&](auto b)
+                                       __attribute__((always_inline)) { edge(constant<last_whole + b>{}); });
+    }
 };
 
 /// All blocks of `Rows` rows of outputs from row `y` on.
@@ -160,19 +172,9 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
                 .last_row =
                     std::min(under_rows, std::max(C.window.top + C.window.input.rows, first) - first)};
     };
-    const auto run = [&](auto columns, auto left, auto right, std::size_t b) __attribute__((always_inline)) {
+    blocks::for_each([&](auto columns, auto left, auto right, std::size_t b) __attribute__((always_inline)) {
         convolve_block<C, Vectors, Rows, columns, left, right>(
             input, weights, bias, to + b * blocks::size / C.pool.columns * C.output_stride(), at(b));
-    };
-    const auto edge = [&](auto b) __attribute__((always_inline)) {
-        run(constant<blocks::columns(b)>{}, constant<blocks::missing_left(b)>{},
-            constant<blocks::missing_right(b)>{}, b);
-    };
-    unroll<blocks::first_whole>(edge);
-    for (std::size_t b = blocks::first_whole; b < blocks::last_whole; ++b)
-        run(constant<blocks::size>{}, constant<0>{}, constant<0>{}, b);
-    unroll<blocks::count - blocks::last_whole>([&](auto b) __attribute__((always_inline)) {
-        edge(constant<blocks::last_whole + b>{});
     });
 }
 

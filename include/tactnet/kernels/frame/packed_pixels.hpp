@@ -50,20 +50,20 @@ struct packed_pixels {
     static constexpr std::size_t row_elements = (vectors * pixels + C.window.kernel.columns - 1) * width;
 };
 
-/// Each number of a row of the image in all lanes of a pixel, with zeros where its padding is.
+/// Broadcasts each number of a row of the image to all lanes of a pixel, with zeros for the padding.
 template <frame_convolution C>
-void broadcast_row(const float* row, float* spread) {
+void broadcast_row(const float* row, float* to) {
     using plan = packed_pixels<C>;
     using narrow = sized_vector<float, plan::width>;
     constexpr std::size_t count = plan::row_elements / plan::width, left = C.window.left;
     constexpr std::size_t inside = std::min(C.window.input.columns, count - left);
     for (std::size_t c = 0; c < left; ++c)
-        store_as(spread + c * plan::width, narrow(0.0f));
+        store_as(to + c * plan::width, narrow(0.0f));
 #pragma GCC unroll 8
     for (std::size_t c = 0; c < inside; ++c)
-        store_as(spread + (left + c) * plan::width, narrow(row[c * C.input_stride]));
+        store_as(to + (left + c) * plan::width, narrow(row[c * C.input_stride]));
     for (std::size_t c = left + inside; c < count; ++c)
-        store_as(spread + c * plan::width, narrow(0.0f));
+        store_as(to + c * plan::width, narrow(0.0f));
 }
 
 /// One register block: `Rows` × `Vectors` vectors of outputs before pooling, of which the first `Columns`
