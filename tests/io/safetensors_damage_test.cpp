@@ -130,7 +130,7 @@ TEST_CASE("safetensors: two thousand flips in a larger file") {
     CHECK(support::unnoticed_flips(bytes, noticed, 2000) == std::vector<std::size_t>{});
 }
 
-TEST_CASE("safetensors: a reader can tell whether there was a checksum, and what was found") {
+TEST_CASE("safetensors: a reader reports whether there was a checksum, and what was found") {
     safetensors_writer writer;
     writer.metadata["format"] = "pt";
     writer.add("a", {2}, std::vector<float>{1, 2});

@@ -67,7 +67,7 @@ TEST_CASE("stored_arrays: a file of the network") {
     CHECK(error_of(fewer, 3) == "");
 }
 
-TEST_CASE("stored_arrays: one difference is told where it is") {
+TEST_CASE("stored_arrays: one difference is reported with its place") {
     content list = right;
     list.erase(list.begin() + 1);
     CHECK(error_of(list) == "weights: expected a tensor 'conv1.bias' of 2, found none of that name");

@@ -85,7 +85,7 @@ TEST_CASE("image_folder: a folder that is no set of images: each has its sentenc
 }
 
 #if defined(__unix__) || defined(__APPLE__)
-TEST_CASE("image_folder: links are followed, those to nothing are told") {
+TEST_CASE("image_folder: links are followed, links to nothing are errors") {
     const support::temporary_folder folder;
     const auto root = folder / "root";
     touch(folder / "elsewhere" / "pens" / "1.png");

@@ -155,7 +155,7 @@ TEST_CASE("safetensors_source: what is no file, and a file that becomes shorter"
     CHECK_THROWS_AS(static_cast<void>(source.values<float>("many")), file_error);
 }
 
-TEST_CASE("source: a file tells whether its checksum was looked at") {
+TEST_CASE("source: a file reports whether its checksum was compared") {
     const std::vector<std::byte> bytes = writer_of_all_types().to_bytes();
     CHECK(safetensors::parse(bytes, "file").checksum() == checksum_state::verified);
     CHECK(safetensors::parse(bytes, "file", checksum_rule::ignore).checksum() == checksum_state::ignored);
