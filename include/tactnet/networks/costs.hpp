@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <utility>
 
-// What networks cost at many sizes, as constants, without making their layers: a network's type alone is
-// read, and its specifications tell what they cost (layers/costs.hpp).
+// The costs of networks at many sizes, as constants, computed from specifications without instantiating
+// layers (layers/costs.hpp).
 //
 //     struct tactnet6_for_22 {
 //         template <shape Input>
@@ -49,7 +49,7 @@ struct costs_of_type<basic_network<T, Input, Specs...>> {
 
 } // namespace detail
 
-/// Of one network. All its specifications must say what they cost.
+/// The costs of one network.
 template <class Network>
 inline constexpr network_costs costs_of_network = detail::costs_of_type<Network>::get();
 
@@ -64,11 +64,11 @@ struct size_table {
     /// Row by row.
     std::array<network_costs, size> costs{};
 
-    /// The size whose costs stand at that place.
+    /// The size at a place of `costs`.
     [[nodiscard]] static constexpr shape size_of(std::size_t place) {
         return {Least.rows + place / columns, Least.columns + place % columns};
     }
-    /// Of a size within the table.
+    /// The costs of a size within the table.
     [[nodiscard]] constexpr const network_costs& at(shape image) const {
         return costs[(image.rows - Least.rows) * columns + image.columns - Least.columns];
     }

@@ -14,7 +14,7 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// Takes the softmax from the end of a list, also from that of a list at its end. First the layers to keep.
+/// Removes the softmax from the end of a list, or of a list at its end. `Kept` are the layers so far.
 template <class Kept, class... Specs>
 struct split_softmax;
 template <class... Kept>
@@ -36,7 +36,7 @@ struct split_softmax<sequence<Kept...>, sequence<Inner...>> {
     static constexpr bool found = inner::found;
 };
 
-/// Whether a list begins with a layer that says `takes_counts`.
+/// Whether the first layer of a list has `takes_counts`.
 template <class... Specs>
 inline constexpr bool begins_with_counts = false;
 template <class First, class... Rest>
@@ -52,20 +52,19 @@ inline constexpr bool begins_with_counts<sequence<Inner...>, Rest...> =
 
 } // namespace detail
 
-/// A list of layer specifications bound to an input shape. As a type it is a description: what it costs are
-/// constants. As an object it holds parameters and running statistics on the heap, for training and
-/// inference.
+/// A list of layer specifications bound to an input shape. The type describes the network: its costs are
+/// constants. An object holds parameters and running statistics on the heap, for training and inference.
 ///
-/// Input: samples of `Input`, by convention 8-bit counts 0 … 255 minus a mean image. Output: what the last
-/// layer gives; logits are what stands in front of a softmax at the end, or else the same. Losses and metrics
-/// ask for logits, so that no softmax is taken twice. T is the number type; gradients are checked in double.
+/// The input are samples of `Input`, by convention 8-bit counts 0 … 255 minus a mean image. Logits are the
+/// output before a softmax at the end, or the output if there is none. Losses and metrics use logits, so that
+/// no softmax is taken twice. T is the number type; tests check gradients in double.
 template <class T, shape Input, class... Specs>
 class basic_network {
     using split = detail::split_softmax<sequence<>, without_name<Specs>...>;
     using logit_layers = typename fused<typename split::logits>::template layer<T, Input>;
 
 public:
-    /// The list as written, and bound to the input: what deployment reads.
+    /// The list as written, and bound to the input, for deployment.
     using specification = sequence<Specs...>;
     using layers = typename specification::template layer<T, Input>;
     using value_type = T;
@@ -74,10 +73,10 @@ public:
 
     static constexpr shape input_shape = Input;
     static constexpr shape output_shape = layers::output;
-    /// Whether outputs are probabilities. The softmax has no parameters: they are the same without it.
+    /// Whether outputs are probabilities. The softmax has no parameters.
     static constexpr bool ends_in_softmax = split::found;
     static constexpr std::size_t outputs = output_shape.size();
-    /// Whether inputs are counts, scaled or not, of which no mean is subtracted: the first layer says so.
+    /// Whether the first layer needs counts, scaled or not, without a mean subtracted.
     static constexpr bool takes_counts = detail::begins_with_counts<without_name<Specs>...>;
     /// Learnable parameters: weights, biases, scales and shifts.
     static constexpr std::size_t parameters = layers::parameters;
@@ -102,10 +101,10 @@ public:
     using input_type = typename input_batch::view_type;
     using output_type = typename output_batch::view_type;
 
-    /// What a batch needs on its way; one for each thread that calls a network.
+    /// Memory for a batch; one for each thread that calls a network.
     class workspace {
     public:
-        /// Makes room for that many samples. Not needed before `infer`, `logits` or `forward`: they call it.
+        /// Makes room for a number of samples. `infer`, `logits` and `forward` call it.
         void resize(std::size_t samples) {
             if (samples == memory_.samples)
                 return;
@@ -117,7 +116,8 @@ public:
         typename logit_layers::memory memory_;
     };
 
-    /// All zero but for scales and running variances, which are one. See initialise() in training.
+    /// All parameters are zero, except scales and running variances, which are one. See initialise() in
+    /// training.
     basic_network()
         : values_(kernels::padded_size<T>(parameters)), statistics_(kernels::padded_size<T>(statistics)) {
         for_each_parameter([](const parameter& p, std::span<T> values) {
@@ -126,7 +126,7 @@ public:
         });
     }
 
-    /// What batch norms add to a variance.
+    /// Added to the variance by batch norms.
     double epsilon = 1e-5;
     /// Share of each training batch in the running statistics of batch norms.
     double momentum = 0.1;
@@ -144,7 +144,7 @@ public:
         layers::describe("", list);
         return list;
     }
-    /// visit(parameter, std::span<T>) for each array.
+    /// Calls visit(parameter, std::span<T>) for each array.
     template <class Visit>
     void for_each_parameter(Visit&& visit) {
         for (const parameter& p : describe())
@@ -157,13 +157,13 @@ public:
                   std::span<const T>((learnable(p.what) ? values_ : statistics_).data() + p.offset, p.size));
     }
 
-    /// Readies a workspace for this network's present parameters. Call it again whenever they change.
+    /// Prepares a workspace for the present parameters. Call it again whenever they change.
     void prepare(thread_pool& threads, workspace& space) const {
         logit_layers::prepare(make_context(threads), values_.data(), statistics_.data(), space.memory_);
     }
-    /// Outputs of a batch, with running statistics. The workspace must be prepared. A sample's result is
-    /// bit-exact whatever the batch and the threads. Any number of samples goes through in parts, so that the
-    /// workspace stays small.
+    /// Computes the outputs of a batch, with running statistics. The workspace must be prepared. The result
+    /// of a sample is bit-identical in any batch and on any number of threads. Batches of any size are
+    /// computed in parts, so that the workspace stays small.
     void infer(thread_pool& threads, workspace& space, const_input in, output_type out) const {
         logits(threads, space, in, out);
         if constexpr (ends_in_softmax) {
@@ -172,11 +172,11 @@ public:
                                                    const_output(out), out);
         }
     }
-    /// As `infer`, in front of a last softmax.
+    /// As `infer`, before a last softmax.
     void logits(thread_pool& threads, workspace& space, const_input in, output_type out) const {
         const std::size_t blocks = in.lane_blocks(), most = threads.threads();
         const std::size_t parts = detail::ceil_div(blocks, most);
-        // As equal as can be, a largest one first: the workspace then has room for all.
+        // Parts of nearly equal size, a largest one first, so that the workspace has room for all.
         const auto begin = [&](std::size_t part) { return detail::ceil_div(blocks * part, parts); };
         for (std::size_t part = 0; part < parts; ++part) {
             const std::size_t first = begin(part), last = begin(part + 1);
@@ -188,16 +188,17 @@ public:
                                 output_type(out.lane_block(first), count));
         }
     }
-    /// Logits of a batch in training: moments of the batch in batch norms (which move the running ones),
-    /// dropout.
+    /// Computes the logits of a batch in training: with dropout, and with the moments of the batch in batch
+    /// norms, which update the running ones.
     void forward(thread_pool& threads, workspace& space, const_input in, output_type out,
                  std::uint64_t seed = 0, std::uint32_t step = 0) {
         space.resize(in.samples());
         logit_layers::forward(make_context(threads, seed, step), values_.data(), statistics_.data(),
                               space.memory_, in, out);
     }
-    /// Gradients of the learnable parameters (as many as `learnable_values`, or without the zeros behind)
-    /// from those of the logits, after `forward` with the same arguments; `in_gradient` may be a null view.
+    /// Computes the gradients of the learnable parameters (as many as `learnable_values`, or without the
+    /// trailing zeros) from the gradients of the logits, after `forward` with the same arguments.
+    /// `in_gradient` may be a null view.
     void backward(thread_pool& threads, workspace& space, const_input in, const_output out,
                   const_output out_gradient, input_type in_gradient, std::span<T> gradients,
                   std::uint64_t seed = 0, std::uint32_t step = 0) const {

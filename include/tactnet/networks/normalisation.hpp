@@ -9,14 +9,14 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// How 8-bit counts become a network's input: (count − mean) × scale. The mean is an image, that of the
-/// training set as in the paper; all zero and a scale of 1/255 give plain scaling.
+/// Turns 8-bit counts into the input of a network: (count − mean) × scale. The mean is an image, in the paper
+/// that of the training set; a mean of zero and a scale of 1/255 give plain scaling.
 template <shape Shape>
 struct normalisation {
     tensor<float, Shape> mean{};
     float scale = 1;
 
-    /// The mean over images stored one after the other; summed in integers, so that no rounding adds up.
+    /// The mean over contiguous images, summed in integers without rounding errors.
     [[nodiscard]] static tensor<float, Shape> mean_of(std::span<const std::uint8_t> images,
                                                       std::span<const std::size_t> chosen) {
         tensor<float, Shape> result;
@@ -30,7 +30,7 @@ struct normalisation {
         return result;
     }
 
-    /// Counts as stored, or after an augmentation, in place.
+    /// Normalises counts, as stored or augmented, in place.
     void apply(tensor_view<float, Shape> image) const {
         for (std::size_t e = 0; e < Shape.size(); ++e)
             image.data()[e] = (image.data()[e] - mean.data()[e]) * scale;

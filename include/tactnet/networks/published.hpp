@@ -8,12 +8,11 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The resolutions of the paper. The array itself has 28 × 50 tactels; the others are made from it by
-/// resizing.
+/// The resolutions of the paper. The array has 28 × 50 tactels; the other images are resized.
 enum class resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
 
-/// The form of a network at any size: that of the smallest published resolution which holds the size in both
-/// directions; larger ones take the full form. At a published size this is the published form.
+/// The form of a network at any size: the form at the smallest published resolution that is at least as large
+/// in both directions, or the full form for larger images. At a published size it is the published form.
 [[nodiscard]] constexpr resolution form_of(shape image) {
     const auto within = [&](std::size_t rows, std::size_t columns) {
         return image.rows <= rows && image.columns <= columns;
@@ -25,9 +24,8 @@ enum class resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
                             : resolution::r28x50;
 }
 
-/// Whether an image is as large as those of the paper: from 7 × 13 to 28 × 50 tactels, either way up. Of
-/// networks outside this range nobody knows how well they recognise: larger ones take the full form, smaller
-/// ones that of 7 × 13.
+/// Whether an image is within the sizes of the paper: from 7 × 13 to 28 × 50 tactels, in either orientation.
+/// The accuracy of networks outside this range is unknown.
 [[nodiscard]] constexpr bool within_published_range(shape image) {
     const auto within = [](std::size_t rows, std::size_t columns) {
         return rows >= 7 && columns >= 13 && rows <= 28 && columns <= 50;
@@ -40,9 +38,8 @@ concept image_is_large_enough = (Rows >= LeastRows) && (Columns >= LeastColumns)
 
 namespace detail {
 
-/// How many classes the paper's networks tell apart on an image: as many as are asked for, if it is not
-/// smaller than the kernel with which they begin; of a smaller one, less would be seen than of padding. (A
-/// class, and not a function of the shape, with which GCC 12 does not cope in a list of layers.)
+/// Passes the number of classes on, and rejects images smaller than the first kernel of the paper's networks,
+/// which would see more padding than image. (GCC 12 cannot use a function of the shape in a list of layers.)
 template <std::size_t Rows, std::size_t Columns, std::size_t Classes>
 struct classes_on {
     static_assert(
@@ -54,21 +51,20 @@ struct classes_on {
 
 } // namespace detail
 
-/// Of a network whose weights were learnt from photographs and are trained on (the paper's TL-NN).
+/// Settings for fine-tuning a network that was trained on photographs (the paper's TL-NN).
 struct published_transfer {
     std::size_t epochs, batch;
-    double new_layer_factor; ///< how many times the rate of the others the new last layer learns by
+    double new_layer_factor; ///< rate of the new last layer, in rates of the others
 };
 
-/// What a network's published training has of its own. All else is common: see recipe::published, which takes
-/// this.
+/// The published settings of the training of one network; recipe::published adds the common ones.
 struct published_training {
-    double rate;                     ///< first learning rate, that of a new last layer
+    double rate;                     ///< first learning rate, of a new last layer
     double drop_period;              ///< epochs after which the rate is multiplied by drop_factor; 0 is never
     std::size_t patience;            ///< validations without a smaller loss before it stops
     double drop_factor = 0.1;        ///< of the rate, each time
     std::size_t validate_every = 10; ///< epochs
-    bool subtracts_mean = true;      ///< of the training images; else counts come as they are
+    bool subtracts_mean = true;      ///< of the training images; else the input are counts
     std::optional<published_transfer> transfer = {};
 };
 

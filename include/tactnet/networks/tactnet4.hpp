@@ -11,8 +11,8 @@ inline namespace TACTNET_ARCH {
 struct tactnet4_form {
     std::size_t kernel1 = 5, kernel2 = 3, kernel3 = 3;
 
-    /// As published at 28 × 50 (5, 3, 3) and at 14 × 25 (3, 2, 2; the authors' trained network). It was not
-    /// published at other sizes: they take the first.
+    /// As published at 28 × 50 (5, 3, 3) and at 14 × 25 (3, 2, 2; the authors' trained network). Unpublished
+    /// sizes take the first.
     [[nodiscard]] static constexpr tactnet4_form at(shape image) {
         if (form_of(image) == resolution::r14x25)
             return {.kernel1 = 3, .kernel2 = 2, .kernel3 = 2};
@@ -29,7 +29,7 @@ using tactnet4 = network<Input,                                                 
                          conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>, //
                          dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
-/// How the authors trained it at 28 × 50, for images of any size: of 14 × 25 nothing else is known.
+/// The authors' training at 28 × 50, for images of any size: nothing else is known about 14 × 25.
 [[nodiscard]] constexpr published_training tactnet4_training(shape) {
     return {.rate = 0.05, .drop_period = 200, .patience = 3};
 }

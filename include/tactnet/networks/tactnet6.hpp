@@ -15,8 +15,8 @@ struct tactnet6_form {
     std::size_t other_pools_stride = 2;
 
     /// As in the authors' programs: at 20 × 35 and 14 × 25 the first pool has stride 1, at 10 × 18 and 7 × 13
-    /// all have, and the fifth kernel is 2 × 2. Fewer halvings keep small images readable, and make them cost
-    /// more than large ones.
+    /// all pools have, and the fifth kernel is 2 × 2. Fewer halvings keep the maps of small images large
+    /// enough, and make them cost more than large ones.
     [[nodiscard]] static constexpr tactnet6_form at(shape image) {
         switch (form_of(image)) {
         case resolution::r7x13:
@@ -48,8 +48,7 @@ using tactnet6 = network<Input,                                                 
 template <shape Input, std::size_t Classes>
 using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()>;
 
-/// How the authors trained it at each of their five resolutions; sizes in between take the settings of the
-/// form that they take.
+/// The authors' training at each of their five resolutions; sizes in between take the settings of their form.
 [[nodiscard]] constexpr published_training tactnet6_training(shape image) {
     switch (form_of(image)) {
     case resolution::r7x13:
@@ -64,7 +63,7 @@ using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()
     }
     return {.rate = 0.01, .drop_period = 150, .patience = 4};
 }
-/// The same for the economical form, which was not published.
+/// The training of TactNet-6 for the economical form, which was not published.
 [[nodiscard]] constexpr published_training tactnet6_economical_training(shape image) {
     return tactnet6_training(image);
 }

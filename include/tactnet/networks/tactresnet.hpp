@@ -13,9 +13,9 @@ inline namespace TACTNET_ARCH {
 struct tactresnet_form {
     std::size_t first_pool = 3, first_pool_stride = 2, last_pool = 5;
 
-    /// Both pools shrink with the image, by its smaller side. The first convolution leaves r = ceil(side / 2)
-    /// rows: the first pool has the window ceil(r / 5), at most 3, and the stride min(2, window); the last
-    /// one, at most 5, leaves at least two rows where there are two. At 28 × 50 this gives the published 3, 2
+    /// Both pools scale with the smaller side of the image. The first convolution leaves r = ceil(side / 2)
+    /// rows. The first pool has the window ceil(r / 5), at most 3, and the stride min(2, window). The last
+    /// one, at most 5, leaves at least two rows if there are two. At 28 × 50 this gives the published 3, 2
     /// and 5.
     [[nodiscard]] static constexpr tactresnet_form at(shape image) {
         const std::size_t side = (std::min(image.rows, image.columns) + 1) / 2;
@@ -42,7 +42,7 @@ using tactresnet = network<Input,                                               
                            max_pool<Form.last_pool, 1, padding::valid>,                                 //
                            dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
-/// How the authors trained it at 28 × 50, for images of any size. Its input are counts as they are.
+/// The authors' training at 28 × 50, for images of any size. The input are counts.
 [[nodiscard]] constexpr published_training tactresnet_training(shape) {
     return {.rate = 0.002, .drop_period = 0, .patience = 5, .subtracts_mean = false};
 }

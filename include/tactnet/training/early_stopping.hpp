@@ -14,7 +14,7 @@ class early_stopping {
 public:
     explicit early_stopping(std::size_t patience = 0) : patience_(patience) {}
 
-    /// Takes one validation loss; tells whether to stop.
+    /// Adds a validation loss; returns whether to stop.
     bool check(double loss) {
         if (loss < smallest_) {
             smallest_ = loss;

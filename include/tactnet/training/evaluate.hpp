@@ -19,7 +19,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What a network makes of labelled samples.
+/// The results of a network on labelled samples.
 struct evaluation {
     double loss = 0; ///< mean cross-entropy
     confusion_matrix confusion;
@@ -37,7 +37,7 @@ namespace detail {
 /// `logits` puts a batch of inputs through a network.
 using logits_of_batch = std::function<void(const sample_batch&, sample_batch&)>;
 
-/// Of the samples `chosen`, normalised, as they are or reflected.
+/// The logits of the chosen samples, normalised and reflected.
 inline void logits_of_samples(shape input, std::span<const float> mean, float scale,
                               const labelled_samples& samples, std::span<const std::size_t> chosen,
                               reflection how, const logits_of_batch& logits, sample_batch& out) {
@@ -92,9 +92,9 @@ inline evaluation evaluate(shape input, std::span<const float> mean, float scale
 
 } // namespace detail
 
-/// Puts chosen images, or features, through a network. Only as many outputs count as there are classes. Where
-/// logits are not finite, neither is the loss, and the recognised classes mean nothing. Features are only
-/// seen as they are. Throws as `labelled_samples::check`.
+/// Evaluates a network on chosen images or features. Only the outputs of the classes count. If logits are not
+/// finite, neither is the loss, and the recognised classes are meaningless. Features cannot be reflected.
+/// Throws as `labelled_samples::check`.
 template <class Network>
 [[nodiscard]] evaluation
 evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,

@@ -27,7 +27,7 @@ using initialisation = std::variant<fixed_normal, he_normal>;
 
 namespace detail {
 
-/// One array of a network. `index` counts its arrays of weights.
+/// Initialises one array of a network. `index` counts its arrays of weights.
 template <class T>
 void initialise(const parameter& p, std::span<T> values, const initialisation& rule, std::uint64_t seed,
                 std::uint32_t& index) {
@@ -45,7 +45,8 @@ void initialise(const parameter& p, std::span<T> values, const initialisation& r
 
 } // namespace detail
 
-/// Draws all weights; biases, shifts and running means become zero, scales and running variances one.
+/// Draws all weights at random; biases, shifts and running means become zero, scales and running variances
+/// one.
 template <class Network>
 void initialise(Network& network, const initialisation& rule, std::uint64_t seed) {
     std::uint32_t index = 0;

@@ -53,10 +53,10 @@ double softmax_cross_entropy(const logit_layout& at, const T* logits, std::span<
 
 } // namespace detail
 
-/// Softmax with cross-entropy, in double and from the largest logit down: no overflow, no logarithm of a
-/// rounded probability. Only the first `classes` logits take part. Label smoothing gives each class
-/// `smoothing / classes`. Returns the mean over the batch and writes its gradient, zero for logits and lanes
-/// that take no part.
+/// Softmax with cross-entropy, in double and relative to the largest logit, without overflow or logarithms of
+/// rounded probabilities. Only the first `classes` logits count. Label smoothing gives each class
+/// `smoothing / classes`. Returns the mean over the batch and writes its gradient, zero for other logits and
+/// for lanes without a sample.
 template <class T, shape Shape, std::size_t Lanes>
 double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span<const std::size_t> labels,
                              std::size_t classes, double smoothing, batch_view<T, Shape, Lanes> gradient) {

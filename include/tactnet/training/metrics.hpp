@@ -37,7 +37,7 @@ public:
             sum += (*this)(c, c);
         return sum;
     }
-    /// Share of the diagonal; NaN without any sample.
+    /// Share of the diagonal; NaN without samples.
     [[nodiscard]] double accuracy() const {
         return total() > 0 ? static_cast<double>(correct()) / static_cast<double>(total())
                            : std::numeric_limits<double>::quiet_NaN();
@@ -48,7 +48,7 @@ private:
     std::vector<std::size_t> counts_;
 };
 
-/// Mean and standard deviation (of the sample, n − 1) of a few results.
+/// Mean and sample standard deviation (n − 1).
 struct mean_and_deviation {
     double mean = 0, deviation = 0;
 

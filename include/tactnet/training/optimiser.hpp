@@ -16,8 +16,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Stochastic gradient descent with momentum. The gradient of weights has `l2` times the weights added, not
-/// that of biases.
+/// Stochastic gradient descent with momentum. `l2` times the weights is added to their gradient, but not to
+/// the gradient of biases.
 struct sgd {
     double momentum = 0.9;
     double l2 = 0;
@@ -25,8 +25,8 @@ struct sgd {
 };
 
 /// Adam with decoupled weight decay (Loshchilov and Hutter, 2019), on weights only. A gradient beyond 1.8e19
-/// ÷ √(1 − beta2), 1.8e20 as a rule, has a square beyond single precision: `second` is then infinite, and its
-/// number moves no more. A training says so at the end of the epoch.
+/// ÷ √(1 − beta2), by default 1.8e20, has a square beyond single precision: `second` is then infinite, and
+/// its parameter never changes again. Training throws at the end of the epoch.
 struct adamw {
     double beta1 = 0.9, beta2 = 0.99;
     double decay = 0.05;
@@ -35,7 +35,7 @@ struct adamw {
 
 using optimiser = std::variant<sgd, adamw>;
 
-/// What an optimiser remembers from step to step.
+/// The state of an optimiser.
 template <class T>
 struct optimiser_state {
     aligned_vector<T> first, second;
@@ -50,8 +50,8 @@ struct optimiser_state {
 
 namespace detail {
 
-/// One for weights, and for scales and shifts of batch norms if the rule says so, zero for all else that is
-/// learnt, up to a whole vector: what weight decay applies to.
+/// What weight decay applies to: one for weights, and for scales and shifts of batch norms if the rule says
+/// so, else zero, up to a whole vector.
 inline aligned_vector<float> decay_mask(const optimiser& rule, const std::vector<parameter>& parameters,
                                         std::size_t size) {
     const auto* const descent = std::get_if<sgd>(&rule);
@@ -64,22 +64,22 @@ inline aligned_vector<float> decay_mask(const optimiser& rule, const std::vector
     return mask;
 }
 
-/// The share of the learning rate that numbers from `i` on take; nothing said is all of it.
+/// The shares of the learning rate from element `i` on; an empty span means the whole rate.
 template <class T>
 [[nodiscard]] kernels::vector<T> rate_share(std::span<const T> shares, std::size_t i) {
     return shares.empty() ? kernels::vector<T>(T{1}) : kernels::load(&shares[i]);
 }
 
-/// Zero for what is below the smallest normal number. What an optimiser remembers of a number without
-/// gradients fades until it is denormal, where it stays (0.9 of a few smallest numbers is as many), and every
-/// step with it takes many times as long on most processors.
+/// Flushes denormal numbers to zero. The momentum of a parameter without gradients decays until it is
+/// denormal, where it stays (0.9 of a few smallest numbers rounds to as many), and slows down every step on
+/// most processors.
 template <class T>
 [[nodiscard]] kernels::vector<T> without_denormals(const kernels::vector<T>& x) {
     const kernels::vector<T> zero(T{}), least(std::numeric_limits<T>::min());
     return kernels::choose<T>((x < least) && (zero - x < least), zero, x);
 }
-/// The same of a number whose root is divided by: it stays 2^-116, large enough to fade without becoming
-/// denormal, and so small that an epsilon of 1e-8 does not notice its root; only zero stays zero.
+/// Clamps positive numbers whose root is a divisor to 2^-116, which decays without becoming denormal and
+/// whose root is negligible beside an epsilon of 1e-8. Zero stays zero.
 template <class T>
 [[nodiscard]] kernels::vector<T> without_denormal_divisors(const kernels::vector<T>& x) {
     const kernels::vector<T> zero(T{}), least(static_cast<T>(0x1p-116));
@@ -88,9 +88,9 @@ template <class T>
 
 } // namespace detail
 
-/// One step over flat arrays, each as long as whole vectors (see padded_size). `decayed` is one for weights
-/// and zero for all else. `rate` is the learning rate of this step; `shares`, if there are any, say how much
-/// of it each number takes: 0 leaves it as it is.
+/// Takes one step over flat arrays, each padded to whole vectors (see padded_size). `decayed` is one where
+/// weight decay applies, else zero. `rate` is the learning rate of this step; `shares`, unless empty, scale
+/// it for each parameter: 0 leaves a parameter unchanged.
 template <class T>
 void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::span<T> values,
                std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {

@@ -10,7 +10,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// The learning rate stays.
+/// A constant learning rate.
 struct constant_rate {};
 
 /// The learning rate is multiplied by `factor` every `period` epochs.
@@ -19,8 +19,8 @@ struct step_drop {
     double factor = 0.1;
 };
 
-/// The learning rate rises as half a cosine from rate / 25 over the `warm_up` share of all steps, and falls
-/// as another to almost nothing (Smith and Topin, 2018).
+/// One cycle (Smith and Topin, 2018): the learning rate rises from rate / 25 along half a cosine over the
+/// `warm_up` share of all steps, then falls along another to 1e-6 of the rate.
 struct one_cycle {
     double warm_up = 0.25;
 };
@@ -44,7 +44,7 @@ using schedule = std::variant<constant_rate, step_drop, one_cycle>;
     return rate * cosine(1, finish, (share - rule.warm_up) / (1 - rule.warm_up));
 }
 
-/// The rate after `epoch` (with its fraction) of `epochs`, for a highest rate of `rate`.
+/// The learning rate after `epoch` (with its fraction) of `epochs`; `rate` is the highest.
 [[nodiscard]] inline double rate_at(const schedule& rule, double rate, double epoch, double epochs) {
     return std::visit([&](const auto& chosen) { return rate_at(chosen, rate, epoch, epochs); }, rule);
 }

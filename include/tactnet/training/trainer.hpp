@@ -14,13 +14,13 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A training of a network whose type is known: see training_loop.
+/// A training of a network of a known type; training_loop is for any type.
 template <class Network>
 class trainer {
 public:
     static constexpr shape input = Network::input_shape;
 
-    /// The numbers of the samples must outlive the trainer.
+    /// The values of the samples must outlive the trainer.
     trainer(const recipe& how, const labelled_samples& samples, data_split split, std::uint64_t seed,
             thread_pool& threads)
         : loop_(std::make_unique<trainable_network<Network>>(), how, samples, std::move(split), seed,
@@ -32,34 +32,33 @@ public:
     [[nodiscard]] bool finished() const { return loop_.finished(); }
     [[nodiscard]] const std::vector<epoch_report>& history() const { return loop_.history(); }
     [[nodiscard]] std::size_t samples_per_epoch() const { return loop_.samples_per_epoch(); }
-    /// The network with the smallest validation loss so far, smoothed over a few validations; the latest
-    /// where there are no validation images.
+    /// The network with the smallest validation loss so far, smoothed over a few validations; the latest if
+    /// there are no validation images.
     [[nodiscard]] const Network& best() const { return network_of(loop_.best()); }
     [[nodiscard]] const Network& latest() const { return network_of(loop_.latest()); }
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
     [[nodiscard]] const data_split& split() const { return loop_.split(); }
 
-    /// Begins with the parameters and statistics of another network, for example one that was trained on
-    /// simulated images, in place of random ones. Throws std::logic_error after the first epoch.
+    /// Starts from the parameters and statistics of another network, for example one trained on simulated
+    /// images, in place of random ones. Throws std::logic_error after the first epoch.
     void start_from(const Network& other) {
         loop_.start_from(other.learnable_values(), other.running_statistics(), other.momentum);
     }
 
-    /// Trains for one epoch, and validates when due. Throws training_diverged, also when it is the last step
-    /// that leaves numbers which are not finite, when the validation loss is not, or when a gradient was so
-    /// large that its square is not. `latest` and `best` are then as before the epoch; the training cannot go
-    /// on.
+    /// Trains for one epoch, and validates when due. Throws training_diverged if a loss, a parameter or the
+    /// square of a gradient is not finite. `latest` and `best` are then as before the epoch, and the training
+    /// cannot continue.
     const epoch_report& run_epoch() { return loop_.run_epoch(); }
 
-    /// visit(name, span of float or double) for all that a resumed training needs; after writing to them,
-    /// `restore`.
+    /// Calls visit(name, span of float) for each array that a resumed training needs. To resume, write to
+    /// them, then call `restore`.
     template <class Visit>
     void for_each_state(Visit&& visit) {
         loop_.for_each_state(std::forward<Visit>(visit));
     }
-    /// The numbers beside the arrays.
+    /// The numbers besides the arrays.
     [[nodiscard]] std::vector<double> progress() const { return loop_.progress(); }
-    /// Throws std::invalid_argument, and changes nothing, for numbers that no training with this recipe has.
+    /// Throws std::invalid_argument, and changes nothing, if no training with this recipe has these numbers.
     void restore(std::span<const double> numbers) { loop_.restore(numbers); }
 
 private:

@@ -17,7 +17,7 @@ struct fused_spec {
     using type = Spec;
 };
 
-/// First the layers that are done.
+/// `Done` are the layers so far.
 template <class Done, class... Specs>
 struct fused_list;
 template <class... Done>
@@ -49,8 +49,8 @@ struct fused_spec<concatenation<Branches...>> {
 
 } // namespace detail
 
-/// A list with the same results and the same arrays in the same order, in which layers that wait for memory
-/// are joined: this is what is trained. Names are left out.
+/// The list to train: the same results and the same arrays in the same order, but layers that are bound by
+/// memory are fused. Names are left out.
 template <class List>
 using fused = typename detail::fused_spec<List>::type;
 

@@ -8,13 +8,13 @@
 #include <string_view>
 #include <utility>
 
-// Names that a list gives its layers, so that weight files keep the names of those who trained them. A layer
-// without one goes by its kind and number: "conv1", "bn1".
+// Names for the layers of a list, so that weight files keep the names of their authors. A layer without one
+// has the name of its kind with a number: "conv1", "bn1".
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A text as a template argument: named<"expand1x1", …>.
+/// A string literal as a template argument: named<"expand1x1", …>.
 template <std::size_t Size>
 struct name_text {
     std::array<char, Size> letters{}; ///< and a zero
@@ -24,8 +24,8 @@ struct name_text {
     [[nodiscard]] constexpr std::string_view view() const { return {letters.data(), Size - 1}; }
 };
 
-/// A layer, or a list of layers, by this name: "layer1" makes of "conv1.weight" inside "layer1.conv1.weight".
-/// By the name "" it adds nothing to the names inside. Nothing else about it changes.
+/// A layer or a list of layers with a name: inside "layer1", "conv1.weight" becomes "layer1.conv1.weight". An
+/// empty name adds nothing to the names inside. Nothing else changes.
 template <name_text Name, class Spec>
 struct named {
     static constexpr std::string_view name = Name.view();
@@ -37,7 +37,7 @@ struct named {
     using layer = typename Spec::template layer<T, Input>;
 };
 
-/// A list whose layers stand among those around it: it adds nothing to their names.
+/// A list that adds nothing to the names of its layers.
 template <class... Specs>
 using unnamed = named<"", sequence<Specs...>>;
 
@@ -77,12 +77,12 @@ struct as_sequence<named<Name, Spec>> : as_sequence<Spec> {};
 
 } // namespace detail
 
-/// A list whose layers go by their place, from 0, those without parameters counted: PyTorch's
+/// A list whose layers are named by their place from 0, counting those without parameters, as in PyTorch's
 /// torch.nn.Sequential.
 template <class... Specs>
 using sequential = typename detail::by_place<std::index_sequence_for<Specs...>, Specs...>::type;
 
-/// What a name stands for.
+/// The layer or list without its name.
 template <class Spec>
 using without_name = typename detail::without_name<Spec>::type;
 

@@ -12,12 +12,12 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Samples side by side as in tensor/batch.hpp, of a size that is known only when running.
+/// Interleaved samples as in tensor/batch.hpp, of a size known at run time.
 class sample_batch {
 public:
     static constexpr std::size_t lanes = kernels::lanes<float>;
 
-    /// `size` numbers in each sample.
+    /// `size` is the number of values in a sample.
     explicit sample_batch(std::size_t size, std::size_t samples = 0) : size_(size) { resize(samples); }
 
     /// Afterwards all elements are zero. Keeps its memory when it shrinks.
@@ -29,7 +29,7 @@ public:
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] float* data() { return elements_.data(); }
     [[nodiscard]] const float* data() const { return elements_.data(); }
-    /// All of them, those of no sample too.
+    /// All elements, including lanes without a sample.
     [[nodiscard]] std::span<const float> elements() const { return elements_; }
     [[nodiscard]] float operator()(std::size_t sample, std::size_t element) const {
         return elements_[(sample / lanes * size_ + element) * lanes + sample % lanes];
@@ -45,15 +45,14 @@ private:
     aligned_vector<float> elements_;
 };
 
-/// The batch in front of a network: images of counts, each as (count − mean) × scale. Features have no mean
-/// and a scale of 1: they are what they are.
+/// The input batch of a network: images of counts as (count − mean) × scale. Features keep a mean of zero and
+/// a scale of 1.
 class input_batch {
 public:
-    /// Images of `size` pixels, made on `threads`. Until told otherwise nothing is subtracted, and the scale
-    /// is 1.
+    /// `size` is the number of pixels. The mean is zero and the scale 1 until set.
     input_batch(std::size_t size, thread_pool& threads) : threads_(threads), mean_(size), samples_(size) {}
 
-    /// Subtracts the mean of the chosen images, one or more; summed in integers, so that no rounding adds up.
+    /// Subtracts the mean of the chosen images, one or more, summed in integers without rounding errors.
     void subtract_mean(std::span<const std::uint8_t> pixels, std::span<const std::size_t> chosen) {
         for (std::size_t e = 0; e < mean_.size(); ++e) {
             std::uint64_t sum = 0;
@@ -66,7 +65,7 @@ public:
     [[nodiscard]] std::span<const float> mean() const { return mean_; }
     [[nodiscard]] float scale() const { return scale_; }
 
-    /// `count` images; make(i, counts) writes the counts of image i, on any thread.
+    /// Fills the batch: make(i, counts) writes the counts of image i, on any thread.
     template <class Make>
     void fill(std::size_t count, const Make& make) {
         samples_.resize(count);

@@ -12,25 +12,26 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Shares of each class: the paper's 32, 8 and 10 of 50. The rest of the rounding goes to training.
+/// Shares of each class, by default the paper's 32, 8 and 10 of 50. Remainders of the rounding go to
+/// training.
 struct split_shares {
     double validation = 8.0 / 50;
     double test = 10.0 / 50;
 };
 
-/// Which images are for what.
+/// The indices of the images for each purpose.
 struct data_split {
     std::vector<std::size_t> training, validation, test;
 };
 
 enum class split_rule {
     random, ///< any image may go anywhere
-    blocked ///< images that follow each other in a class stay together, since neighbours are near-duplicates
+    blocked ///< consecutive images of a class stay together, since neighbours are near-duplicates
 };
 
-/// Divides every class alike. `labels` are in the order of recording within each class. Blocked: around the
-/// circle of a class's images, the test block, then the validation block, the rest for training; where it
-/// starts is drawn. Every part holds at least one image of each class that has three or more.
+/// Splits each class by the same shares. `labels` are in the order of recording within each class. A blocked
+/// split goes around the circle of a class's images from a random start: the test block, the validation
+/// block, then training. Every part holds at least one image of each class that has three or more.
 [[nodiscard]] inline data_split split_data(std::span<const std::size_t> labels, std::size_t classes,
                                            split_rule rule, std::uint64_t seed, split_shares shares = {}) {
     data_split result;

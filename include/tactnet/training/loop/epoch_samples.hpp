@@ -17,12 +17,11 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What each epoch of a training shows: which samples, in what order and batches, and how images are varied.
-/// All of it is a function of (seed, epoch, sample), so that any of it can be made again.
+/// The samples of each epoch of a training: their order, their batches and the augmentation of images, all
+/// functions of (seed, epoch, sample).
 class epoch_samples {
 public:
-    /// `chosen` must name samples of those that the network takes, whose numbers must outlive this. Features
-    /// are not varied.
+    /// `chosen` are indices of samples, whose values must outlive this. Features are not augmented.
     epoch_samples(const recipe& how, const trainable& network, const labelled_samples& samples,
                   std::vector<std::size_t> chosen, std::uint64_t seed, thread_pool& threads)
         : transform_(network.image_transformer()),
@@ -46,7 +45,7 @@ public:
         });
     }
 
-    /// Samples of an epoch. Each has a place, whatever their order.
+    /// Samples of an epoch. Each has a place, independent of the order.
     [[nodiscard]] std::size_t size() const { return chosen_.size() * copies(); }
     [[nodiscard]] std::size_t steps() const { return detail::ceil_div(size(), batch_); }
 
@@ -58,8 +57,7 @@ public:
             random_stream(seed_, random_purposes::order, static_cast<std::uint32_t>(epoch)).shuffle(places);
         return places;
     }
-    /// One step's part of them. Batches of equal size, so that none is left with a handful of images for its
-    /// batch norms.
+    /// The places of one step. Batches have equal sizes, so that batch norms see no small rest.
     [[nodiscard]] std::span<const std::size_t> batch(std::size_t step,
                                                      std::span<const std::size_t> order) const {
         const std::size_t first = order.size() * step / steps(), last = order.size() * (step + 1) / steps();
@@ -67,7 +65,7 @@ public:
     }
 
     [[nodiscard]] std::size_t label(std::size_t place) const { return samples_.label(sample_at(place)); }
-    /// The sample at a place, varied as it is in that epoch: counts, or features.
+    /// Writes the sample at a place as augmented in that epoch: counts, or features.
     void make(std::size_t place, std::size_t epoch, std::span<float> to) const {
         if (rule_ == augmentation_rule::sixfold) {
             std::copy_n(sixfold_.data() + place * numbers_, numbers_, to.data());
@@ -99,7 +97,7 @@ private:
     augmentation_rule rule_;
     augmentation_ranges ranges_;
     labelled_samples samples_;
-    images_as_taken taken_; ///< none where the recipe does not vary them
+    images_as_taken taken_; ///< empty if the recipe does not vary them
     std::vector<std::size_t> chosen_;
     std::uint64_t seed_;
     std::size_t batch_;

@@ -23,7 +23,7 @@ struct epoch_report {
     double validation_accuracy = std::numeric_limits<double>::quiet_NaN(); ///< NaN where none was due
 };
 
-/// How far a training has come, beside the arrays of its network: as plain numbers it goes into a file.
+/// The state of a training besides the arrays of its network. Files store it as numbers.
 struct training_progress {
     std::uint64_t steps = 0;
     // Of validations; infinite before the first.
@@ -33,9 +33,8 @@ struct training_progress {
     bool stopped = false;
     std::vector<epoch_report> history;
 
-    /// Takes in a validation loss; whether the network is now the best so far. Losses are smoothed, for a few
-    /// images tell good from better only by luck: one lucky epoch long before the end would otherwise be
-    /// kept.
+    /// Adds a validation loss; returns whether the network is the best so far. Losses are smoothed, since
+    /// over few images one lucky epoch long before the end would otherwise be kept.
     bool validated(double loss) {
         smoothed_loss = std::isfinite(smoothed_loss) ? 0.8 * smoothed_loss + 0.2 * loss : loss;
         if (!(smoothed_loss <= best_loss))
@@ -52,8 +51,8 @@ struct training_progress {
         return n;
     }
 
-    /// From `numbers`. Throws std::invalid_argument for those that no training of at most `most_epochs` with
-    /// so many steps in each can have.
+    /// Restores the result of `numbers`. Throws std::invalid_argument if no training of at most `most_epochs`
+    /// with so many steps in each can have it.
     [[nodiscard]] static training_progress from(std::span<const double> n, std::size_t most_epochs,
                                                 std::size_t steps_per_epoch) {
         if (n.size() < 6 || (n.size() - 6) % 4 != 0)
@@ -97,7 +96,7 @@ struct training_progress {
     }
 };
 
-/// The loss is no longer a finite number.
+/// Thrown when a loss, a parameter or the square of a gradient is not finite.
 struct training_diverged : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -117,15 +116,15 @@ inline void check_loss(double loss, const epoch_report& report, const std::strin
         diverged(report, where, "a finite loss", loss);
 }
 
-/// The loss of a step tells of the steps before it, and nothing of its own.
+/// Checks the result of the last step, which no loss shows.
 inline void check_parameters(std::span<const float> values, const epoch_report& report) {
     for (const float value : values)
         if (!std::isfinite(value))
             diverged(report, "last step", "finite parameters", static_cast<double>(value));
 }
 
-/// A gradient whose square leaves single precision makes an optimiser's second moment infinite, for good: the
-/// number would never move again, and look as good as any other.
+/// A gradient whose square overflows single precision makes a second moment of the optimiser infinite for
+/// good: that parameter would never change again.
 inline void check_squares(std::span<const float> second_moments, const epoch_report& report) {
     for (const float moment : second_moments)
         if (!std::isfinite(moment))

@@ -12,12 +12,12 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// For sharpness-aware minimisation (Foret et al., 2021): the network goes up the slope, the gradient is
-/// taken there, and the network comes back to take its step. Where the loss is low all around, that gradient
-/// is small; so wide valleys are found, and what is learnt in them holds for other images too.
+/// The perturbation of sharpness-aware minimisation (Foret et al., 2021): parameters move along their
+/// gradient, the gradient for the step is taken there, and the parameters move back. That gradient is small
+/// if the loss is low all around, so training finds wide minima, which generalise better.
 class sam_perturbation {
 public:
-    /// Moves the parameters by `radius` in the direction of their gradient. One of zero moves nothing.
+    /// Moves the parameters by `radius` in the direction of their gradient. A zero gradient moves nothing.
     void climb(trainable& network, std::span<const float> gradients, double radius) {
         const std::span<float> values = network.learnable_values();
         const std::span<const float> statistics = network.running_statistics();
@@ -32,7 +32,7 @@ public:
         for (std::size_t i = 0; i < values.size(); ++i)
             values[i] += step * gradients[i];
     }
-    /// Back, also to the statistics of before: those of the images count once.
+    /// Restores parameters and statistics, so that each image counts once in the statistics.
     void come_back(trainable& network) const { network.take(values_, statistics_); }
 
 private:

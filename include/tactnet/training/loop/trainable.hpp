@@ -18,16 +18,16 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A network as a training sees it, whatever its type: arrays and a handful of calls. What is written over
-/// this is compiled once for all networks. See trainable_network.hpp.
+/// The interface of a network of any type for training: its arrays and a few calls. Code that uses it
+/// compiles once for all networks. trainable_network implements it.
 class trainable {
 public:
-    /// Memory on a batch's way, which only the network that made it understands.
+    /// Memory for a batch, of the network that made it.
     class workspace {
     public:
         virtual ~workspace() = default;
     };
-    /// Writes what an image of counts looks like after a transformation.
+    /// Writes a transformed image of counts.
     using transformer = void (*)(const image_transform&, const std::uint8_t* from, float* to);
 
     virtual ~trainable() = default;
@@ -37,7 +37,7 @@ public:
     [[nodiscard]] virtual std::size_t outputs() const = 0;
     [[nodiscard]] virtual bool takes_counts() const = 0;
     [[nodiscard]] virtual transformer image_transformer() const = 0;
-    /// As basic_network has them.
+    /// The arrays, as in basic_network.
     [[nodiscard]] virtual std::vector<parameter> describe() const = 0;
     [[nodiscard]] virtual std::span<float> learnable_values() = 0;
     [[nodiscard]] virtual std::span<float> running_statistics() = 0;
@@ -56,7 +56,7 @@ public:
     virtual void logits(thread_pool& threads, workspace& space, const sample_batch& in,
                         sample_batch& out) const = 0;
 
-    /// Takes the arrays of a network of the same type. Throws std::invalid_argument for arrays of other
+    /// Copies the arrays of a network of the same type. Throws std::invalid_argument for arrays of other
     /// sizes.
     void take(std::span<const float> values, std::span<const float> statistics) {
         if (values.size() != learnable_values().size() || statistics.size() != running_statistics().size())
@@ -67,7 +67,7 @@ public:
         std::copy(values.begin(), values.end(), learnable_values().begin());
         std::copy(statistics.begin(), statistics.end(), running_statistics().begin());
     }
-    /// Those of one array of `describe`.
+    /// The values of one array of `describe`.
     [[nodiscard]] std::span<float> values_of(const parameter& p) {
         return (learnable(p.what) ? learnable_values() : running_statistics()).subspan(p.offset, p.size);
     }
@@ -79,8 +79,8 @@ protected:
     trainable& operator=(const trainable&) = default;
 };
 
-/// As for a network whose type is known: inputs are (number − mean) × scale, with a mean for each number of a
-/// sample.
+/// Evaluates a network of any type, as the overload for a known type does. Inputs are (value − mean) × scale,
+/// with a mean for each value of a sample.
 [[nodiscard]] inline evaluation evaluate(const trainable& network, std::span<const float> mean, float scale,
                                          const labelled_samples& samples, std::span<const std::size_t> chosen,
                                          thread_pool& threads,

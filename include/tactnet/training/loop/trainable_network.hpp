@@ -13,7 +13,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A network behind the interface of `trainable`: all that is compiled anew for each network.
+/// A network behind the interface of `trainable`: the only part that compiles anew for each network.
 template <class Network>
 class trainable_network final : public trainable {
     static constexpr shape input = Network::input_shape;
