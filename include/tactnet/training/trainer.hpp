@@ -39,26 +39,20 @@ public:
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
     [[nodiscard]] const data_split& split() const { return loop_.split(); }
 
-    /// Starts from the parameters and statistics of another network, for example one trained on simulated
-    /// images, in place of random ones. Throws std::logic_error after the first epoch.
+    /// As training_loop::start_from.
     void start_from(const Network& other) {
         loop_.start_from(other.learnable_values(), other.running_statistics(), other.momentum);
     }
 
-    /// Trains for one epoch, and validates when due. Throws training_diverged if a loss, a parameter or the
-    /// square of a gradient is not finite. `latest` and `best` are then as before the epoch, and the training
-    /// cannot continue.
+    /// As training_loop::run_epoch: throws training_diverged.
     const epoch_report& run_epoch() { return loop_.run_epoch(); }
 
-    /// Calls visit(name, span of float) for each array that a resumed training needs. To resume, write to
-    /// them, then call `restore`.
+    // To resume a training, as in training_loop.
     template <class Visit>
     void for_each_state(Visit&& visit) {
         loop_.for_each_state(std::forward<Visit>(visit));
     }
-    /// The numbers besides the arrays.
     [[nodiscard]] std::vector<double> progress() const { return loop_.progress(); }
-    /// Throws std::invalid_argument, and changes nothing, if no training with this recipe has these numbers.
     void restore(std::span<const double> numbers) { loop_.restore(numbers); }
 
 private:
