@@ -14,7 +14,6 @@ inline namespace TACTNET_ARCH {
 /// one.
 template <activation_function Function>
 struct activation {
-    using function = Function; ///< for deployment
     static constexpr std::string_view name = Function::name;
     static constexpr bool numbered = true;
 
@@ -39,7 +38,6 @@ struct activation {
 
 /// Rectified linear unit: max(x, 0). In place.
 struct relu {
-    using function = relu_function; ///< for deployment
     static constexpr std::string_view name = "relu";
     static constexpr bool numbered = true;
 

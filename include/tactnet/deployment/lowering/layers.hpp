@@ -77,15 +77,18 @@ struct lowering<batch_norm> {
     using at = lowered_norm<Place>;
 };
 
-/// A layer that names its activation function.
-template <class Spec>
-    requires activation_function<typename Spec::function>
-struct lowering<Spec> {
-    static constexpr bool rectifies = detail::clamps_below_zero<typename Spec::function>;
+/// The lowering of an activation function.
+template <class Function>
+struct activation_lowering {
+    static constexpr bool rectifies = detail::clamps_below_zero<Function>;
     template <class Place>
-    using at = lowered_to<activation_step<typename Place::format, typename Spec::function,
-                                          Place::layer::output, Place::input_stride>>;
+    using at = lowered_to<
+        activation_step<typename Place::format, Function, Place::layer::output, Place::input_stride>>;
 };
+template <class Function>
+struct lowering<activation<Function>> : activation_lowering<Function> {};
+template <>
+struct lowering<relu> : activation_lowering<relu_function> {};
 
 template <class Offset>
 struct lowering<square_root<Offset>> {
