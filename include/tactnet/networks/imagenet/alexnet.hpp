@@ -13,7 +13,7 @@ inline namespace TACTNET_ARCH {
 
 /// The convolutions of the original: the second, the fourth and the fifth in two groups, and local response
 /// normalisation between the first two and their pools, with the constants of Caffe and MATLAB (k = 1; the
-/// paper's text has 2). Names are theirs, too.
+/// paper's text has 2) and their names.
 using alexnet_original_features =
     unnamed<named<"conv1", conv2d<96, 11, 4, padding::valid>>, relu, local_response_norm<>,
             max_pool<3, 2, padding::valid>,                                                       //
@@ -24,7 +24,7 @@ using alexnet_original_features =
             named<"conv5", conv2d<256, 3, 1, pad(1), in_groups(2)>>, relu, max_pool<3, 2, padding::valid>>;
 
 /// The original, by convention at 227 × 227: 60 965 224 parameters there. `Hidden` is the width of the two
-/// dense layers in front of the last.
+/// dense layers before the last.
 template <shape Input, std::size_t Classes = 1000, std::size_t Hidden = 4096>
 using alexnet_original = network<Input, alexnet_original_features,               //
                                  named<"fc6", dense<Hidden>>, relu, dropout<50>, //
@@ -46,8 +46,8 @@ using alexnet = network<Input, alexnet_features, named<"avgpool", adaptive_avera
                         named<"classifier", sequential<dropout<50>, dense<Hidden>, relu, dropout<50>,
                                                        dense<Hidden>, relu, dense<Classes>>>>;
 
-/// Its features for what is trained on top of them: the values of the second dense layer, in front of its
-/// ReLU, which the paper's authors know as fc7.
+/// Its features, for layers that are trained on top of them: the values of the second dense layer before its
+/// ReLU, known as fc7.
 template <shape Input, std::size_t Hidden = 4096>
 using alexnet_fc7 =
     network<Input, alexnet_features, named<"avgpool", adaptive_average_pool<6>>,

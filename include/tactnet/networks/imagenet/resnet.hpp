@@ -8,17 +8,18 @@
 #include <utility>
 
 // Residual networks (He, Zhang, Ren, Sun, "Deep residual learning for image recognition", 2016, table 1), for
-// images of three channels, by convention 224 × 224. As torchvision has them: the stride of a bottleneck is
-// that of its 3 × 3 convolution (version 1.5), and its names.
+// images of three channels, by convention 224 × 224. As in torchvision, the 3 × 3 convolution of a bottleneck
+// has its stride (version 1.5), and arrays have torchvision's names.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A convolution with padding that keeps the map, less its stride. The batch norm behind it has the bias.
+/// A convolution with padding that keeps the size of the map at stride 1. The batch norm after it has the
+/// bias.
 template <std::size_t Filters, std::size_t Kernel, std::size_t Stride>
 using resnet_convolution = conv2d<Filters, Kernel, Stride, pad(Kernel / 2), without_bias>;
 
-/// What brings the input of a block to its output's size, where these differ.
+/// The projection of a block whose input and output differ in size.
 template <std::size_t Filters, std::size_t Stride>
 using resnet_downsample = named<"downsample", sequential<resnet_convolution<Filters, 1, Stride>, batch_norm>>;
 
@@ -44,7 +45,7 @@ using bottleneck = sequence<
 
 namespace detail {
 
-/// One block, then others like each other.
+/// A first block, then equal ones.
 template <class First, class Other, class Indices>
 struct resnet_stage;
 template <class First, class Other, std::size_t... I>
@@ -54,12 +55,12 @@ struct resnet_stage<First, Other, std::index_sequence<I...>> {
 
 } // namespace detail
 
-/// Blocks of one size.
+/// The blocks of a stage.
 template <class First, class Other, std::size_t Blocks>
     requires(Blocks > 0)
 using resnet_stage = typename detail::resnet_stage<First, Other, std::make_index_sequence<Blocks - 1>>::type;
 
-/// From the image to the first stage.
+/// The layers before the first stage.
 using resnet_stem = unnamed<named<"conv1", resnet_convolution<64, 7, 2>>, named<"bn1", batch_norm>, relu,
                             max_pool<3, 2, pad(1)>>;
 
@@ -80,7 +81,7 @@ using resnet_bottleneck_features =
             named<"layer3", resnet_stage<bottleneck<256, 2, true>, bottleneck<256, 1, false>, C>>, //
             named<"layer4", resnet_stage<bottleneck<512, 2, true>, bottleneck<512, 1, false>, D>>>;
 
-/// The mean of each channel of some features, and a dense layer.
+/// Features, the mean of each channel, and a dense layer.
 template <shape Input, class Features, std::size_t Classes>
 using resnet = network<Input, Features, named<"avgpool", global_average_pool>, named<"fc", dense<Classes>>>;
 

@@ -6,8 +6,8 @@
 #include <cstddef>
 
 // SqueezeNet (Iandola et al., "SqueezeNet: AlexNet-level accuracy with 50x fewer parameters", 2016), for
-// images of three channels, by convention 227 × 227 or 224 × 224; any size will do whose maps hold the pools'
-// windows. Arrays go by torchvision's names.
+// images of three channels, by convention 227 × 227 or 224 × 224, and any other size whose maps hold the
+// windows of the pools. Arrays have torchvision's names.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -18,14 +18,14 @@ using fire = sequence<named<"squeeze", conv2d<Squeeze, 1>>, relu,
                       named<"", concatenation<unnamed<named<"expand1x1", conv2d<Expand, 1>>, relu>,
                                               unnamed<named<"expand3x3", conv2d<Expand, 3>>, relu>>>>;
 
-/// What images become in version 1.1, which costs 2.4 times less than 1.0 and errs no more: 512 channels.
+/// The features of version 1.1, 512 channels. It costs 2.4 times less than 1.0 at the same accuracy.
 using squeezenet1_1_features =
     named<"features", sequential<conv2d<64, 3, 2, padding::valid>, relu, max_pool<3, 2, ceil_mode()>, //
                                  fire<16, 64>, fire<16, 64>, max_pool<3, 2, ceil_mode()>,             //
                                  fire<32, 128>, fire<32, 128>, max_pool<3, 2, ceil_mode()>,           //
                                  fire<48, 192>, fire<48, 192>, fire<64, 256>, fire<64, 256>>>;
 
-/// Version 1.0, that of the paper.
+/// The features of version 1.0, of the paper.
 using squeezenet1_0_features =
     named<"features", sequential<conv2d<96, 7, 2, padding::valid>, relu, max_pool<3, 2, ceil_mode()>, //
                                  fire<16, 64>, fire<16, 64>, fire<32, 128>,                           //
@@ -33,13 +33,13 @@ using squeezenet1_0_features =
                                  fire<32, 128>, fire<48, 192>, fire<48, 192>, fire<64, 256>,          //
                                  max_pool<3, 2, ceil_mode()>, fire<64, 256>>>;
 
-/// The last convolution has a filter for each class; its maps are averaged. The ReLU in front of the mean is
-/// the authors' and torchvision's.
+/// The last convolution has a filter for each class; its maps are averaged. The authors and torchvision have
+/// the ReLU before the mean.
 template <std::size_t Classes>
 using squeezenet_classifier =
     named<"classifier", sequential<dropout<50>, conv2d<Classes, 1>, relu, global_average_pool>>;
 
-/// Only the features, for what is trained on top of them.
+/// The features alone, for layers that are trained on top of them.
 template <shape Input>
 using squeezenet1_1_trunk = network<Input, squeezenet1_1_features>;
 template <shape Input>
