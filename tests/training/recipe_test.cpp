@@ -52,8 +52,8 @@ TEST_CASE("recipe::fine_tuning: the published one on reflected images, with one 
                          std::invalid_argument);
 }
 
-TEST_CASE("recipe::thorough: the same with three times as many epochs, erased parts and gradients from "
-          "uphill; the last is kept") {
+TEST_CASE("recipe::thorough: the same with three times as many epochs, erased parts and "
+          "sharpness-aware gradients; the last is kept") {
     recipe expected = recipe::default_for(14, 25);
     const recipe found = expected.thorough();
     CHECK(found.name == "thorough");
