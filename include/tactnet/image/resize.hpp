@@ -100,6 +100,7 @@ template <shape From, shape To, class Kernel = keys_cubic<>>
 void resize(tensor_view<const float, From> from, tensor_view<float, To> to) {
     detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());
 }
+/// Resizes an image of 8-bit counts.
 template <shape From, shape To, class Kernel = keys_cubic<>>
 void resize(tensor_view<const std::uint8_t, From> from, tensor_view<float, To> to) {
     detail::resize_plan<Kernel, From, To>::run_channels(from.data(), to.data());

@@ -15,6 +15,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// How values between tactels are interpolated.
 enum class interpolation_mode {
     bilinear,
     bicubic ///< Keys' cubic with a = −½

@@ -66,6 +66,7 @@ template <class Network>
     });
     return network;
 }
+/// Reads the file and deploys its network.
 template <class Network>
 [[nodiscard]] [[gnu::cold]] deployed<Network> load_deployed(const std::filesystem::path& path,
                                                             std::optional<double> epsilon = std::nullopt) {
@@ -91,6 +92,7 @@ template <class Network, class Format>
     network.set_classes(std::move(stored.classes));
     return network;
 }
+/// Reads the file of a network in 8 bits.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] [[gnu::cold]] deployed<Network, eight_bit> load_deployed(const std::filesystem::path& path) {

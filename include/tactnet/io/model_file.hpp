@@ -203,6 +203,7 @@ template <class Network>
                    [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
     return m;
 }
+/// Reads the model from a file.
 template <class Network>
 [[nodiscard]] [[gnu::cold]] model<Network> load_model(const std::filesystem::path& path,
                                                       std::optional<double> epsilon = std::nullopt) {
@@ -258,6 +259,7 @@ template <class Network>
     add_model(writer, m, selftest, logits);
     writer.write(path);
 }
+/// Writes the model to a file.
 template <class Network>
 [[gnu::cold]] void save_model(const std::filesystem::path& path, const model<Network>& m,
                               file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {

@@ -69,6 +69,7 @@ void load_pretrained(Network& network, safetensors_source& file, std::span<const
         }
     });
 }
+/// Reads the weights from a file.
 template <class Network>
 void load_pretrained(Network& network, const std::filesystem::path& path,
                      std::span<const std::string> unread = {}) {

@@ -54,6 +54,7 @@ template <class Parameter>
 [[nodiscard]] stored_arrays stored_arrays_of(const std::vector<Parameter>& parameters, std::size_t outputs) {
     return {{parameters.begin(), parameters.end()}, outputs};
 }
+/// The arrays of a type of network.
 template <class Network>
 [[nodiscard]] stored_arrays stored_arrays_of() {
     return stored_arrays_of(Network::describe(), Network::outputs);

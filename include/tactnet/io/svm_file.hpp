@@ -146,6 +146,7 @@ void add_machine(safetensors_writer& writer, const kernel_machine<Kernel, Featur
         writer.add("sigmoids", {parts.sigmoids.size(), 2}, std::span<const double>(sigmoids));
     detail::add_standardisation(writer, parts.standardise);
 }
+/// Adds a linear machine.
 template <std::size_t Features>
 void add_machine(safetensors_writer& writer, const linear_machine<Features>& machine) {
     const linear_machine_parameters& parts = machine.parameters();
@@ -204,6 +205,7 @@ template <svm_kernel Kernel, std::size_t Features = dynamic_features>
     parts.standardise = detail::stored_standardisation(file, parts.features);
     return detail::machine_of<kernel_machine<Kernel, Features>>(file, std::move(parts), Features);
 }
+/// Reads a kernel machine from a file.
 template <svm_kernel Kernel, std::size_t Features = dynamic_features>
 [[nodiscard]] kernel_machine<Kernel, Features> load_kernel_machine(const std::filesystem::path& path) {
     return load_kernel_machine<Kernel, Features>(safetensors::read(path));
@@ -222,6 +224,7 @@ template <std::size_t Features = dynamic_features>
     parts.standardise = detail::stored_standardisation(file, parts.features);
     return detail::machine_of<linear_machine<Features>>(file, std::move(parts), Features);
 }
+/// Reads a linear machine from a file.
 template <std::size_t Features = dynamic_features>
 [[nodiscard]] linear_machine<Features> load_linear_machine(const std::filesystem::path& path) {
     return load_linear_machine<Features>(safetensors::read(path));

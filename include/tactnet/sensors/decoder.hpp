@@ -29,6 +29,7 @@ inline constexpr std::size_t largest_header_bytes = std::size_t{1} << 18;
 /// The largest number of lines of a text header, all of which are kept.
 inline constexpr std::size_t largest_header_lines = std::size_t{1} << 13;
 
+/// The status of a decoder after some bytes.
 enum class decode_status : std::uint8_t {
     reading,  ///< all bytes are taken, more may follow
     finished, ///< the source is complete

@@ -24,6 +24,7 @@ struct search_grid {
 };
 
 template <svm_kernel Kernel>
+/// The outcome of a grid search.
 struct grid_search_result {
     /// Share of samples recognised by machines that have not seen them: a row for each kernel, in it one
     /// value for each cost.

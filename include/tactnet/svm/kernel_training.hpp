@@ -18,6 +18,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 template <svm_kernel Kernel>
+/// Options of train_kernel_machine.
 struct kernel_training_options {
     Kernel kernel{};
     double cost = 1; ///< C, of an error on one sample
@@ -35,6 +36,7 @@ struct kernel_training_options {
 };
 
 template <svm_kernel Kernel, std::size_t Features>
+/// A trained kernel machine and the outcome of its solvers.
 struct kernel_training_result {
     kernel_machine<Kernel, Features> machine;
     std::vector<solver_report> reports; ///< of each machine

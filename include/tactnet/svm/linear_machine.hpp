@@ -116,6 +116,7 @@ private:
     kernels::packed_rows packed_;
 };
 
+/// Options of train_linear_machine.
 struct linear_training_options {
     double cost = 1; ///< C, of an error on one sample
     std::vector<class_weight> class_weights{};
@@ -124,6 +125,7 @@ struct linear_training_options {
     descent_options solver{};
 };
 
+/// A trained linear machine and the outcome of its solvers.
 template <std::size_t Features>
 struct linear_training_result {
     linear_machine<Features> machine;

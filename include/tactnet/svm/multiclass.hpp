@@ -71,6 +71,7 @@ struct class_members {
             pairs.emplace_back(a, b);
     return pairs;
 }
+/// The number of machines of two classes that decide between so many classes.
 [[nodiscard]] constexpr std::size_t machine_count(std::size_t classes, multiclass scheme) {
     return scheme == multiclass::one_versus_one ? classes * (classes - 1) / 2 : classes;
 }

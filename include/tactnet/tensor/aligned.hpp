@@ -62,6 +62,7 @@ private:
     }
 };
 
+/// A vector whose memory is aligned to cache lines.
 template <class T>
 using aligned_vector = std::vector<T, aligned_allocator<T>>;
 

@@ -59,6 +59,7 @@ inline constexpr padding padding::valid{padding::rule::given};
 [[nodiscard]] constexpr padding pad(std::size_t all) {
     return {padding::rule::given, all, all, all, all};
 }
+/// Explicit zeros on each side.
 [[nodiscard]] constexpr padding pad(std::size_t top, std::size_t bottom, std::size_t left,
                                     std::size_t right) {
     return {padding::rule::given, top, bottom, left, right};

@@ -23,6 +23,7 @@ struct fixed_normal {
 /// Weights from N(0, 2 / inputs of one output) (He, Zhang, Ren, Sun, 2015).
 struct he_normal {};
 
+/// A rule for the initial weights.
 using initialisation = std::variant<fixed_normal, he_normal>;
 
 namespace detail {

@@ -33,6 +33,7 @@ struct adamw {
     double epsilon = 1e-8;
 };
 
+/// A rule for the update of parameters.
 using optimiser = std::variant<sgd, adamw>;
 
 /// The state of an optimiser.
@@ -108,6 +109,7 @@ void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::spa
     }
 }
 
+/// One step of AdamW.
 template <class T>
 void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::span<T> values,
                std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {
@@ -135,6 +137,7 @@ void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::s
     }
 }
 
+/// One step of the chosen rule.
 template <class T>
 void take_step(const optimiser& rule, optimiser_state<T>& state, double rate, std::span<T> values,
                std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {

@@ -25,14 +25,18 @@ struct one_cycle {
     double warm_up = 0.25;
 };
 
+/// A learning-rate schedule.
 using schedule = std::variant<constant_rate, step_drop, one_cycle>;
 
+/// The learning rate of a constant schedule.
 [[nodiscard]] inline double rate_at(const constant_rate&, double rate, double, double) {
     return rate;
 }
+/// The learning rate after the drops so far.
 [[nodiscard]] inline double rate_at(const step_drop& rule, double rate, double epoch, double) {
     return rate * std::pow(rule.factor, std::floor(epoch / rule.period));
 }
+/// The learning rate within one cycle.
 [[nodiscard]] inline double rate_at(const one_cycle& rule, double rate, double epoch, double epochs) {
     constexpr double start = 1.0 / 25, finish = 1e-6;
     const auto cosine = [](double from, double to, double share) {

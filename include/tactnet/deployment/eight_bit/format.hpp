@@ -30,6 +30,7 @@ struct eight_bit_between {
     /// Declares the steps in this format, for exported headers.
     static constexpr const char* steps_header = "tactnet/deployment/eight_bit/steps.hpp";
 };
+/// The number format of 8 bits: bytes between layers, floats at the outputs.
 using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;
 
 /// The range of a map: a byte stands for (byte − zero) × scale. The zero is an integer 0 … 255.

@@ -197,8 +197,8 @@ private:
 
     private:
         [[gnu::cold, gnu::noinline]] void append_text(const std::string& text) {
-            type += (first ? "<" : ", ") + text;
-            first = false;
+            type += (first_ ? "<" : ", ") + text;
+            first_ = false;
         }
         template <class Value>
         [[gnu::cold]] void append(const Value& value) {
@@ -229,7 +229,7 @@ private:
                 append_text(name);
         }
 
-        bool first = true;
+        bool first_ = true;
     };
     [[gnu::cold, gnu::noinline]] std::string defined(const spelling& spelled, const shape& input,
                                                      const shape& output) {

@@ -142,6 +142,7 @@ struct lowering<max_pool<Window, Stride, Padding>> {
     using at = lowered_to<pool_step<typename Place::format, Place::layer::window, Place::input_stride>>;
 };
 
+/// The lowering of average pools.
 template <class Place>
 struct lowered_average_pool
     : lowered_to<average_pool_step<typename Place::format, Place::layer::windows,
@@ -160,6 +161,7 @@ struct lowering<adaptive_average_pool<Output>> {
     using at = lowered_average_pool<Place>;
 };
 
+/// The lowering of a fully connected layer.
 template <class Place>
 struct lowered_dense {
     using layer = typename Place::layer;

@@ -58,6 +58,7 @@ inline bool natural_less(std::string_view a, std::string_view b) noexcept {
 
 /// The content of a folder of images: names only, no file has been opened.
 struct image_folder {
+    /// An image file and its class.
     struct file {
         std::filesystem::path path;
         /// Index into `classes`.

@@ -18,6 +18,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// The type of the elements of a stored array, by the names of safetensors.
 enum class element_type {
     boolean,
     uint8,

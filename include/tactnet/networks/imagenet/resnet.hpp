@@ -85,10 +85,13 @@ using resnet_bottleneck_features =
 template <shape Input, class Features, std::size_t Classes>
 using resnet = network<Input, Features, named<"avgpool", global_average_pool>, named<"fc", dense<Classes>>>;
 
+/// ResNet-18.
 template <shape Input, std::size_t Classes = 1000>
 using resnet18 = resnet<Input, resnet_basic_features<2, 2, 2, 2>, Classes>;
+/// ResNet-34.
 template <shape Input, std::size_t Classes = 1000>
 using resnet34 = resnet<Input, resnet_basic_features<3, 4, 6, 3>, Classes>;
+/// ResNet-50.
 template <shape Input, std::size_t Classes = 1000>
 using resnet50 = resnet<Input, resnet_bottleneck_features<3, 4, 6, 3>, Classes>;
 

@@ -42,11 +42,14 @@ using squeezenet_classifier =
 /// The features alone, for layers that are trained on top of them.
 template <shape Input>
 using squeezenet1_1_trunk = network<Input, squeezenet1_1_features>;
+/// The layers of SqueezeNet 1.0 before its classifier.
 template <shape Input>
 using squeezenet1_0_trunk = network<Input, squeezenet1_0_features>;
 
+/// SqueezeNet 1.1.
 template <shape Input, std::size_t Classes = 1000>
 using squeezenet1_1 = network<Input, squeezenet1_1_features, squeezenet_classifier<Classes>>;
+/// SqueezeNet 1.0.
 template <shape Input, std::size_t Classes = 1000>
 using squeezenet1_0 = network<Input, squeezenet1_0_features, squeezenet_classifier<Classes>>;
 

@@ -11,8 +11,10 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// A convolution of VGG16.
 template <std::size_t Filters>
 using vgg_convolution = conv2d<Filters, 3, 1, pad(1)>;
+/// A pool of VGG16.
 using vgg_pool = max_pool<2, 2, padding::valid>;
 
 /// The convolutions: 512 channels.

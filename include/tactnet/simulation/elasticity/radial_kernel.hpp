@@ -41,6 +41,7 @@ namespace simulation {
 struct gauss_point {
     double place, weight;
 };
+/// The four points of a Gauss-Legendre rule.
 inline constexpr std::array<gauss_point, 4> four_points{{{-0.861136311594052575, 0.347854845137453857},
                                                          {-0.339981043584856265, 0.652145154862546143},
                                                          {0.339981043584856265, 0.652145154862546143},

@@ -17,7 +17,9 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
+/// One millimetre in metres.
 inline constexpr double mm = 1e-3;
+/// One degree in radians.
 inline constexpr double degrees = std::numbers::pi / 180;
 
 /// The range of random poses: around a place, with any angle of a range.

@@ -23,6 +23,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// The loss of a linear machine.
 enum class linear_loss {
     hinge,        ///< max(0, 1 − y f(x))
     squared_hinge ///< its square
@@ -54,6 +55,7 @@ private:
     std::vector<double> norms_;
 };
 
+/// Options of coordinate descent.
 struct descent_options {
     linear_loss loss = linear_loss::squared_hinge;
     /// Largest difference of projected gradients. LIBLINEAR's is 0.1, ten times as much, where 0.7 % of the
@@ -63,6 +65,7 @@ struct descent_options {
     std::uint64_t seed = 1;             ///< of the order of the samples
 };
 
+/// Weights, offset and outcome of coordinate descent.
 struct descent_solution {
     std::vector<double> weights;      ///< of the features, and of the constant one
     std::vector<double> coefficients; ///< α of each sample

@@ -22,6 +22,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+/// Options of the solver.
 struct solver_options {
     double tolerance = 1e-3;         ///< largest violation of the optimality conditions
     std::size_t iteration_limit = 0; ///< 0: ten million, or 100 a sample where that is more

@@ -24,6 +24,7 @@ struct data_split {
     std::vector<std::size_t> training, validation, test;
 };
 
+/// How samples are divided into sets.
 enum class split_rule {
     random, ///< any image may go anywhere
     blocked ///< consecutive images of a class stay together, since neighbours are near-duplicates
