@@ -12,11 +12,10 @@
 // they compute one lane block:
 //   run(packed, bias, input, output, workspace)
 // and a weight gradient, instead of `pack` and `run`, has
-//   pieces                                                 of work that different threads may compute
-//   totals                                                 number of sums, in double, which begin as zeros
-//   add(input, gradient, sums, workspace, begin, end)      the gradient of one lane block, for pieces [begin,
-//   end) finish(sums, gradients)                                gradients[filter][channel][row][column] from
-//   the sums
+//   pieces    of work that different threads may compute
+//   totals    number of sums, in double, which begin as zeros
+//   add       (input, gradient, sums, workspace, begin, end): adds one lane block, for pieces [begin, end)
+//   finish    (sums, gradients): writes gradients[filter][channel][row][column] from the sums
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
