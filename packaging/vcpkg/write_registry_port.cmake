@@ -1,7 +1,7 @@
 # Writes the port of a release for a registry: the overlay port of this checkout, with the archive that the forge offers of
 # the release's tag instead of the checkout. Needed once for each release, when its archive is there:
 #
-#     cmake -DARCHIVE=v0.2.0.tar.gz -DREPOSITORY=<owner>/<name> -DOUTPUT=<registry>/ports/tactnet \
+#     cmake -DARCHIVE=v0.3.0.tar.gz -DREPOSITORY=<owner>/<name> -DOUTPUT=<registry>/ports/tactnet \
 #           -P packaging/vcpkg/write_registry_port.cmake
 cmake_minimum_required(VERSION 3.22)
 
