@@ -1,4 +1,5 @@
 #include <tactnet/kernels/rows/operations.hpp>
+#include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
 

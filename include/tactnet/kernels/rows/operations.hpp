@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/kernels/simd/sized_vector.hpp>
-#include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
 #include <array>
