@@ -83,6 +83,12 @@ void refuse_outputs_of() {
                   "deployed: outputs are written to float, which must not be const; outputs_have_type shows "
                   "what was found");
 }
+template <class Outputs>
+void refuse_temporary_outputs() {
+    static_assert(std::is_void_v<Outputs>,
+                  "deployed: outputs are written to a contiguous container of float that outlives the call, "
+                  "such as a std::vector, std::array or std::span; a pointer or a temporary is none");
+}
 template <std::size_t Found, std::size_t Expected>
 void refuse_number_of_outputs() {
     static_assert(outputs_have_size<Found, Expected>,
@@ -97,6 +103,8 @@ void refuse_outputs() {
     using element = element_of<Outputs>;
     if constexpr (!outputs_have_type<element>)
         refuse_outputs_of<element>();
+    else if constexpr (elements_of<plain> == Expected || std::is_pointer_v<plain>)
+        refuse_temporary_outputs<Outputs>();
     else if constexpr (elements_of<plain> != 0)
         refuse_number_of_outputs<elements_of<plain>, Expected>();
     else
@@ -105,11 +113,24 @@ void refuse_outputs() {
                       "std::span<float, network::outputs>(outputs)");
 }
 
+/// Declared only: a call that no sentence below refuses does not link, rather than do nothing.
+template <class Result, class... Arguments>
+Result not_taken() noexcept;
+
 /// The error about frames for a pool.
 template <class Frames, shape Input>
 void refuse_frames() {
     using element = std::remove_const_t<element_of<Frames>>;
-    if constexpr (shape_of<element> != shape{0, 0, 0} || elements_of<element> != 0)
+    if constexpr (!requires(const std::remove_cvref_t<Frames>& frames) { frames.data() + frames.size(); })
+        static_assert(
+            std::is_void_v<Frames>,
+            "deployed: frames for a pool are a contiguous container with data() and size(), such as "
+            "std::vector, std::array or std::span");
+    else if constexpr (is_view<element>)
+        static_assert(std::is_void_v<Frames>,
+                      "deployed: frames for a pool lie one after the other in memory, which views need not: "
+                      "copy what they show, or call with each frame");
+    else if constexpr (shape_of<element> != shape{0, 0, 0} || elements_of<element> != 0)
         refuse_frame<element, Input>();
     else
         refuse_type<element>();
@@ -135,7 +156,9 @@ public:
         requires(!takes<Frame, To, Rest...>)
     frame_status infer(Frame&&, To&&, Rest&&...)
     const noexcept {
-        if constexpr (has_pool<Rest...> && is_frames<Frame>)
+        if constexpr (has_pool<Rest...> && is_frames<Frame> && outputs_have_type<element_of<To>>)
+            refuse_temporary_outputs<To>();
+        else if constexpr (has_pool<Rest...> && is_frames<Frame>)
             refuse_outputs_of<element_of<To>>();
         else if constexpr (has_pool<Rest...>)
             refuse_frames<Frame, Input>();
@@ -143,7 +166,7 @@ public:
             refuse_outputs<To, Outputs>();
         else
             refuse_frame<Frame, Input>();
-        return {};
+        return not_taken<frame_status, Frame, To>();
     }
     template <class Frame, class... Rest>
         requires(has_pool<Rest...> ? !is_frames<Frame> : !is_frame<Frame>)
@@ -153,7 +176,7 @@ public:
             refuse_frames<Frame, Input>();
         else
             refuse_frame<Frame, Input>();
-        return std::nullopt;
+        return not_taken<std::optional<recognition>, Frame>();
     }
 };
 

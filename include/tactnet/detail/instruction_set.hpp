@@ -36,6 +36,8 @@ inline constexpr std::string_view instruction_set =
     "_sve"
 #elif defined(__aarch64__)
     "_neon64"
+#elif defined(__wasm_simd128__)
+    "_wasm128"
 #endif
 #if defined(__FMA__)
     "_fma"

@@ -182,7 +182,7 @@ template <class Network>
     thread_pool alone;
     std::vector<float> logits = m.logits(images, alone);
     const std::size_t count = logits.size() / Network::outputs, classes = m.classes.size();
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 1; i < count; ++i)
         std::copy_n(logits.begin() + static_cast<std::ptrdiff_t>(i * Network::outputs), classes,
                     logits.begin() + static_cast<std::ptrdiff_t>(i * classes));
     logits.resize(count * classes);

@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/config.hpp>
 
-#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 
@@ -24,11 +24,11 @@ namespace kernels {
 namespace detail {
 
 template <class Method>
-[[nodiscard]] constexpr std::size_t cost_of_method() {
+[[nodiscard]] constexpr std::uint64_t cost_of_method() {
     if constexpr (Method::applicable)
         return Method::cost;
     else
-        return std::numeric_limits<std::size_t>::max();
+        return std::numeric_limits<std::uint64_t>::max();
 }
 template <class First, class... Rest>
 struct cheapest_method {

@@ -13,8 +13,10 @@
 
 namespace support {
 
-/// The file or folder of that name among the data at hand. Where there is none, says so and gives nothing:
-/// the test then returns at once.
+/// Set when data are missing: the program then ends with the status of a skipped test, if nothing failed.
+inline bool data_missing = false;
+
+/// The file or folder of that name among the data at hand, or nothing: the test then returns at once.
 inline std::optional<std::filesystem::path> find_data(const std::string& name) {
     const char* given = std::getenv("TACTNET_DATA");
     const std::filesystem::path root =
@@ -23,6 +25,7 @@ inline std::optional<std::filesystem::path> find_data(const std::string& name) {
     std::error_code code;
     if (std::filesystem::exists(root / name, code))
         return root / name;
+    data_missing = true;
     MESSAGE("skipped: there is no " << name << " in " << root.string() << " (set TACTNET_DATA)");
     return std::nullopt;
 }

@@ -35,7 +35,9 @@ struct activation_step<eight_bit, Function, Map, Stride> : eight_bit_step<Map, S
             for (int byte = 0; byte < 256; ++byte) {
                 const double value = Function::value((byte - static_cast<double>(input.zero)) *
                                                      static_cast<double>(input.scale));
-                const double steps = std::clamp(value / static_cast<double>(result.scale), -512.0, 512.0);
+                // What is not a number counts as zero.
+                const double steps =
+                    value == value ? std::clamp(value / static_cast<double>(result.scale), -512.0, 512.0) : 0;
                 detail::store_byte(to + byte, std::clamp(static_cast<double>(detail::nearest_even(steps)) +
                                                              static_cast<double>(result.zero),
                                                          0.0, 255.0));
