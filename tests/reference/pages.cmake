@@ -9,8 +9,7 @@ function(expect page what)
 endfunction()
 
 expect(index.html "structtactnet_1_1shape.html") # the first page leads to the rooms
-expect(structtactnet_1_1shape.html "From top to bottom")
-expect(structtactnet_1_1conv2d_1_1layer.html "From the gradient of the output") # said once, in members.txt
+expect(structtactnet_1_1shape.html "The size of one sample")
 expect(classtactnet_1_1kernel__machine.html "svm/kernel_machine.hpp") # the header to include
 expect(examples.html "own_network/main.cpp")
 expect(concepttactnet_1_1layer.html "requires")

@@ -7,6 +7,9 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+#define TACTNET_ARCH_TEXT_OF(number) #number
+#define TACTNET_ARCH_TEXT(number) TACTNET_ARCH_TEXT_OF(number)
+
 /// The instruction set that this unit is compiled for, spelled out: for example "simd_avx2_fma_bmi2_lzcnt",
 /// or "scalar_sse2" without vectors. Results are labelled with it; TACTNET_ARCH is its short form. If a
 /// program built for a current x86-64 prints "simd_sse2", it was compiled without -march.
@@ -78,7 +81,16 @@ inline constexpr std::string_view instruction_set =
 #if defined(__arm__) && defined(__ARM_FEATURE_DSP)
     "_dsp"
 #endif
+#if !defined(TACTNET_L1_CACHE_BY_DEFAULT)
+    "_l1_" TACTNET_ARCH_TEXT(TACTNET_L1_CACHE_KIB)
+#endif
+#if !defined(TACTNET_L2_CACHE_BY_DEFAULT)
+        "_l2_" TACTNET_ARCH_TEXT(TACTNET_L2_CACHE_KIB)
+#endif
     ;
+
+#undef TACTNET_ARCH_TEXT
+#undef TACTNET_ARCH_TEXT_OF
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

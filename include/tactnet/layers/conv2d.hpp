@@ -167,11 +167,13 @@ struct conv2d {
 
     private:
         static constexpr std::size_t biases = has_bias ? Filters : 0;
-        static constexpr auto description = kernels::batch_convolution::forward(window, Filters, groups);
+        // At least one filter: of none, the sentence above is the only error.
+        static constexpr std::size_t computed = Filters > 0 ? Filters : 1;
+        static constexpr auto description = kernels::batch_convolution::forward(window, computed, groups);
 
         using ahead = kernels::lane_convolution<description, T>;
         using back =
-            kernels::lane_convolution<kernels::batch_convolution::backward(window, Filters, groups), T>;
+            kernels::lane_convolution<kernels::batch_convolution::backward(window, computed, groups), T>;
         using of_weights = kernels::weight_gradient<description, T>;
     };
 };
