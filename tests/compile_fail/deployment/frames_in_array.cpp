@@ -1,4 +1,4 @@
-// expect: deployed: frames for a pool are a contiguous container with data() and size()
+// expect: deployed: frames for a pool are a contiguous container with data.* and size
 // at-most: 2
 #include <tactnet/tactnet.hpp>
 
