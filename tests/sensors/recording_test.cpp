@@ -1,6 +1,5 @@
-#include <tactnet/sensors/recording.hpp>
-
 #include <tactnet/io/write_file.hpp>
+#include <tactnet/sensors/recording.hpp>
 
 #include <doctest/doctest.h>
 

@@ -111,8 +111,8 @@ offsets_of(const std::array<layer_costs, Size>& layers) {
     return result;
 }
 
-/// Rejects a type that is no layer specification, and stands the identity in for it, so that the sentence comes
-/// alone.
+/// Rejects a type that is no layer specification, and stands the identity in for it, so that the sentence
+/// comes alone.
 template <class Spec>
 auto check_specification() {
     static_assert(layer_specification<Spec>,

@@ -10,8 +10,9 @@
 using namespace tactnet;
 using namespace tactnet::kernels;
 
-// What the lines compute together is tested with tiles (batch/winograd/, frame/). Here that those of gradients
-// are the others the other way round: row i of one matrix is what its transpose makes of the unit vector i.
+// What the lines compute together is tested with tiles (batch/winograd/, frame/). Here that those of
+// gradients are the others the other way round: row i of one matrix is what its transpose makes of the unit
+// vector i.
 
 namespace {
 
