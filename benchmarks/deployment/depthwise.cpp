@@ -1,5 +1,5 @@
 // Depthwise convolutions of one frame in single precision and in 8 bits: the deployed step, bias and ReLU
-// included, beside oneDNN's primitive in the layout that oneDNN prefers, without reordering.
+// included, compared with oneDNN's primitive in the layout that oneDNN prefers, without reordering.
 //
 //     OMP_NUM_THREADS=1 benchmark_depthwise
 //
@@ -176,7 +176,7 @@ bool compare() {
     return error < 1e-5;
 }
 
-/// The same in 8 bits, where all outputs must be equal.
+/// Compares both in 8 bits, where all outputs must be equal.
 template <shape Input, extent2d Kernel, extent2d Stride = 1>
 bool compare_bytes() {
     constexpr frame_convolution c = depthwise<Input, Kernel, Stride>;

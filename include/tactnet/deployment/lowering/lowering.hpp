@@ -63,7 +63,7 @@ struct layer_place {
     using format = Format;
     using layer = typename Layers::template at<Index>;
     static constexpr std::size_t input_stride = InputStride;
-    /// The same layer, writing the outputs of the network.
+    /// This layer as the last one, which writes the outputs of the network.
     using as_output = layer_place<typename Format::output_format, Layers, Index, InputStride>;
 
     /// The layer's own parameters.

@@ -128,9 +128,9 @@ inline constexpr bool gives_probabilities = [] {
 
 } // namespace detail
 
-// Each step describes itself beside its declaration, once for all who need to know what a step is: the export
-// of headers, the layout of weight files and the graph for calibration. A description is a list of constants,
-// without strings on the heap, so that targets without files may include it:
+// Each step describes itself once, in the file that declares it, for all that read the description: the
+// export of headers, the layout of weight files and the graph for calibration. A description is a list of
+// constants, without strings on the heap, so that targets without files may include it:
 //
 //     template <class Format, shape Map, std::size_t Stride>
 //     struct tactnet::step_description<my_step<Format, Map, Stride>> {
