@@ -8,16 +8,18 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
+#include <support/layers/tile_magnitudes.hpp>
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
-#include <support/layers/tile_magnitudes.hpp>
 #include <utility>
 #include <vector>
 
@@ -56,8 +58,8 @@ void fill_by_name(Network& net) {
 class golden_stages {
 public:
     explicit golden_stages(std::string network, const std::string& file = "imagenet_networks")
-        : file_(tactnet::safetensors::read(std::string(TACTNET_SOURCE_DIR) + "/tests/golden/" + file +
-                                           ".safetensors")),
+        : file_(tactnet::safetensors::read(std::filesystem::path(TACTNET_SOURCE_DIR) / "tests" / "golden" /
+                                           (file + ".safetensors"))),
           network_(std::move(network)) {}
 
     /// Compares a stage that the file knows: `value(element)` of `size`, at places evenly spread or as it
