@@ -1,6 +1,5 @@
-// Draws simulated touches of each of the paper's classes as one strip a class, beside real ones if a folder
-// with one subfolder of images a class is given; and says how alike they are. Strips lie in folders by kind,
-// as the classes do in the headers of simulation/paper/.
+// Draws one picture per class of the paper: four simulated touches, and four real ones to their left if a
+// folder with one subfolder of images per class is given. Prints how alike simulated and real touches are.
 
 #include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/io/images/folder.hpp>
@@ -26,15 +25,6 @@ using namespace tactnet::simulation;
 
 using frame = tactnet::tensor<float, paper_scene::output>;
 constexpr std::size_t shown = 4;
-
-/// "bodies" for "hand". Everything that is not listed is a bar: long.
-std::string_view kind(std::string_view name) {
-    const auto is = [&](const auto&... names) { return ((name == names) || ...); };
-    return is("arm", "finger", "hand")                                                ? "bodies"
-           : is("ball", "bottle", "box", "rock", "rubber")                            ? "solids"
-           : is("caliper", "highlighter", "key", "pliers", "scissors", "sticky_tape") ? "tools"
-                                                                                      : "bars";
-}
 
 struct likeness {
     double contact = 0; ///< share of tactels that show anything
@@ -83,6 +73,7 @@ void show(sheet& strip, std::size_t column, const std::vector<frame>& images) {
 }
 
 void draw(const std::filesystem::path& out, const tactnet::image_folder* folder) {
+    std::filesystem::create_directories(out);
     std::printf("class,simulated contact,simulated mean%s\n", folder ? ",real contact,real mean" : "");
     for (std::size_t label = 0; label < paper_objects.size(); ++label) {
         const auto name = paper_objects[label].name;
@@ -98,9 +89,7 @@ void draw(const std::filesystem::path& out, const tactnet::image_folder* folder)
         }
         std::printf("\n");
         show(strip, folder ? shown : 0, made);
-        std::filesystem::create_directories(out / kind(name));
-        write_png(out / kind(name) / (std::string(name) + ".png"), strip.height(), strip.width(),
-                  strip.pixels());
+        write_png(out / (std::string(name) + ".png"), strip.height(), strip.width(), strip.pixels());
     }
 }
 
