@@ -112,6 +112,11 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
     }
 }
 
+// All instruction sets fuse the same layers: files name weights by the steps.
+using of_pools = network<shape{36, 36}, conv2d<8, 3>, max_pool<3>, conv2d<16, 3>, max_pool<extent2d(3, 4)>,
+                         relu, conv2d<4, 3>, max_pool<4>, dense<3>>; // the last is too large to be fused
+static_assert(lowered_network<of_pools>::step::size == 5);
+
 } // namespace
 
 reduced_result TACTNET_TEST_UNIT() {
@@ -131,5 +136,7 @@ reduced_result TACTNET_TEST_UNIT() {
                          concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<16, 3>, relu>>,
                          conv2d<33, 2>, max_pool<2>, relu, conv2d<6, 3, 1, padding::same, in_groups(3)>, relu,
                          conv2d<5, extent2d(2, 3), 2, pad(1)>, average_pool<2, 1>, dense<9>>>(result, 34);
+    append_whole<network<shape{13, 14}, conv2d<12, 3>, max_pool<3>, relu, conv2d<20, 3>,
+                         max_pool<extent2d(2, 4)>, dense<5>>>(result, 35);
     return result;
 }

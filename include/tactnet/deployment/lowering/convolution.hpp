@@ -105,10 +105,11 @@ struct lowered_convolution {
 
 private:
     /// Whether a convolution can fuse a max pool: windows are disjoint, none begins before the image, and
-    /// none has more pixels than a register block holds.
+    /// none has more pixels than a register block of every instruction set holds. The steps of a network, by
+    /// whose names files are read, must not depend on the instruction set.
     static constexpr bool fusible(const sliding_window& w) {
         return w.kernel == w.stride && w.top == 0 && w.left == 0 &&
-               2 * w.kernel.area() <= kernels::max_block_sums;
+               w.kernel.area() <= kernels::frame_convolution::max_pool_area;
     }
 };
 

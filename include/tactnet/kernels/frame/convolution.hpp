@@ -80,6 +80,10 @@ struct frame_convolution {
         return all;
     }
 
+    /// The most pixels of a pool's window that a register block of every instruction set holds.
+    static constexpr std::size_t max_pool_area = 12;
+    static_assert(max_pool_area <= max_block_sums);
+
     /// Whether there is one filter for each channel, which sees no other.
     [[nodiscard]] constexpr bool is_depthwise() const {
         return groups > 1 && groups == filters && groups == window.input.channels;
@@ -117,7 +121,9 @@ struct frame_convolution {
     }
 
     /// Vectors of output channels in a register block.
-    [[nodiscard]] constexpr std::size_t block_vectors() const { return std::min<std::size_t>(vectors(), 2); }
+    [[nodiscard]] constexpr std::size_t block_vectors() const {
+        return std::min<std::size_t>(vectors(), 2 * pool.area() <= max_block_sums ? 2 : 1);
+    }
     [[nodiscard]] constexpr std::size_t block_rows() const {
         return pool.rows > 1 ? pool.rows : std::min<std::size_t>(rows(), 2);
     }
