@@ -2,8 +2,6 @@
 
 #include <tactnet/detail/config.hpp>
 
-#include <cstddef>
-
 // Names without definitions, for headers that only pass references on.
 
 namespace tactnet {

@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 #include <type_traits>
-#include <utility>
 
 // The errors for calls that a deployed network does not take: one sentence with what was expected and found,
 // in place of a list of all overloads.

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <cstddef>
+#include <span>
 #include <type_traits>
 #include <utility>
 

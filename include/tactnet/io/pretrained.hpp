@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/stored_arrays.hpp>
 

@@ -4,7 +4,12 @@
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -4,6 +4,13 @@
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 

@@ -8,6 +8,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -4,6 +4,9 @@
 #include <tactnet/runtime/random.hpp>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -2,7 +2,6 @@
 
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/layers/costs.hpp>
-#include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/batch.hpp>
 #include <tactnet/tensor/named_array.hpp>
@@ -11,9 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 

@@ -4,6 +4,8 @@
 #include <tactnet/layers/layer.hpp>
 
 #include <array>
+#include <cstddef>
+#include <string_view>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

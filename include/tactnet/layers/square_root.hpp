@@ -3,6 +3,7 @@
 #include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/layers/layer.hpp>
 
+#include <cstddef>
 #include <ratio>
 #include <string_view>
 

@@ -4,6 +4,8 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
 
+#include <cstddef>
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 

@@ -5,6 +5,7 @@
 #include <tactnet/networks/published.hpp>
 
 #include <algorithm>
+#include <cstddef>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

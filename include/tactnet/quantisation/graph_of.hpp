@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <ratio>
 #include <type_traits>
 #include <utility>

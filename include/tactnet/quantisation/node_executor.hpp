@@ -13,7 +13,6 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 // The operators of the calibration graph, as plain loops in single precision; node_executor has convolutions
 // and executes any node, exact or with every number rounded to 8 bits.

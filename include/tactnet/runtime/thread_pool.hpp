@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/runtime/work_share.hpp>
 
 #include <atomic>
@@ -8,7 +7,6 @@
 #include <cstdint>
 #include <exception>
 #include <thread>
-#include <type_traits>
 #include <utility>
 #include <vector>
 

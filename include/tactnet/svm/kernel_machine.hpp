@@ -12,9 +12,8 @@
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <span>

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <string>
-#include <utility>
 #include <vector>
 
 // One description of a named array, for the parameters of networks, the arrays of weight files, and the

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/detail/round_up.hpp>
 
-#include <array>
 #include <cstddef>
 
 // Sizes as compile-time constants. All are structural types, so that they can be template arguments.

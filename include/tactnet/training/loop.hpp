@@ -9,7 +9,6 @@
 #include <tactnet/training/recipe.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>

@@ -3,7 +3,6 @@
 #include <tactnet/detail/config.hpp>
 
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 #include <variant>
 

@@ -6,12 +6,10 @@
 #include <tactnet/detail/bits_as.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
 
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
-#include <type_traits>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

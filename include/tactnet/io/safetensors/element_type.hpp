@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/detail/bits_as.hpp>
-#include <tactnet/detail/config.hpp>
 
 #include <array>
 #include <bit>

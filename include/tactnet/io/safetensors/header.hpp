@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>
@@ -11,7 +10,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <iterator>

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/text/quoting.hpp>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>

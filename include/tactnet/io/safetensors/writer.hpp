@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>
 #include <tactnet/io/safetensors/header.hpp>
@@ -16,7 +15,6 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 

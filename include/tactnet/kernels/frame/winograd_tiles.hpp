@@ -7,7 +7,6 @@
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 

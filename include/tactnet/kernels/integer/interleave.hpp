@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <type_traits>
 #include <utility>
 
 #if !defined(TACTNET_NO_SIMD) && defined(__SSE2__)

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/kernels/simd/compiler_vector.hpp>
 
 #include <cstddef>
-#include <cstdint>
 #include <cstring>
 
 // Widths, loads and stores of integer vectors. Their types are in simd/compiler_vector.hpp.

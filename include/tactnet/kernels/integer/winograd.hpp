@@ -7,7 +7,6 @@
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #if !defined(TACTNET_NO_SIMD)
 #if defined(__SSE2__)

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/detail/round_up.hpp>
 #include <tactnet/kernels/simd/xsimd.hpp>
 

@@ -4,6 +4,12 @@
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/max_pool.hpp>
 
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 

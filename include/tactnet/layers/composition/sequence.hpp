@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
+#include <cstddef>
+#include <string_view>
+#include <utility>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

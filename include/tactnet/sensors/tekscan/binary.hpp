@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>

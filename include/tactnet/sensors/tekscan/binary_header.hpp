@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/text/measures.hpp>
@@ -8,7 +7,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/text/measures.hpp>

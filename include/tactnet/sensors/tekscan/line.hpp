@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/text/quoting.hpp>

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string_view>
 

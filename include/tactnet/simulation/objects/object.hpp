@@ -4,7 +4,6 @@
 #include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/objects/part.hpp>
 #include <tactnet/tensor/tensor.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
 #include <cmath>

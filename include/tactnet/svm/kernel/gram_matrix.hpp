@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 // The rows of a kernel matrix, for a solver that works on some of the samples: out of the whole matrix, which
 // is found in one product and serves all problems over the same samples, or found one by one where it is too

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
-#include <span>
 #include <vector>
 
 // Sequential minimal optimisation of the support vector machine's dual (Platt 1998; working sets of second

@@ -3,7 +3,7 @@
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/transform.hpp>
-#include <tactnet/tensor/aligned.hpp>
+#include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 

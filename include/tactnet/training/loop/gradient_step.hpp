@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

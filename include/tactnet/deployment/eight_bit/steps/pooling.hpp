@@ -7,7 +7,6 @@
 #include <tactnet/kernels/integer/vector.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
