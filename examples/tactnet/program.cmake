@@ -88,7 +88,7 @@ function(tactnet_add_program target)
         if(network MATCHES "-nn$")
             set(family of_photographs)
             set(unit_includes
-                "#include <tactnet/transfer/as_photograph_deployed.hpp>\n#include <tactnet/transfer/networks.hpp>\n"
+                "#include <tactnet/transfer/as_photograph.hpp>\n#include <tactnet/transfer/networks.hpp>\n"
             )
         else()
             set(family of_touches)

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/simulation/array.hpp>
 #include <tactnet/simulation/contact/bonded_layer.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/contact/elastic_half_space.hpp>

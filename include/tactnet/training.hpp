@@ -3,7 +3,6 @@
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>
-#include <tactnet/training/early_stopping.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/loop.hpp>

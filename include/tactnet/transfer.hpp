@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/transfer/as_photograph_deployed.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
 #include <tactnet/transfer/feature_extractor.hpp>
 #include <tactnet/transfer/networks.hpp>
 #include <tactnet/transfer/photograph.hpp>

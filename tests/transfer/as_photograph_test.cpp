@@ -1,5 +1,5 @@
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/transfer/as_photograph_deployed.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
 
 #include <doctest/doctest.h>
 

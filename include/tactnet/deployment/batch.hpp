@@ -2,10 +2,9 @@
 
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/deployment/steps/batch_executor.hpp>
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/runtime/work_share.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/alignment.hpp>
 

@@ -223,12 +223,6 @@ void run(const execution_context& context, const T* values, Statistic* running,
 
 } // namespace detail
 
-/// The names joined by a point, as PyTorch joins them; an empty one adds nothing.
-[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string joined_name(const std::string& outer,
-                                                                          const std::string& inner) {
-    return outer.empty() || inner.empty() ? outer + inner : outer + "." + inner;
-}
-
 /// Appends the array "prefix.name" to the layer's arrays. `flattened` is the input of a fully connected
 /// layer, for its weights. Not inlined, to save compile time.
 [[gnu::cold, gnu::noinline]] inline void

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/runtime/work_share.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 
 #include <atomic>
 #include <cstddef>

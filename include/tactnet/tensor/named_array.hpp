@@ -24,6 +24,12 @@ struct named_array {
     std::size_t size = 0;   ///< number of elements, the product of the extents
 };
 
+/// The names joined by a point, as PyTorch joins them; an empty one adds nothing.
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string joined_name(const std::string& outer,
+                                                                          const std::string& inner) {
+    return outer.empty() || inner.empty() ? outer + inner : outer + "." + inner;
+}
+
 /// The product of the extents; 1 for none.
 [[nodiscard]] constexpr std::size_t product_of(const std::vector<std::size_t>& extents) {
     std::size_t product = 1;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+// Reflected images, over which a network may average its outputs.
+
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/training/data/split.hpp>
-#include <tactnet/training/early_stopping.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/gradient_step.hpp>
 #include <tactnet/training/loop/progress.hpp>
@@ -70,7 +69,7 @@ public:
           split_(std::move(split)),
           threads_(threads),
           shown_(how, *network_, samples, split_.training, seed, threads),
-          stopping_(how.patience),
+          stopping_{how.patience},
           step_(*network_, how, samples.classes(), seed, threads) {
         detail::check_batches(*network_, shown_);
         network_->epsilon() = how.epsilon;
@@ -170,14 +169,14 @@ public:
     [[nodiscard]] std::vector<double> progress() const {
         training_progress p = progress_;
         p.steps = step_.optimiser().steps;
-        p.smallest_loss = stopping_.smallest(), p.waited = stopping_.waited();
+        p.smallest_loss = stopping_.smallest, p.waited = stopping_.waited;
         return p.numbers();
     }
     /// Throws std::invalid_argument, and changes nothing, if no training with this recipe has these numbers.
     void restore(std::span<const double> numbers) {
         progress_ = training_progress::from(numbers, how_.epochs, shown_.steps());
         step_.optimiser().steps = progress_.steps;
-        stopping_.restore(progress_.smallest_loss, progress_.waited);
+        stopping_.smallest = progress_.smallest_loss, stopping_.waited = progress_.waited;
     }
 
 private:

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <tactnet/deployment/lowering/lowering.hpp>
 #include <tactnet/image/resize_kernel.hpp>
 #include <tactnet/kernels/batch/resampling.hpp>
 #include <tactnet/layers/layer.hpp>
+#include <tactnet/transfer/as_photograph_step.hpp>
 
 #include <array>
 #include <cmath>
@@ -10,6 +12,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+// Lowers as_photograph to its deployed step.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -96,6 +100,24 @@ struct as_photograph {
                     },
                     in_gradient.lane_block(g));
             });
+        }
+    };
+};
+
+template <extent2d Size>
+struct lowering<as_photograph<Size>> {
+    template <class Place>
+    struct at {
+        using step = as_photograph_step<typename Place::format,
+                                        extent2d{Place::layer::input.rows, Place::layer::input.columns},
+                                        Place::input_stride, Size>;
+        static void fold(const parameter_source& list, float* to) {
+            const float* const statistics = Place::parameters(list).statistics;
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                to[channel] = statistics[channel];
+                to[3 + channel] =
+                    static_cast<float>(1 / std::sqrt(static_cast<double>(statistics[3 + channel])));
+            }
         }
     };
 };

@@ -3,7 +3,7 @@
 #include "small.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/transfer/as_photograph_deployed.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/write_file.hpp>
-#include <tactnet/transfer/as_photograph_deployed.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
 
 #include <cstdio>
 #include <exception>

@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/detail/bits_as.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 
 #include <cmath>
 #include <cstddef>

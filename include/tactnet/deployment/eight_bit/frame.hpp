@@ -3,7 +3,7 @@
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/detail/bits_as.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
 
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/detail/bits_as.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 
 #include <algorithm>
 #include <array>

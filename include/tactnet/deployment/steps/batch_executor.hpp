@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
-#include <tactnet/runtime/work_share.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/bits_as.hpp>
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/convolution.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 

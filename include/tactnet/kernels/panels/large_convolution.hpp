@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/panels/convolution.hpp>
 #include <tactnet/kernels/panels/tiles.hpp>
-#include <tactnet/runtime/work_share.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>

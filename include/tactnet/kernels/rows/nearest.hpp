@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/aligned.hpp>

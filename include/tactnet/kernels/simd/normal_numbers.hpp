@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/bits_as.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/runtime/random.hpp>
 

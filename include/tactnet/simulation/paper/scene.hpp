@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/sensors/tekscan_6077.hpp>
-#include <tactnet/simulation/array.hpp>
 #include <tactnet/simulation/contact/bonded_layer.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
 #include <tactnet/simulation/effects/circuit/quantisation.hpp>

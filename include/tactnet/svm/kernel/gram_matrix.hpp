@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/kernel/functions.hpp>

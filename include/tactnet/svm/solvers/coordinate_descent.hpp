@@ -3,7 +3,7 @@
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/solvers/binary_problem.hpp>
+#include <tactnet/svm/multiclass.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

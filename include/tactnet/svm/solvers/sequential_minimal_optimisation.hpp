@@ -2,7 +2,7 @@
 
 #include <tactnet/kernels/rows/working_set.hpp>
 #include <tactnet/svm/kernel/cache.hpp>
-#include <tactnet/svm/solvers/binary_problem.hpp>
+#include <tactnet/svm/multiclass.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/trainable.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/loop/sam_perturbation.hpp>
 #include <tactnet/training/loop/trainable.hpp>

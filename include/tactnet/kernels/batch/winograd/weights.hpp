@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/round_up.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/batch/winograd/tile_grid.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/vector.hpp>

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <cstddef>
+#include <type_traits>
+
+// Whole numbers divided into blocks and among threads, and bits read as another type.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// One thread's share of work. Shares are as equal as possible and depend on the counts alone.
+struct work_share {
+    std::size_t index = 0, threads = 1;
+
+    /// This share of 0 … count − 1.
+    [[nodiscard]] constexpr std::size_t begin(std::size_t count) const { return count * index / threads; }
+    [[nodiscard]] constexpr std::size_t end(std::size_t count) const { return count * (index + 1) / threads; }
+};
+
+namespace detail {
+
+/// The quotient rounded up: how many blocks of `size` hold `count` elements.
+[[nodiscard]] constexpr std::size_t ceil_div(std::size_t count, std::size_t size) {
+    return (count + size - 1) / size;
+}
+/// The smallest multiple of `size` that is not below `count`.
+[[nodiscard]] constexpr std::size_t round_up(std::size_t count, std::size_t size) {
+    return ceil_div(count, size) * size;
+}
+
+/// std::bit_cast, which standard libraries for WebAssembly lack: the same built-in function.
+template <class To, class From>
+    requires(sizeof(To) == sizeof(From) && std::is_trivially_copyable_v<To> &&
+             std::is_trivially_copyable_v<From>)
+[[nodiscard]] constexpr To bits_as(const From& value) noexcept {
+    return __builtin_bit_cast(To, value);
+}
+
+} // namespace detail
+namespace kernels {
+
+using tactnet::detail::ceil_div;
+using tactnet::detail::round_up;
+
+} // namespace kernels
+} // namespace TACTNET_ARCH
+} // namespace tactnet
