@@ -41,13 +41,12 @@ set(room_tactnet forward tensor layers networks deployment)
 # What the folders of kernels/ may include of each other. What a deployed network runs includes nothing that only
 # trainings need.
 set(folder_kernels/simd "")
-foreach(folder IN ITEMS batch frame map)
+foreach(folder IN ITEMS batch integer map panels)
     set(folder_kernels/${folder} simd)
 endforeach()
-set(folder_kernels/panels frame simd)
+set(folder_kernels/frame panels simd)
 set(folder_kernels/rows panels simd)
-set(folder_kernels/integer frame simd)
-set(folder_kernels frame panels simd) # headers beside the folders, which choose among methods
+set(folder_kernels simd) # headers beside the folders
 
 # Folders that nothing beside themselves includes but these: whoever simulates objects of his own does not pay for
 # the paper's 22 classes.

@@ -193,11 +193,11 @@ private:
     static constexpr float largest_parameter = 1e30f;
 
     /// Sets the largest magnitude of the input, a power of ten, with which no sum can overflow, whatever the
-    /// signs. The factors of a Winograd tile add up to 13.8 for one weight, 189 in two directions: hence the
-    /// 256. If that bound would reject counts of 8 bits, as in a very deep network, only NaN and infinity are
+    /// signs. If that would reject counts of 8 bits, as in a very deep network, only NaN and infinity are
     /// rejected.
     void set_limit() {
-        constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) / 256;
+        constexpr double most =
+            static_cast<double>(std::numeric_limits<float>::max()) / kernels::frame_method::growth;
         double largest = 1e36, needed = 0;
         for (std::size_t e = 0; e < input_shape.size(); ++e)
             for (const double count : {0.0, 255.0})

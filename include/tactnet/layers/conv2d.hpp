@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/convolution_method.hpp>
+#include <tactnet/kernels/batch/methods.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/layers/layer.hpp>
 
@@ -111,9 +111,10 @@ struct conv2d {
 
         static void prepare(const execution_context&, const T* values, const T*, memory& m) {
             m.forward_weights.resize(ahead::packed_elements);
-            ahead::pack(m.forward_weights.data(), [&](auto filter, auto channel, auto row, auto column) {
+            const auto weight = [&](auto filter, auto channel, auto row, auto column) {
                 return values[((filter * channels + channel) * Kernel.rows + row) * Kernel.columns + column];
-            });
+            };
+            ahead::pack(weight, m.forward_weights.data());
         }
 
         static void infer(const execution_context& context, const T* values, const T*, memory& m,
@@ -130,13 +131,14 @@ struct conv2d {
         static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
             m.totals.assign(of_weights::totals + biases, 0.0);
             m.backward_weights.resize(back::packed_elements);
-            back::pack(m.backward_weights.data(), [&](auto channel, auto filter, auto row, auto column) {
+            const auto weight = [&](auto channel, auto filter, auto row, auto column) {
                 const std::size_t group = channel / channels;
                 return values[(((group * filters + filter) * channels + channel % channels) * Kernel.rows +
                                (Kernel.rows - 1 - row)) *
                                   Kernel.columns +
                               (Kernel.columns - 1 - column)];
-            });
+            };
+            back::pack(weight, m.backward_weights.data());
         }
         static void backward(const execution_context& context, const T*, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/batch/convolution_method.hpp>
+#include <tactnet/kernels/batch/methods.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
@@ -27,15 +27,18 @@ void compare_convolution() {
     aligned_vector<T> packed(method::packed_elements), one_packed(one::packed_elements),
         found(C.output.size() * width, T{99}), expected(C.output.size() * width, T{98});
     for (const bool biased : {false, true}) {
-        method::pack(packed.data(),
-                     [&](std::size_t output, std::size_t, std::size_t row, std::size_t column) {
-                         return scaled(weights[output * taps + row * C.kernel.columns + column]);
-                     });
+        method::pack(
+            [&](std::size_t output, std::size_t, std::size_t row, std::size_t column) {
+                return scaled(weights[output * taps + row * C.kernel.columns + column]);
+            },
+            packed.data());
         method::run(packed.data(), biased ? bias.data() : nullptr, input.data(), found.data(), nullptr);
         for (std::size_t channel = 0; channel < C.input.channels; ++channel) {
-            one::pack(one_packed.data(), [&](std::size_t, std::size_t, std::size_t row, std::size_t column) {
-                return scaled(weights[channel * taps + row * C.kernel.columns + column]);
-            });
+            one::pack(
+                [&](std::size_t, std::size_t, std::size_t row, std::size_t column) {
+                    return scaled(weights[channel * taps + row * C.kernel.columns + column]);
+                },
+                one_packed.data());
             one::run(one_packed.data(), biased ? bias.data() + channel : nullptr,
                      input.data() + channel * C.input.area() * width,
                      expected.data() + channel * C.output.area() * width, nullptr);

@@ -62,7 +62,7 @@ TEST_CASE_TEMPLATE("direct_lane_method: forward", T, float, double) {
     for (std::size_t f = 0; f < filters; ++f)
         bias[f] = static_cast<T>(f);
     direct_lane_method<ahead, T>::pack(
-        packed.data(), [](auto f, auto c, auto i, auto j) { return static_cast<T>(weight(f, c, i, j)); });
+        [](auto f, auto c, auto i, auto j) { return static_cast<T>(weight(f, c, i, j)); }, packed.data());
     direct_lane_method<ahead, T>::run(packed.data(), bias.data(), in.data(), out.data(), nullptr);
 
     std::vector<T> expected(filters * area * width);
@@ -84,9 +84,11 @@ TEST_CASE_TEMPLATE("direct_lane_method: backward reads as if zeros stood between
     constexpr std::size_t width = lanes<T>, area = window.output_rows() * window.output_columns();
     const aligned_vector<T> gradient = numbers<T>(filters * area * width);
     aligned_vector<T> packed(filters * 2 * window.kernel.area()), out(window.input.size() * width, T{99});
-    direct_lane_method<back, T>::pack(packed.data(), [](auto c, auto f, auto i, auto j) {
-        return static_cast<T>(weight(f, c, window.kernel.rows - 1 - i, window.kernel.columns - 1 - j));
-    });
+    direct_lane_method<back, T>::pack(
+        [](auto c, auto f, auto i, auto j) {
+            return static_cast<T>(weight(f, c, window.kernel.rows - 1 - i, window.kernel.columns - 1 - j));
+        },
+        packed.data());
     direct_lane_method<back, T>::run(packed.data(), nullptr, gradient.data(), out.data(), nullptr);
 
     std::vector<T> expected(window.input.size() * width);

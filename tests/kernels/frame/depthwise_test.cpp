@@ -1,4 +1,4 @@
-#include <tactnet/kernels/convolution_method.hpp>
+#include <tactnet/kernels/frame/methods.hpp>
 
 #include <doctest/doctest.h>
 

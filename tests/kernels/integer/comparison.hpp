@@ -154,7 +154,7 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
     constexpr std::size_t guard = 64;
     const given<C, Input> numbers(kind);
     aligned_vector<std::int8_t> packed(Method::packed_elements + guard, std::int8_t{99});
-    Method::pack(packed.data(), [&](auto... place) { return numbers.weight(place...); });
+    Method::pack([&](auto... place) { return numbers.weight(place...); }, packed.data());
     std::size_t wrong = guard_touched(packed, Method::packed_elements, 99);
 
     std::vector<std::int32_t> starts(Method::filter_places), added(Method::filter_places);

@@ -88,8 +88,9 @@ struct large_numbers {
             bias(c.padded_filters(), NAN, 0), output(frames * output_distance, 12345, NAN);
         for (std::size_t f = 0; f < c.filters; ++f)
             bias.data()[f] = static_cast<float>(biases[f].value);
-        plan.pack(packed.data(), [&](std::size_t f, std::size_t channel, std::size_t row,
-                                     std::size_t column) { return weight(f, channel, row, column); });
+        plan.pack([&](std::size_t f, std::size_t channel, std::size_t row,
+                      std::size_t column) { return weight(f, channel, row, column); },
+                  packed.data());
         const std::vector<float> before = fresh_outputs();
         std::copy(before.begin(), before.end(), output.data());
         for (std::size_t thread = 0; thread < threads; ++thread)

@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/kernels/convolution_method.hpp>
+#include <tactnet/kernels/frame/methods.hpp>
 
 #include <cstddef>
 #include <type_traits>

@@ -2,7 +2,7 @@
 
 #include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/deployment/steps/step.hpp>
-#include <tactnet/kernels/dense_method.hpp>
+#include <tactnet/kernels/frame/methods.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -48,17 +48,17 @@ template <batch_convolution C, std::size_t Outputs, class T>
 template <batch_convolution C, class T>
 struct depthwise_lane_method {
     static constexpr const char* name = "depthwise";
-    static constexpr bool applicable = C.depthwise() && C.spacing == extent2d(1);
+    static constexpr bool applicable = C.is_depthwise() && C.spacing == extent2d(1);
     static constexpr std::size_t cost = direct_cost(C);
     static constexpr std::size_t packed_elements = C.weights();
     static constexpr std::size_t workspace_elements = 0;
 
     template <class Weight>
-    static void pack(T* packed, Weight&& weight) {
+    static void pack(const Weight& weight, T* to) {
         for (std::size_t channel = 0; channel < C.output.channels; ++channel)
             for (std::size_t row = 0; row < C.kernel.rows; ++row)
                 for (std::size_t column = 0; column < C.kernel.columns; ++column)
-                    *packed++ = weight(channel, std::size_t{0}, row, column);
+                    *to++ = weight(channel, std::size_t{0}, row, column);
     }
     [[gnu::flatten]] static void run(const T* packed, const T* bias, const T* input, T* output, T*) {
         constexpr std::size_t width = lanes<T>;
@@ -116,7 +116,7 @@ private:
 template <batch_convolution C, class T>
 struct depthwise_gradient {
     static constexpr const char* name = "depthwise";
-    static constexpr bool applicable = C.depthwise() && C.kernel.columns <= max_block_sums;
+    static constexpr bool applicable = C.is_depthwise() && C.kernel.columns <= max_block_sums;
     static constexpr std::size_t cost = direct_cost(C);
     static constexpr std::size_t pieces = C.output.channels; ///< that different threads may compute
     static constexpr std::size_t totals = C.weights();

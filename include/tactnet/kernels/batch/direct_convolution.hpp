@@ -110,14 +110,14 @@ struct direct_lane_method {
     /// Packs blocks of output channels, each [input channel][kernel row][kernel column][channel of the
     /// block]. `weight(output, input, row, column)` returns one weight.
     template <class Weight>
-    static void pack(T* packed, Weight&& weight) {
+    static void pack(const Weight& weight, T* to) {
         for (std::size_t first = 0; first < C.output.channels; first += block_channels) {
             const std::size_t count = std::min(block_channels, C.output.channels - first);
             for (std::size_t input = 0; input < C.input.channels; ++input)
                 for (std::size_t row = 0; row < C.kernel.rows; ++row)
                     for (std::size_t column = 0; column < C.kernel.columns; ++column)
                         for (std::size_t channel = 0; channel < count; ++channel)
-                            *packed++ = weight(first + channel, input, row, column);
+                            *to++ = weight(first + channel, input, row, column);
         }
     }
 

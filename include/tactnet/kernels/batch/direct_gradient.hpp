@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 // The weight gradient of a convolution: for each filter, channel and tap a sum over all output pixels of all
 // samples. A block of filters × taps stays in registers over a tile of output rows that fits into the
@@ -120,7 +121,7 @@ gather_tile(const T* input, const T* gradient, std::size_t begin_row, std::size_
 template <batch_convolution C, class T>
 struct direct_gradient {
     static constexpr const char* name = "direct";
-    static constexpr bool applicable = C.groups == 1 && !channel_gradient<C, T>::applicable;
+    static constexpr bool applicable = C.groups == 1;
     static constexpr std::size_t taps = std::min<std::size_t>(C.kernel.columns, 5);
     /// Filters of a register block.
     static constexpr std::size_t filters =
@@ -160,6 +161,11 @@ struct direct_gradient {
         std::transform(sums, sums + totals, gradients, [](double sum) { return static_cast<T>(sum); });
     }
 };
+
+/// The weight gradient by taps: with channels in lanes where they fill vectors.
+template <batch_convolution C, class T>
+using tap_gradient =
+    std::conditional_t<channel_gradient<C, T>::applicable, channel_gradient<C, T>, direct_gradient<C, T>>;
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

@@ -110,7 +110,7 @@ template <frame_convolution C, std::size_t Columns, std::size_t MissingLeft, std
 template <frame_convolution C>
 struct depthwise_method : frame_method {
     static constexpr const char* name = "depthwise";
-    static constexpr bool applicable = C.groups > 1 && C.groups == C.window.input.channels&& C.fits_map();
+    static constexpr bool applicable = C.is_depthwise() && C.fits_map();
     static constexpr std::size_t filters_per_channel = C.filters / C.groups;
     /// Whether the input is copied: [pixel][filter], padded to whole vectors of filters.
     static constexpr bool copied = filters_per_channel > 1 || !C.input_in_vectors_of(C.width());

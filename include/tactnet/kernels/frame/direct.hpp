@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
@@ -88,9 +88,10 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
         weights += kernel.area() * Vectors * width;
     }
 
-    constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns);
+    constexpr std::size_t pooled_rows = ceil_div(Rows, C.pool.rows),
+                          pooled_columns = ceil_div(Columns, C.pool.columns);
 #pragma GCC unroll 64
-    for (std::size_t o = 0; o < (Rows + C.pool.rows - 1) / C.pool.rows * pooled_columns; ++o) {
+    for (std::size_t o = 0; o < pooled_rows * pooled_columns; ++o) {
         const std::size_t top = o / pooled_columns * C.pool.rows, left = o % pooled_columns * C.pool.columns;
         const std::size_t high = std::min(C.pool.rows, Rows - top),
                           across = std::min(C.pool.columns, Columns - left);

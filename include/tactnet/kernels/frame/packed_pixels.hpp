@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/alignment.hpp>

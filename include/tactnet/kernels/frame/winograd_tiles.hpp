@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/tensor/alignment.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/depthwise_layout.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
@@ -163,8 +163,8 @@ template <frame_convolution C, class Input>
 struct depthwise_integer_method {
     using layout = depthwise_integer_layout<C>;
     static constexpr const char* name = "depthwise";
-    static constexpr bool applicable =
-        C.is_depthwise() && std::is_same_v<Input, std::uint8_t> && max_integer_lanes > 1;
+    static constexpr bool applicable = C.is_depthwise() && C.filters == C.groups &&
+                                       std::is_same_v<Input, std::uint8_t> && max_integer_lanes > 1;
     static constexpr std::size_t cost =
         layout::band_cost(layout::band) * layout::blocks * ceil_div(C.rows(), layout::band);
     static constexpr std::size_t packed_elements = layout::blocks * layout::block_weights;
@@ -175,8 +175,8 @@ struct depthwise_integer_method {
     static constexpr std::size_t place(std::size_t filter) { return layout::place(filter); }
 
     template <class Weight>
-    static constexpr void pack(std::int8_t* packed, const Weight& weight) {
-        layout::pack(packed, weight);
+    static constexpr void pack(const Weight& weight, std::int8_t* to) {
+        layout::pack(weight, to);
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const std::uint8_t* input,

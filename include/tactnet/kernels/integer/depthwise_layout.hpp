@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
@@ -106,7 +106,7 @@ struct depthwise_integer_layout {
     }
     /// Packs all weights; `weight(filter, channel of its group, row, column)`.
     template <class Weight>
-    static constexpr void pack(std::int8_t* packed, const Weight& weight_at) {
+    static constexpr void pack(const Weight& weight_at, std::int8_t* packed) {
         using weight = typename products::weight;
         for (std::size_t i = 0; i < block_weights / sizeof(weight) * blocks; ++i) {
             std::size_t rest = i; // the index, digit by digit from the innermost

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/direct_layout.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
@@ -131,8 +131,8 @@ struct direct_integer_method {
     static constexpr std::size_t place(std::size_t filter) { return filter; }
 
     template <class Weight>
-    static constexpr void pack(std::int8_t* packed, const Weight& weight) {
-        layout::pack(packed, ungrouped_weight<C>(weight));
+    static constexpr void pack(const Weight& weight, std::int8_t* to) {
+        layout::pack(ungrouped_weight<C>(weight), to);
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const Input* input,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 
 #include <algorithm>
@@ -78,7 +78,7 @@ struct direct_integer_layout {
     /// row][group of the row][vector][filter][input of the group], with zeros where there is no filter or no
     /// tap. `weight(filter, channel, row, column)`.
     template <class Weight>
-    static constexpr void pack(std::int8_t* packed, const Weight& weight_at) {
+    static constexpr void pack(const Weight& weight_at, std::int8_t* packed) {
         const auto of_tap = [&](std::size_t filter, std::size_t in_pixel, std::size_t row, std::size_t in_row,
                                 std::size_t element) {
             if constexpr (requires { products::order; })

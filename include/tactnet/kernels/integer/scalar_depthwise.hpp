@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace kernels {
 template <frame_convolution C, class Input>
 struct scalar_depthwise_method {
     static constexpr const char* name = "depthwise, scalar";
-    static constexpr bool applicable =
-        C.is_depthwise() && std::is_same_v<Input, std::uint8_t> && max_integer_lanes == 1;
+    static constexpr bool applicable = C.is_depthwise() && C.filters == C.groups &&
+                                       std::is_same_v<Input, std::uint8_t> && max_integer_lanes == 1;
     static constexpr std::size_t cost = 2 * C.rows() * C.columns() * C.window.kernel.area() * C.filters;
     static constexpr std::size_t packed_elements = C.window.kernel.area() * C.filters; ///< [tap][channel]
     static constexpr std::size_t workspace_elements = C.filters; ///< a pixel of the padding
@@ -28,11 +28,11 @@ struct scalar_depthwise_method {
     static constexpr std::size_t place(std::size_t filter) { return filter; }
 
     template <class Weight>
-    static constexpr void pack(std::int8_t* packed, const Weight& weight) {
+    static constexpr void pack(const Weight& weight, std::int8_t* to) {
         for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
             for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
                 for (std::size_t filter = 0; filter < C.filters; ++filter)
-                    *packed++ = weight(filter, std::size_t{0}, row, column);
+                    *to++ = weight(filter, std::size_t{0}, row, column);
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const std::uint8_t* input,

@@ -178,8 +178,8 @@ struct winograd_integer_method {
     static constexpr std::size_t place(std::size_t filter) { return filter; }
 
     template <class Weight>
-    static constexpr void pack(std::int8_t* packed, const Weight& weight) {
-        pack_integer_tiles<convolution>(packed, ungrouped_weight<C>(weight));
+    static constexpr void pack(const Weight& weight, std::int8_t* to) {
+        pack_integer_tiles<convolution>(ungrouped_weight<C>(weight), to);
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const std::uint8_t* input,

@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/word_products.hpp>
 #include <tactnet/tensor/alignment.hpp>
 
@@ -88,7 +88,7 @@ struct integer_tiles {
 /// channels][filter of the block][channel of the group], words of 16 bits. `weight(filter, channel, row,
 /// column)`.
 template <frame_convolution C, class Weight>
-constexpr void pack_integer_tiles(std::int8_t* packed, const Weight& weight) {
+constexpr void pack_integer_tiles(const Weight& weight, std::int8_t* packed) {
     using tiles = integer_tiles<C>;
     constexpr std::size_t kernel = tiles::side - 1;
     // A line of G, doubled for kernels of three, times the numbers of a kernel.

@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/kernels/panels/staging.hpp>
 
@@ -133,7 +133,7 @@ private:
 /// Weights in the order of use: [part of the taps][panel][tap][filter of the panel]; taps as [kernel row]
 /// [kernel column][channel], zeros where there is no filter. `weight(filter, channel, row, column)`.
 template <class Weight>
-constexpr void pack_panels(const frame_convolution& c, float* packed, Weight&& weight) {
+constexpr void pack_panels(const frame_convolution& c, const Weight& weight, float* packed) {
     const std::size_t columns = c.window.kernel.columns, channels = c.window.input.channels;
     const filter_panels panels(c.padded_filters());
     panel_plan(c).for_each_part([&](const panel_plan::part& part) {

@@ -54,11 +54,11 @@ struct large_convolution {
     }
     /// `packed` must be zero-initialised. `weight(filter, channel, row, column)`.
     template <class Weight>
-    constexpr void pack(float* packed, Weight&& weight) const {
+    constexpr void pack(const Weight& weight, float* packed) const {
         if (tiled())
-            pack_tiles(tiles, packed, weight);
+            pack_tiles(tiles, weight, packed);
         else
-            pack_panels(tiles.convolution, packed, weight);
+            pack_panels(tiles.convolution, weight, packed);
     }
 };
 
@@ -121,7 +121,7 @@ struct panel_method : frame_method {
 
     template <class Weight>
     static constexpr void pack(const Weight& weight, const float* biases, float* to) {
-        plan.pack(to, weight);
+        plan.pack(weight, to);
         std::copy_n(biases, C.filters, to + packed_weights);
     }
     static void run(const float* packed, const float* in, float* out, float* workspace) noexcept {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/convolution.hpp>
+#include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/kernels/panels/staging.hpp>
 #include <tactnet/kernels/panels/tile_transforms.hpp>
@@ -92,7 +92,7 @@ private:
 /// Kernels as G g Gᵀ in the order of use: [element][part of the channels][panel][channel][filter of the
 /// panel]; zeros where there is no filter. `weight(filter, channel, row, column)`.
 template <std::size_t Outputs, class Weight>
-constexpr void pack_tiles_of(const tile_plan& plan, float* packed, Weight&& weight) {
+constexpr void pack_tiles_of(const tile_plan& plan, const Weight& weight, float* packed) {
     constexpr std::size_t side = Outputs + 2;
     const frame_convolution& c = plan.convolution;
     const filter_panels panels(c.padded_filters());
@@ -125,11 +125,11 @@ constexpr void pack_tiles_of(const tile_plan& plan, float* packed, Weight&& weig
 }
 /// `packed` must be zero-initialised.
 template <class Weight>
-constexpr void pack_tiles(const tile_plan& plan, float* packed, Weight&& weight) {
+constexpr void pack_tiles(const tile_plan& plan, const Weight& weight, float* packed) {
     if (plan.outputs == 2)
-        pack_tiles_of<2>(plan, packed, weight);
+        pack_tiles_of<2>(plan, weight, packed);
     else
-        pack_tiles_of<4>(plan, packed, weight);
+        pack_tiles_of<4>(plan, weight, packed);
 }
 
 /// A share of a convolution: tiles, counted over all frames, and panels of filters.

@@ -39,10 +39,12 @@ void compare(bool biased = true) {
     std::vector<T> bias(Filters);
     for (T& b : bias)
         b = static_cast<T>(support::draw(state));
-    method::pack(packed.data(), [&](auto f, auto channel, auto row, auto column) {
-        return static_cast<T>(
-            weights[((f * channels + channel) * W.kernel.rows + row) * W.kernel.columns + column]);
-    });
+    method::pack(
+        [&](auto f, auto channel, auto row, auto column) {
+            return static_cast<T>(
+                weights[((f * channels + channel) * W.kernel.rows + row) * W.kernel.columns + column]);
+        },
+        packed.data());
     method::run(packed.data(), biased ? bias.data() : nullptr, in.data(), out.data(), workspace.data());
     CHECK(packed.untouched());
     CHECK(workspace.untouched());

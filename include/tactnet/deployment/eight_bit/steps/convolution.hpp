@@ -84,11 +84,13 @@ public:
             if constexpr (Kernel.adds)
                 detail::store_number(place + added, static_cast<std::int32_t>(scales[f].added));
         }
-        method::pack(to, [&](std::size_t filter, std::size_t channel, std::size_t row, std::size_t column) {
+        const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
+                                std::size_t column) {
             constexpr extent2d k = Kernel.window.kernel;
             return detail::quantised(from[filter * of_one + (channel * k.rows + row) * k.columns + column],
                                      scales[filter]);
-        });
+        };
+        method::pack(weight, to);
         const auto zero_byte = static_cast<double>(maps.output.zero);
         detail::store_byte(to + bytes + lowest, Kernel.rectified ? zero_byte : 0);
         detail::store_byte(to + bytes + zero, zero_byte);

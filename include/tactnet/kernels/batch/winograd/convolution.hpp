@@ -76,8 +76,8 @@ struct winograd_lane_method {
 
     /// `weight(output, input, row, column)` returns one weight.
     template <class Weight>
-    static void pack(T* packed, Weight&& weight) {
-        pack_tile_weights<C, tile>(packed, weight);
+    static void pack(const Weight& weight, T* to) {
+        pack_tile_weights<C, tile>(weight, to);
     }
 
     /// output = bias + convolution of the input. `bias` may be null.

@@ -5,7 +5,6 @@
 #include <tactnet/kernels/batch/direct_gradient.hpp>
 #include <tactnet/kernels/batch/winograd/gradient_plan.hpp>
 #include <tactnet/kernels/batch/winograd/transforms.hpp>
-#include <tactnet/kernels/method_list.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/transpose.hpp>
@@ -79,8 +78,8 @@ template <extent2d Side, std::size_t Kernel, class T>
 template <batch_convolution C, class T>
 [[nodiscard]] constexpr extent2d best_gradient_tile() {
     if constexpr (winograd_possible(C, 2))
-        return cheapest_tile(C, method_list<direct_gradient<C, T>, channel_gradient<C, T>>::cheapest::cost,
-                             winograd_gradient_possible<T>, winograd_gradient_cost<T>);
+        return cheapest_tile(C, tap_gradient<C, T>::cost, winograd_gradient_possible<T>,
+                             winograd_gradient_cost<T>);
     else
         return 0;
 }

@@ -29,8 +29,8 @@ inline void put_lanes(T* to, const vector<double>& values, std::size_t count) {
 
 /// Transforms the kernels, G g Gᵀ, and packs blocks of output channels, each [element][input channel][channel
 /// of the block]. Computes in double, several output channels at once: training packs anew after each step.
-template <batch_convolution C, extent2d Outputs, class T, class Weight>
-[[gnu::flatten]] void pack_tile_weights(T* packed, Weight&& weight) {
+template <batch_convolution C, extent2d Outputs, class Weight, class T>
+[[gnu::flatten]] void pack_tile_weights(const Weight& weight, T* packed) {
     constexpr extent2d side = tile_grid::of(C, Outputs).side;
     constexpr std::size_t kernel = C.kernel.rows, taps = kernel * kernel, width = lanes<double>,
                           block = round_up(block_channels, width);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/frame/depthwise.hpp>
 #include <tactnet/kernels/frame/direct.hpp>
 #include <tactnet/kernels/frame/packed_pixels.hpp>
@@ -11,8 +12,9 @@
 #include <cstdint>
 #include <type_traits>
 
-// The method that computes a convolution of one frame: the cheapest of those in the lists below. A method is
-// a struct template on frame_convolution with the members of method_list.hpp and frame_method:
+// The method that computes a convolution or a dense layer of one frame: the cheapest of those in the lists
+// below. A method is a struct template on frame_convolution with the members of method_list.hpp and
+// frame_method:
 //   pack(weight, biases, to)           into zeros; weight(filter, channel of the group, row, column)
 //   run(packed, in, out, workspace)    one frame; `out` is the first element of the output in its map
 //   run_frames, run_share              several frames in one call; the share of one thread in a large
@@ -101,6 +103,32 @@ struct joined_groups_method : convolution_method<C.ungrouped()> {
         method::pack(ungrouped_weight<C>(weight), biases, to);
     }
 };
+
+/// Many weights, by panels: a convolution with a kernel as large as the map.
+template <frame_dense D>
+struct panel_dense_method
+    : panel_method<frame_convolution{.window = {D.input, {D.input.rows, D.input.columns}, 1},
+                                     .filters = D.outputs,
+                                     .input_stride = D.input_stride}> {
+    static constexpr frame_convolution convolution{.window = {D.input, {D.input.rows, D.input.columns}, 1},
+                                                   .filters = D.outputs,
+                                                   .input_stride = D.input_stride};
+    static constexpr bool applicable = D.exceeds_near_caches() && large_convolution::fits(convolution);
+    static constexpr std::size_t output_stride = convolution.output_stride();
+
+    template <class Weight>
+    static constexpr void pack(const Weight& weight, const float* biases, float* to) {
+        panel_method<convolution>::pack(
+            [&](std::size_t o, std::size_t channel, std::size_t row, std::size_t column) {
+                return weight(o, channel, row * D.input.columns + column);
+            },
+            biases, to);
+    }
+};
+
+/// The chosen one for a dense layer.
+template <frame_dense D>
+using dense_method = typename method_list<direct_dense_method<D>, panel_dense_method<D>>::cheapest;
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

@@ -10,8 +10,8 @@
 #include <numeric>
 
 // The convolution of one frame as a compile-time description: what is computed, and how it is cut into
-// register blocks. Each method of computing it (direct.hpp, winograd.hpp, …) is a template on this
-// description; convolution_method.hpp chooses one.
+// register blocks. Each method of computing it (frame/direct.hpp, …) is a template on this
+// description; frame/methods.hpp chooses one.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -84,9 +84,9 @@ struct frame_convolution {
     static constexpr std::size_t max_pool_area = 12;
     static_assert(max_pool_area <= max_block_sums);
 
-    /// Whether there is one filter for each channel, which sees no other.
+    /// Whether each channel is a group of its own, with one filter or several.
     [[nodiscard]] constexpr bool is_depthwise() const {
-        return groups > 1 && groups == filters && groups == window.input.channels;
+        return groups > 1 && groups == window.input.channels;
     }
 
     [[nodiscard]] constexpr std::size_t output_rows() const {
@@ -165,9 +165,13 @@ template <frame_convolution C, class Weight>
 /// vector; their constants are rounded from times of layers (benchmark_plan) on several processors, with 16
 /// and 32 registers.
 struct frame_method {
-    static constexpr extent2d tile = 0;               ///< outputs of a Winograd tile
-    static constexpr bool large = false;              ///< whether threads share a frame, and frames a layer
-    static constexpr std::size_t frames_together = 1; ///< frames that run_frames computes in one call
+    static constexpr extent2d tile = 0;  ///< outputs of a Winograd tile
+    static constexpr bool large = false; ///< whether threads share a frame, and frames a layer
+    /// No sum inside a method exceeds so many times the bound of its outputs. Winograd's factors add up to
+    /// 13.8 for one weight, 189 in two directions. One number for all methods: limits of inputs, which files
+    /// hold, must not depend on the method, which the instruction set decides.
+    static constexpr double growth = 256;
+    static constexpr std::size_t frames_together = 1;    ///< frames that run_frames computes in one call
     static constexpr std::size_t workspace_elements = 0; ///< whole cache lines
 
     static constexpr std::uint64_t product = 20; ///< the cost of a multiply-add of a vector

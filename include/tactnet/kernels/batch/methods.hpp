@@ -40,8 +40,8 @@ using lane_convolution =
 /// The cheapest method for the weight gradient of the convolution `C`.
 template <batch_convolution C, class T>
 using weight_gradient =
-    typename method_list<depthwise_gradient<C, T>, direct_gradient<C, T>, channel_gradient<C, T>,
-                         winograd_gradient<C, T>, separate_groups_gradient<C, T>>::cheapest;
+    typename method_list<depthwise_gradient<C, T>, tap_gradient<C, T>, winograd_gradient<C, T>,
+                         separate_groups_gradient<C, T>>::cheapest;
 
 /// A convolution in groups, one group after the other.
 template <batch_convolution C, class T>
@@ -55,12 +55,13 @@ struct separate_groups_lane_method<C, T> {
     static constexpr std::size_t workspace_elements = method::workspace_elements;
 
     template <class Weight>
-    static void pack(T* packed, Weight&& weight) {
+    static void pack(const Weight& weight, T* to) {
         for (std::size_t group = 0; group < C.groups; ++group)
-            method::pack(packed + group * method::packed_elements,
-                         [&](std::size_t output, std::size_t input, std::size_t row, std::size_t column) {
-                             return weight(group * one.output.channels + output, input, row, column);
-                         });
+            method::pack(
+                [&](std::size_t output, std::size_t input, std::size_t row, std::size_t column) {
+                    return weight(group * one.output.channels + output, input, row, column);
+                },
+                to + group * method::packed_elements);
     }
     static void run(const T* packed, const T* bias, const T* input, T* output, T* workspace) {
         for (std::size_t group = 0; group < C.groups; ++group)

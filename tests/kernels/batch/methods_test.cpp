@@ -1,4 +1,4 @@
-#include <tactnet/kernels/batch/convolution_method.hpp>
+#include <tactnet/kernels/batch/methods.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
