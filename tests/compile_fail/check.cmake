@@ -1,11 +1,12 @@
-# One case: a source file that must not compile. Its first lines say what the compiler must print:
+# One case: code that must not compile, a source file or, where several stand in one, its part between #ifdef CASE_name
+# and #endif. The first lines say what the compiler must print:
 #
 #   // expect: a regular expression, in CMake's dialect (no \d, no {n}), found somewhere in the output
 #   // expect: another; all must be found
 #   // at-most: 1          errors, so that the sentence is not buried under others (optional)
 #   // characters: 20000   of output at most, for the same reason (optional)
 #
-# cmake -DCOMPILER=... -DSOURCE=... -DINCLUDES=a|b -DDEFINITIONS=a|b -DOPTIONS=a|b -DPRECOMPILED=<header> -P check.cmake
+# cmake -DCOMPILER=... -DSOURCE=... -DCASE=... -DINCLUDES=a|b -DDEFINITIONS=a|b -DOPTIONS=a|b -DPRECOMPILED=<header> -P check.cmake
 cmake_minimum_required(VERSION 3.22)
 
 set(arguments -std=c++20)
@@ -34,10 +35,21 @@ endif()
 
 # The leading spaces keep CMake from breaking the lines.
 function(fail text)
-    message(FATAL_ERROR "  ${SOURCE}: ${text}")
+    message(FATAL_ERROR "  ${SOURCE} ${CASE}: ${text}")
 endfunction()
 
 file(READ "${SOURCE}" rest)
+if(CASE)
+    list(APPEND arguments -DCASE_${CASE})
+    set(line "#ifdef CASE_${CASE}\n")
+    string(FIND "${rest}" "${line}" begin)
+    if(begin EQUAL -1)
+        fail("has no such case.")
+    endif()
+    string(LENGTH "${line}" length)
+    math(EXPR begin "${begin} + ${length}")
+    string(SUBSTRING "${rest}" ${begin} -1 rest)
+endif()
 set(patterns 0)
 set(at_most "")
 set(characters "")
@@ -56,7 +68,7 @@ while(rest MATCHES "^// *(expect|at-most|characters): *([^\n]*)\n")
     endif()
 endwhile()
 if(patterns EQUAL 0)
-    fail("says nothing of what is expected: its first line must be '// expect: ...'.")
+    fail("says nothing of what is expected: the first line must be '// expect: ...'.")
 endif()
 
 set(ENV{LC_ALL} C) # quotation marks and words as they are written in the cases

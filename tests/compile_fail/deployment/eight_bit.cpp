@@ -1,0 +1,46 @@
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/quantisation/calibration.hpp>
+
+#ifdef CASE_average_pool_first
+// expect: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = tactnet::network<tactnet::shape{8, 8}, tactnet::average_pool<2>, tactnet::conv2d<4, 3>,
+                             tactnet::dense<2>>;
+constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_pool_first
+// expect: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net =
+    tactnet::network<tactnet::shape{8, 8}, tactnet::max_pool<2>, tactnet::conv2d<4, 3>, tactnet::dense<2>>;
+constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_relu_first
+// expect: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = tactnet::network<tactnet::shape{8, 8}, tactnet::relu, tactnet::conv2d<4, 3>, tactnet::dense<2>>;
+constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_residual_first
+// expect: in this number format a network cannot begin with a residual block that passes its input on
+// at-most: 3
+using net = tactnet::network<tactnet::shape{4, 4, 2},
+                             tactnet::residual<tactnet::sequence<tactnet::conv2d<2, 3>>>, tactnet::dense<2>>;
+constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_softmax_within
+// expect: in this number format a softmax must be the last layer
+// at-most: 2
+using net =
+    tactnet::network<tactnet::shape{8, 8}, tactnet::conv2d<4, 3>, tactnet::softmax, tactnet::dense<2>>;
+tactnet::frame_status recognise(const tactnet::deployed<net, tactnet::eight_bit>& deployed,
+                                tactnet::tensor_view<const float, net::input_shape> frame,
+                                std::span<float, net::outputs> logits) {
+    return deployed.infer(frame, logits);
+}
+#endif

@@ -1,0 +1,101 @@
+#include <tactnet/sensors.hpp>
+#include <tactnet/tactnet.hpp>
+
+#include <array>
+#include <span>
+#include <vector>
+
+using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
+
+#ifdef CASE_frame_of_other_shape
+// expect: deployed: the frame has another shape than the network's input; frame_has_shape shows its rows, columns and channels, then those expected
+// expect: Rows == ExpectedRows .with .*Rows = |frame_has_shape<50UL, 28UL, 1UL, 28UL, 50UL, 1UL>
+// at-most: 1
+bool recognise(const tactnet::deployed<net>& fast,
+               const tactnet::tensor<float, tactnet::shape{50, 28}>& frame, std::span<float, 22> outputs,
+               tactnet::deployed<net>::workspace& memory) {
+    return fast.infer(frame, outputs, memory) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_frame_of_other_size
+// expect: deployed: the frame has another number of elements than the network's input; frame_has_size shows found, expected
+// expect: ExpectedElements = 1400; Elements = 1399|frame_has_size<1399UL, 1400UL>
+// at-most: 1
+std::size_t recognise(const tactnet::deployed<net>& model) {
+    const std::array<std::uint8_t, 1399> frame{};
+    const auto found = model.classify(frame);
+    return found ? found->index : 0;
+}
+#endif
+
+#ifdef CASE_frame_of_other_type
+// expect: deployed: the elements of a frame are counts, std::uint8_t, or float; frame_has_type shows what was found
+// expect: Element = short unsigned int|'unsigned short' does not satisfy 'frame_has_type'
+// at-most: 1
+bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint16_t, 28 * 50>& frame,
+               std::span<float, 22> outputs) {
+    return fast.view().infer(frame, outputs) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_frame_of_sensor
+// expect: deployed: the size of this frame is known at run time only: check it with frame.as<network::input_shape>.., which returns nothing for another size
+// at-most: 1
+std::size_t recognise(const tactnet::deployed<net>& model, const tactnet::frame_view& frame) {
+    if (const auto found = model.classify(frame))
+        return found->index;
+    return 0;
+}
+#endif
+
+#ifdef CASE_frame_of_unknown_size
+// expect: deployed: the size of this frame is known at run time only: check it with try_view<network::input_shape>.frame., which returns nothing for another size, and pass what that holds
+// at-most: 1
+std::size_t recognise(const tactnet::deployed<net>& model, const std::vector<float>& frame,
+                      tactnet::deployed<net>::workspace& memory) {
+    if (const auto found = model.classify(frame, memory))
+        return found->index;
+    return 0;
+}
+#endif
+
+#ifdef CASE_frames_in_array
+// expect: deployed: frames for a pool are a contiguous container with data.* and size
+// at-most: 2
+std::uint8_t frames[64][28][50];
+
+bool infer(const tactnet::deployed<net>& fast, std::vector<float>& outputs, tactnet::thread_pool& pool) {
+    static_cast<void>(fast.classify(&frames[0][0][0], pool));
+    return fast.infer(frames, outputs, pool) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_frames_of_other_size
+// expect: deployed: the frame has another number of elements than the network's input; frame_has_size shows found, expected
+// expect: ExpectedElements = 1400; Elements = 1399|frame_has_size<1399UL, 1400UL>
+// at-most: 1
+bool infer(const tactnet::deployed<net>& fast, const std::vector<std::array<std::uint8_t, 1399>>& frames,
+           std::vector<float>& outputs, tactnet::thread_pool& pool) {
+    return fast.infer(frames, outputs, pool) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_frames_of_other_type
+// expect: deployed: the elements of a frame are counts, std::uint8_t, or float; frame_has_type shows what was found
+// expect: Element = double|'double' does not satisfy 'frame_has_type'
+// at-most: 1
+auto classify(const tactnet::deployed<net>& fast, const std::vector<double>& frames,
+              tactnet::thread_pool& pool) {
+    return fast.classify(frames, pool);
+}
+#endif
+
+#ifdef CASE_frames_of_views
+// expect: deployed: frames for a pool lie one after the other in memory, which views need not
+// at-most: 1
+bool infer(const tactnet::deployed<net>& fast, const std::vector<std::span<const std::uint8_t, 1400>>& frames,
+           std::vector<float>& outputs, tactnet::thread_pool& pool) {
+    return fast.infer(frames, outputs, pool) == tactnet::frame_status::ok;
+}
+#endif

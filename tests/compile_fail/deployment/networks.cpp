@@ -1,0 +1,32 @@
+#include <tactnet/tactnet.hpp>
+
+#ifdef CASE_residual_ends_in_relu
+// expect: deploy: the main branch of a residual block must end in a convolution, with or without batch norm
+// at-most: 1
+// characters: 30000
+using net = tactnet::network<tactnet::shape{28, 50}, tactnet::conv2d<8, 5>,
+                             tactnet::residual<tactnet::sequence<tactnet::conv2d<8, 3>, tactnet::relu>>,
+                             tactnet::dense<22>>;
+const auto made = tactnet::deploy(net{});
+#endif
+
+#ifdef CASE_unknown_layer
+// expect: deploy: a layer of this kind has no lowering; has_lowering shows it
+// expect: doubling
+// at-most: 1
+struct doubling : tactnet::relu {};
+
+using net = tactnet::network<tactnet::shape{5, 4, 1}, tactnet::conv2d<2, 3>, doubling, tactnet::dense<3>>;
+auto deployed = tactnet::deploy(net{});
+#endif
+
+#ifdef CASE_workspace_too_large_for_stack
+// expect: deployed: this network needs more workspace than a stack should hold: give it some from the heap; fits_stack shows bytes needed, bytes at most
+// at-most: 1
+using net = tactnet::network<tactnet::shape{200, 200}, tactnet::conv2d<16, 1>, tactnet::dense<1>>;
+
+bool recognise(const tactnet::deployed<net>& fast, tactnet::tensor_view<const float, net::input_shape> frame,
+               std::span<float, 1> to) {
+    return fast.infer(frame, to) == tactnet::frame_status::ok;
+}
+#endif

@@ -1,0 +1,142 @@
+#include <tactnet/networks.hpp>
+
+#ifdef CASE_average_pool_window_too_large
+// expect: pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
+// expect: average_pool<
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::average_pool<8, 1, tactnet::padding::valid>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_concatenation_maps_disagree
+// expect: concatenation: all branches must give the same rows and columns; maps_agree shows those of a branch, then those of the first
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6},
+                             tactnet::concatenation<tactnet::conv2d<8, 3>, tactnet::conv2d<8, 3, 2>>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_conv2d_groups_do_not_divide
+// expect: conv2d: groups must divide the channels of the input and the filters; groups_divide shows groups, channels, filters
+// expect: Filters = 8|groups_divide<3UL, 6UL, 8UL>
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6},
+                             tactnet::conv2d<8, 3, 1, tactnet::padding::same, tactnet::in_groups(3)>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_conv2d_kernel_too_large
+// expect: conv2d: the kernel is larger than the padded input; kernel_fits_padded_input shows kernel rows, kernel columns, padded rows, padded columns
+// expect: PaddedRows = 4; KernelRows = 5|kernel_fits_padded_input<5UL, 3UL, 4UL, 9UL>
+// at-most: 1
+using net = tactnet::network<tactnet::shape{4, 9, 1},
+                             tactnet::conv2d<8, tactnet::extent2d{5, 3}, 1, tactnet::padding::valid>,
+                             tactnet::relu, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_conv2d_no_filters
+// expect: conv2d: filters, kernel and stride must be at least 1
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::conv2d<0, 3>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_conv2d_no_stride
+// expect: conv2d: filters, kernel and stride must be at least 1
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::conv2d<8, 3, 0>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_dense_no_outputs
+// expect: dense: there must be at least one output
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dense<0>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_dropout_of_everything
+// expect: dropout: the percentage must be below 100
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dropout<100>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_incomplete_layer
+// expect: sequence: expected a layer; the concept layer shows what is missing
+// expect: backward
+// at-most: 1
+// characters: 16000
+struct forward_only {
+    static constexpr std::string_view name = "forward_only";
+    static constexpr bool numbered = true;
+    static constexpr tactnet::layer_costs costs(const tactnet::shape& input) { return {.output = input}; }
+
+    template <class T, tactnet::shape Input>
+    struct layer : tactnet::layer_base<T, Input, forward_only> {
+        static void infer(const tactnet::execution_context&, const T*, const T*, tactnet::no_memory&,
+                          tactnet::input_view<T, Input>, tactnet::output_view<T, Input>) {}
+    };
+};
+using net = tactnet::network<tactnet::shape{28, 50}, tactnet::conv2d<8, 5>, forward_only, tactnet::dense<22>>;
+void prepare(const net& network, tactnet::thread_pool& threads, net::workspace& space) {
+    network.prepare(threads, space);
+}
+#endif
+
+#ifdef CASE_max_pool_padding_too_large
+// expect: pool: the padding must be smaller than the window, or a window holds no pixel; every_window_holds_a_pixel shows rows and columns of padding on one side, window rows, window columns
+// expect: WindowRows = 2; PaddingRows = 2|every_window_holds_a_pixel<2UL, 2UL, 2UL, 2UL>
+// expect: max_pool<
+// at-most: 1
+using net =
+    tactnet::network<tactnet::shape{7, 13, 1}, tactnet::max_pool<2, 1, tactnet::pad(2)>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_max_pool_window_too_large
+// expect: pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
+// expect: PaddedColumns = 4; WindowColumns = 5|window_fits_padded_input<5UL, 5UL, 7UL, 4UL>
+// expect: max_pool<
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 4, 1}, tactnet::conv2d<8, 3>, tactnet::relu,
+                             tactnet::max_pool<5, 1, tactnet::padding::valid>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_residual_branches_disagree
+// expect: residual: both branches must give the same shape; branches_agree shows rows, columns and channels of the main branch, then those of the skip
+// expect: SkipChannels = 8; MainChannels = 16|branches_agree<7UL, 13UL, 16UL, 7UL, 13UL, 8UL>
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::conv2d<8, 3>,
+                             tactnet::residual<tactnet::sequence<tactnet::conv2d<16, 3>, tactnet::relu>>,
+                             tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_specification_without_layer
+// expect: network: each entry of a list must be a layer specification, with name, numbered, costs.const shape&. and a template layer<class, shape>; layer_specification shows what is missing
+// expect: layer
+// at-most: 1
+// characters: 16000
+struct unbound {
+    static constexpr std::string_view name = "unbound";
+    static constexpr bool numbered = true;
+    static constexpr tactnet::layer_costs costs(const tactnet::shape& input) { return {.output = input}; }
+};
+using net = tactnet::network<tactnet::shape{28, 50}, tactnet::conv2d<8, 5>,
+                             tactnet::residual<tactnet::sequence<unbound>>, tactnet::dense<22>>;
+static_assert(net::outputs == 22);
+const net made;
+#endif
+
+#ifdef CASE_type_without_specification
+// expect: network: each entry of a list must be a layer specification, with name, numbered, costs.const shape&. and a template layer<class, shape>; layer_specification shows what is missing
+// expect: .Spec::name. (is|would be) invalid
+// at-most: 1
+// characters: 16000
+using net = tactnet::network<tactnet::shape{28, 50}, tactnet::conv2d<8, 5>, int, tactnet::dense<22>>;
+static_assert(net::outputs == 22);
+const net made;
+#endif
