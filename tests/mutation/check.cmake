@@ -1,6 +1,6 @@
-# A header of which the tests know one half. Every line of what the script records is known.
+# A header of which the tests cover one half: each result of mutate.py is known.
 #
-# cmake -DPYTHON=<program> -DSCRIPT=<scripts/mutate> -DCOMPILER=<compiler> -DFOLDER=<to work in> -P check.cmake
+# cmake -DPYTHON=<program> -DSCRIPT=<tests/mutation/mutate.py> -DCOMPILER=<compiler> -DFOLDER=<to work in> -P check.cmake
 cmake_minimum_required(VERSION 3.22)
 
 file(REMOVE_RECURSE "${FOLDER}")
@@ -33,7 +33,7 @@ TEST_CASE("sums: products and signs") {
 set(command "${PYTHON}" "${SCRIPT}" --tree "${FOLDER}" --compiler "${COMPILER}" --flags=-O0 --count 100 --each 100)
 execute_process(COMMAND ${command} OUTPUT_VARIABLE output ERROR_VARIABLE errors RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
-    message(FATAL_ERROR "scripts/mutate failed: ${errors}")
+    message(FATAL_ERROR "tests/mutation/mutate.py failed: ${errors}")
 endif()
 foreach(
     expected IN
@@ -49,17 +49,17 @@ foreach(
     endif()
 endforeach()
 
-# What is recorded is not tried again.
+# A second run resumes: nothing is left to do.
 execute_process(COMMAND ${command} OUTPUT_VARIABLE again)
 if(again MATCHES "min left" OR NOT again MATCHES "\\| all \\|")
     message(FATAL_ERROR "Expected the table alone, found:\n${again}")
 endif()
 
 # All at once: the same is noticed where a switch can show it, and what runs only while compiling is left to the other way.
-file(REMOVE "${FOLDER}/tests/mutation/mutants.jsonl")
+file(REMOVE "${FOLDER}/output/mutants.jsonl")
 execute_process(COMMAND ${command} --together OUTPUT_VARIABLE output ERROR_VARIABLE errors RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
-    message(FATAL_ERROR "scripts/mutate --together failed: ${errors}")
+    message(FATAL_ERROR "tests/mutation/mutate.py --together failed: ${errors}")
 endif()
 foreach(
     expected IN

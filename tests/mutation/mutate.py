@@ -1,0 +1,505 @@
+#!/usr/bin/env python3
+"""Measures the tests: changes one thing in a header, and sees whether a test fails.
+
+    tests/mutation/mutate.py --count 60                        60 mutants, from all rooms in turn
+    tests/mutation/mutate.py --rooms svm,io --count 20         from two rooms
+    tests/mutation/mutate.py --at svm/multiclass.hpp:79        all mutants of a line
+    tests/mutation/mutate.py --together --each 10 --count 400  many at a time: compiled once, chosen when a test runs
+
+--seed alone decides which mutants are made. Each result is a line of output/mutants.jsonl, or of the file that --results
+names, as soon as it is known; a run that was stopped resumes there. A mutant is compiled with the smallest tests that include
+its header, up to --units of them, until one fails: the test of the header itself first. With --together the headers contain
+all mutants at once, each behind a switch (switches.hpp), so that a test is compiled once for all of them and run once for
+each; code that runs only while compiling has no switch and needs a run without --together. The source tree stays unchanged.
+Needs Python 3, a compiler, and what the tests need.
+"""
+
+import argparse
+import json
+import os
+import random
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+HEADERS = ROOT / "include" / "tactnet"
+TESTS = ROOT / "tests"
+HERE = Path(__file__).resolve().parent
+LIMIT = 120  # seconds that an unchanged test may take
+
+# The changes. clang-format puts spaces around an operator, and none around the brackets of a template.
+SWAPS = [
+    (r" < ", " <= "), (r" <= ", " < "), (r" > ", " >= "), (r" >= ", " > "),
+    (r" == ", " != "), (r" != ", " == "), (r" && ", " || "), (r" \|\| ", " && "),
+    (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" / ", " * "), (r" % ", " / "),
+    (r" \+= ", " -= "), (r" -= ", " += "), (r"\btrue\b", "false"), (r"\bfalse\b", "true"),
+    (r"\bstd::min\b", "std::max"), (r"\bstd::max\b", "std::min"),
+    (r"\+\+(?=\w)", "--"), (r"(?<=[(\s])!(?=[\w(])", ""),
+]
+NUMBER = re.compile(r"(?<![\w.'<])(\d+(?:\.\d+)?(?:e[+-]?\d+)?)(?![\w.'>])")
+STATEMENT = re.compile(r"^(\s+)([A-Za-z_][\w:.\->\[\]]*(?:\(.*\)|\s*[-+*/|&]?=\s.+));$")
+NO_STATEMENT = re.compile(r"^\s*(return|using|static|const|constexpr|auto|throw|friend|typename|template|case|goto|else)\b")
+LEFT_OUT = re.compile(r"^\s*(#|//|static_assert|namespace|inline namespace|template|using|friend|requires|concept)")
+
+
+@dataclass
+class Mutant:
+    header: str
+    line: int
+    column: int
+    before: str
+    after: str
+    text: str
+
+    @property
+    def key(self):
+        return (self.header, self.text.strip(), self.column - len(self.text) + len(self.text.lstrip()), self.after)
+
+    def apply(self, source):
+        lines = source.split("\n")
+        text = lines[self.line - 1]
+        lines[self.line - 1] = text[: self.column] + self.after + text[self.column + len(self.before):]
+        return "\n".join(lines)
+
+
+def mutants_of(path):
+    """Returns all mutants of a header, from top to bottom."""
+    header = path.relative_to(HEADERS).as_posix()
+    found, in_sentence = [], False
+    for number, text in enumerate(path.read_text().split("\n"), 1):
+        # A static_assert over several lines is a check, not something to be checked.
+        in_sentence = in_sentence or bool(re.match(r"\s*static_assert", text))
+        if in_sentence or LEFT_OUT.match(text):
+            in_sentence = in_sentence and not text.rstrip().endswith(";")
+            continue
+        code = re.sub(r"//.*", "", text).rstrip()
+        blank = re.sub(r'"(?:[^"\\]|\\.)*"', lambda m: "\x00" * len(m.group()), code)
+        for pattern, after in SWAPS:
+            found += [Mutant(header, number, m.start(), m.group(), after, text) for m in re.finditer(pattern, blank)]
+        for m in NUMBER.finditer(blank):
+            value = m.group(1)
+            after = str(int(value) + 1) if value.isdigit() else repr(2 * float(value))
+            found.append(Mutant(header, number, m.start(1), value, after, text))
+        statement = STATEMENT.match(code)
+        if statement and not NO_STATEMENT.match(code) and "\x00" not in blank:
+            found.append(Mutant(header, number, statement.start(2), statement.group(2), "", text))
+    return found
+
+
+def chosen(options):
+    """Returns the mutants in the order in which they are tried: from all rooms in turn."""
+    rooms = {}
+    for path in sorted(HEADERS.rglob("*.hpp")):
+        header = path.relative_to(HEADERS).as_posix()
+        if "/" in header and (not options.rooms or header.split("/")[0] in options.rooms):
+            rooms.setdefault(header.split("/")[0], []).extend(mutants_of(path))
+    if options.at:
+        wanted = {tuple(place.split(":")) for place in options.at}
+        return [m for room in rooms.values() for m in room if (m.header, str(m.line)) in wanted]
+    # Mutants of one header follow each other, so that the unchanged tests are built once.
+    for room, mutants in rooms.items():
+        draw = random.Random(f"{options.seed}/{room}")
+        headers = {}
+        for mutant in mutants:
+            headers.setdefault(mutant.header, []).append(mutant)
+        groups = [draw.sample(of, min(options.each, len(of))) for of in headers.values()]
+        draw.shuffle(groups)
+        rooms[room] = [group for group in groups if group]
+    order = []
+    while any(rooms.values()) and len(order) < options.count:
+        order += [mutant for groups in rooms.values() if groups for mutant in groups.pop()]
+    return order[: options.count]
+
+
+class Tests:
+    """Finds the tests that see a header, by their includes."""
+
+    def __init__(self):
+        self.closures = {}
+        self.files = {path: self.reached(path) for path in sorted(TESTS.rglob("*_test.cpp"))
+                      if "wrong" not in path.as_posix() and "hard_cases" not in path.parts
+                      and "examples" not in path.parts and "peers" not in path.name}
+
+    def included(self, path):
+        return re.findall(r'#include [<"]([\w/.]+)[>"]', path.read_text())
+
+    def reached(self, path):
+        """Returns all headers of the library that a file includes, directly or not."""
+        if path in self.closures:
+            return self.closures[path]
+        self.closures[path] = reached = set()
+        for name in self.included(path):
+            if name.startswith("tactnet/"):
+                header = name[len("tactnet/"):]
+                if (HEADERS / header).exists():
+                    reached.add(header)
+                    reached |= self.reached(HEADERS / header)
+            else:
+                folders = (path.parent, TESTS, TESTS / path.relative_to(ROOT).parts[1])
+                for folder in [folder for folder in folders if (folder / name).exists()][:1]:
+                    reached |= self.reached(folder / name)
+        return reached
+
+    def of(self, header):
+        """Nearest first: the header's own test, tests of its room, tests that include it, all others; small ones first."""
+        stem = header[: -len(".hpp")]
+
+        def distance(path):
+            test = path.relative_to(TESTS).as_posix()
+            own = re.fullmatch(re.escape(stem) + r"(_\w+)?_test\.cpp", test) is not None
+            same_room = test.split("/")[0] == header.split("/")[0]
+            direct = "tactnet/" + header in self.included(path)
+            return (not own, not same_room, not direct, len(self.files[path]), test)
+
+        return sorted((path for path, seen in self.files.items() if header in seen), key=distance)
+
+
+class Builder:
+    """Compiles tests against a copy of the headers."""
+
+    def __init__(self, options):
+        self.options = options
+        self.folder = Path(tempfile.mkdtemp(prefix="mutate_"))
+        shutil.copytree(ROOT / "include", self.folder / "include")
+        self.flags = ["-std=c++20", *options.flags.split(), "-w", f'-DTACTNET_SOURCE_DIR="{ROOT}"',
+                      "-DDOCTEST_CONFIG_SUPER_FAST_ASSERTS", f"-I{self.folder}/include", f"-I{TESTS}",
+                      f"-I{TESTS}/support/files"]
+        self.flags += [f"-isystem{folder}/eigen3" for folder in ("/usr/include", "/usr/local/include")]
+        # Headers of other libraries are precompiled. A compiler with other flags ignores the precompiled header.
+        self.precompiled = ["-include", str(self.folder / "precompiled.hpp")]
+        shutil.copy(TESTS / "support" / "precompiled.hpp", self.folder)
+        subprocess.run([options.compiler, *self.flags, "-x", "c++-header", self.precompiled[1]], capture_output=True)
+        self.baselines = {}
+        self.complete = False
+        self.for_helpers = []
+        self.help_with([TESTS / "support" / "main.cpp", TESTS / "support" / "allocations.cpp"])
+
+    def help_with(self, sources):
+        """Adds the shared sources of tests to an archive, from which the linker takes what a test needs."""
+        helpers = []
+        for source in sources:
+            output = self.folder / f"helper_{source.stem}.o"
+            if self.compile(source, output, self.for_helpers, []).returncode == 0:
+                helpers.append(output)
+        subprocess.run(["ar", "rcs", self.folder / "helpers.a", *helpers], check=True)
+
+    def compile(self, source, output, extra, first=None):
+        first = self.precompiled if first is None else first
+        room = TESTS / source.relative_to(TESTS).parts[0]
+        command = [self.options.compiler, *self.flags, *first, *extra, "-I", room, "-c", source, "-o", output]
+        try:
+            return subprocess.run(command, capture_output=True, text=True, timeout=600)
+        except subprocess.TimeoutExpired:
+            return subprocess.CompletedProcess(command, 1, "", "compiler: time-out")
+
+    def link(self, objects, program):
+        """Links; if that fails for the first time, once more with everything in tests/support."""
+        command = [self.options.compiler, *objects, "-Wl,--whole-archive", self.folder / "helper_main.o",
+                   "-Wl,--no-whole-archive", self.folder / "helpers.a", "-lpthread", "-o", program]
+        if subprocess.run(command, capture_output=True).returncode == 0:
+            return True
+        if self.complete:
+            return False
+        self.complete = True
+        self.help_with(sorted((TESTS / "support").rglob("*.cpp")))
+        return self.link(objects, program)
+
+    def run(self, program, seconds, more={}):
+        """Limits the processor time, so that a busy machine kills no mutant; returns (None, …) if it took too long."""
+        def limits():
+            resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 2))
+
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        try:
+            done = subprocess.run([str(program), "--abort-after=1", "--no-breaks"], capture_output=True, text=True,
+                                  errors="replace", timeout=10 * seconds + 60, cwd=self.folder,
+                                  env={**os.environ, **more}, preexec_fn=limits)
+        except subprocess.TimeoutExpired:
+            return None, seconds
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        if done.returncode == -9 and used < seconds:
+            sys.exit(f"{program.name}: ended from outside, not by its limit of time; is there memory enough?")
+        return (None if done.returncode in (-24, -9) else done), used
+
+    def baseline(self, test):
+        """Returns (object code, seconds of a run) of the unchanged test; None if it fails."""
+        if test not in self.baselines:
+            unit, program = self.folder / "unit.o", self.folder / "program"
+            self.baselines[test] = None
+            if self.compile(test, unit, []).returncode == 0 and self.link([unit], program):
+                done, seconds = self.run(program, LIMIT)
+                if done is not None and done.returncode == 0:
+                    self.baselines[test] = (unit.read_bytes(), seconds)
+        return self.baselines[test]
+
+    def with_header(self, header, source):
+        (self.folder / "include" / "tactnet" / header).write_text(source)
+
+
+def killed_by(test, done):
+    """Names the failed test case, the last one that is printed, or how the program ended."""
+    name = test.relative_to(TESTS).as_posix()
+    if done is None:
+        return name + ": time-out"
+    cases = re.findall(r"^TEST CASE:\s+(.*)$", done.stdout, re.MULTILINE)
+    status = done.returncode
+    return f"{name}: {cases[-1].strip() if cases else f'signal {-status}' if status < 0 else f'exit {status}'}"
+
+
+def tried(builder, mutant, test):
+    """Returns (result, by what) of one mutant and one test."""
+    before = builder.baseline(test)
+    if before is None:
+        return "left out", ""
+    source = (HEADERS / mutant.header).read_text()
+    unit, program = builder.folder / "unit.o", builder.folder / "program"
+    builder.with_header(mutant.header, mutant.apply(source))
+    try:
+        compiled = builder.compile(test, unit, [])
+    finally:
+        builder.with_header(mutant.header, source)
+    if compiled.returncode < 0 or "terminated program" in compiled.stderr:
+        sys.exit("The compiler was ended from outside; the results so far are kept.")
+    if compiled.returncode != 0:
+        # A test's static_assert is a test.
+        if re.search(re.escape(str(TESTS)) + r"\S+ error: (static assertion|static_assert)", compiled.stderr):
+            return "killed", f"{test.relative_to(TESTS).as_posix()}: static_assert"
+        return "does not compile", ""
+    if unit.read_bytes() == before[0]:
+        return "same code", ""
+    if not builder.link([unit], program):
+        return "does not compile", ""
+    done, _ = builder.run(program, max(2.0, 5 * before[1]))
+    return ("survived", "") if done is not None and done.returncode == 0 else ("killed", killed_by(test, done))
+
+
+def outcome(builder, tests, mutant, options):
+    """Returns killed, survived, same code (in all tests that were tried), does not compile, or no test."""
+    results = []
+    for test in tests.of(mutant.header):
+        if len(results) == options.units:
+            break
+        result, by = tried(builder, mutant, test)
+        if result == "left out":
+            continue
+        results.append(result)
+        if result in ("killed", "does not compile"):
+            return result, by
+    return ("survived" if "survived" in results else "same code" if "same code" in results else "no test"), ""
+
+
+NAMES = {"<": "lt", "<=": "le", ">": "gt", ">=": "ge", "==": "eq", "!=": "ne", "+": "plus", "-": "minus", "*": "times",
+         "/": "over", "%": "rest", "+=": "add", "-=": "take"}
+
+
+def condition(text, column):
+    """Returns where the condition around an operator begins and ends in its line, or None."""
+    def end_of(places, inner, outer, ends):
+        depth = 0
+        for at in places:
+            depth += (text[at] in inner) - (text[at] in outer)
+            if depth < 0 or (depth == 0 and ends(at)):
+                return at
+        return None
+
+    begin = end_of(range(column - 1, -1, -1), ")]}", "([{", lambda at: text[: at + 1].endswith(("return ", " = ")))
+    end = end_of(range(column, len(text)), "([{", ")]}", lambda at: text[at] == ";")
+    if begin is None or end is None or re.search(r"[;,?]", text[begin + 1:end]):
+        return None
+    return begin + 1, end
+
+
+def edits(mutant, number):
+    """Returns (begin, end, text) in the mutant's line; [] where a switch is not possible."""
+    at, end, one = mutant.column, mutant.column + len(mutant.before), mutant.before.strip()
+    text = mutant.text
+    if mutant.after == "" and len(one) > 1:
+        return [(at, at, f"{{ if (!mutants::on<{number}>()) "), (end + 1, end + 1, " }")]
+    if one in ("&&", "||"):
+        code = re.sub(r"//.*", "", text)
+        around = condition(code, at)
+        if around is None:
+            return []
+        begin, stop = around
+        changed = code[begin:at] + mutant.after + code[end:stop]
+        return [(begin, begin, f"(mutants::on<{number}>() ? ({changed}) : ("), (stop, stop, "))")]
+    if one in NAMES:
+        return [(at, end, f" {one} mutants::{NAMES[one]}<{number}> {one} ")]
+    if one in ("true", "false"):
+        return [(at, end, f"mutants::flag<{number}>({one})")]
+    if one in ("std::min", "std::max"):
+        if text[end:end + 1] == "<":
+            return [(at, end + 1, f"mutants::{one[5:]}<{number}, ")]
+        return [(at, end, f"mutants::{one[5:]}<{number}>")]
+    if one == "++":
+        return [(at, end, f"mutants::down<{number}> += ")] if re.search(r"(; |^\s*)$", text[:at]) else []
+    if one == "!":
+        return [(at, end, f"mutants::on<{number}>() == !!")]
+    if re.search(r"\)[\w ]* = $", text[:at]):
+        return []  # a pure function
+    return [(at, end, f"mutants::number<{number}>({mutant.before}, {mutant.after})")]
+
+
+class Together:
+    """Builds programs that contain all mutants at once."""
+
+    def __init__(self, builder, mutants):
+        self.builder = builder
+        self.mutants = dict(enumerate(mutants, 1))
+        self.dropped, self.programs = set(), {}
+        subprocess.run([builder.options.compiler, "-c", HERE / "switch_main.cpp", "-o", builder.folder / "switch_main.o"],
+                       check=True)
+        builder.for_helpers = ["-Wno-narrowing", "-include", str(HERE / "switches.hpp")]
+        for header in sorted({mutant.header for mutant in mutants}):
+            self.write(header)
+
+    def write(self, header):
+        lines = (HEADERS / header).read_text().split("\n")
+        of = {}
+        for number, mutant in self.mutants.items():
+            if mutant.header == header and number not in self.dropped:
+                of.setdefault(mutant.line, []).extend(edits(mutant, number))
+        for line, all_edits in of.items():
+            text = lines[line - 1]
+            # From the right, so that places stay; of insertions at one place the last one comes to stand first.
+            for begin, end, new in sorted(all_edits, key=lambda edit: (edit[0], edit[1]), reverse=True):
+                text = text[:begin] + new + text[end:]
+            lines[line - 1] = text
+        self.builder.with_header(header, "\n".join(lines))
+
+    def program(self, test):
+        """Returns (program, CPU seconds, mutants in it, mutants that a run reaches), or None if it fails unchanged."""
+        if test in self.programs:
+            return self.programs[test]
+        self.programs[test] = None
+        builder = self.builder
+        stem = builder.folder / "_".join(test.relative_to(TESTS).with_suffix("").parts)
+        unit, program, reached = stem.with_suffix(".o"), stem.with_suffix(".program"), stem.with_suffix(".reached")
+        for _ in range(6):
+            compiled = builder.compile(test, unit, builder.for_helpers)
+            if compiled.returncode == 0:
+                break
+            where = re.findall(r"include/tactnet/(\S+?):(\d+):(?:\d+:)? +error", compiled.stderr) or \
+                re.findall(r"include/tactnet/(\S+?):(\d+):", compiled.stderr)
+            bad = {number for number, mutant in self.mutants.items() if (mutant.header, str(mutant.line)) in where}
+            if not bad - self.dropped:
+                bad = {number for number, mutant in self.mutants.items()
+                       if mutant.header in {header for header, _ in where}}
+            if not bad - self.dropped:
+                print(f"{test}: does not compile: {compiled.stderr[:2000]}", file=sys.stderr)
+                return None
+            self.dropped |= bad
+            for header in {self.mutants[number].header for number in bad}:
+                self.write(header)
+        else:
+            print(f"{test}: does not compile with its mutants, six times: left out", file=sys.stderr)
+            return None
+        linked = builder.link([unit, builder.folder / "switch_main.o"], program)
+        done, seconds = builder.run(program, LIMIT, {"MUTANTS_REACHED": str(reached)}) if linked else (None, 0)
+        if done is None or done.returncode != 0:
+            print(f"{test}: does not link, or fails unchanged: {done.stdout[-1000:] if done else ''}", file=sys.stderr)
+            return None
+        section = stem.with_suffix(".section")
+        subprocess.run(["objcopy", "-O", "binary", "--only-section=.mutants", "--set-section-flags=.mutants=alloc",
+                        str(unit), str(section)], check=True)
+        data = section.read_bytes()
+        inside = {int.from_bytes(data[at:at + 4], "little") for at in range(0, len(data), 4)}
+        self.programs[test] = (program, seconds, inside, {int(line) for line in reached.read_text().split()})
+        unit.unlink()
+        return self.programs[test]
+
+    def outcome(self, tests, number):
+        """Returns the same as the other outcome; None if a switch cannot show this mutant."""
+        mutant = self.mutants[number]
+        if not edits(mutant, number):
+            return None
+        seen, units = False, 0
+        for test in tests.of(mutant.header):
+            if units == self.builder.options.units:
+                break
+            built = self.program(test)
+            if number in self.dropped:
+                return None
+            if built is None:
+                continue
+            units += 1
+            program, seconds, inside, reached = built
+            seen = seen or number in inside
+            if number not in reached:
+                continue
+            done, _ = self.builder.run(program, max(2.0, 5 * seconds), {"MUTANT": str(number)})
+            if done is None or done.returncode != 0:
+                return "killed", killed_by(test, done)
+        return ("survived", "") if seen else None
+
+
+def table(lines):
+    """Returns how many mutants of each room the tests killed."""
+    rooms = {}
+    for line in lines:
+        rooms.setdefault(line["header"].split("/")[0], []).append(line["result"])
+    rows = ["| room | killed | alive | killed, % | same code | does not compile |", "|---|---|---|---|---|---|"]
+    for room, results in [*sorted(rooms.items()), ("all", [line["result"] for line in lines])]:
+        killed, alive = results.count("killed"), results.count("survived") + results.count("no test")
+        share = f"{100 * killed / (killed + alive):.1f}" if killed + alive else "–"
+        rows.append(f"| {room} | {killed} | {alive} | {share} | {results.count('same code')} "
+                    f"| {results.count('does not compile')} |")
+    return "\n".join(rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=17)
+    parser.add_argument("--count", type=int, default=60, help="how many mutants, from all rooms together")
+    parser.add_argument("--each", type=int, default=3, help="how many mutants of a header, if it has as many")
+    parser.add_argument("--rooms", type=lambda text: text.split(","), default=[])
+    parser.add_argument("--at", action="append", default=[], metavar="HEADER:LINE")
+    parser.add_argument("--units", type=int, default=3, help="how many tests a mutant has to survive")
+    parser.add_argument("--together", action="store_true", help="all mutants in one program, each behind a switch")
+    parser.add_argument("--compiler", default=os.environ.get("CXX", "g++"))
+    parser.add_argument("--flags", default="-O1 -march=native")
+    parser.add_argument("--results", type=Path, help="where to write results and to resume from")
+    parser.add_argument("--tree", type=Path, help="mutate another source tree than this one")
+    options = parser.parse_args()
+    if options.tree:
+        global ROOT, HEADERS, TESTS
+        ROOT = options.tree.resolve()
+        HEADERS, TESTS = ROOT / "include" / "tactnet", ROOT / "tests"
+    results = (options.results or ROOT / "output" / "mutants.jsonl").resolve()
+    results.parent.mkdir(parents=True, exist_ok=True)
+
+    lines = [json.loads(line) for line in results.read_text().splitlines()] if results.exists() else []
+    done = {(line["header"], line["text"], line["column"], line["after"]) for line in lines}
+    order = [mutant for mutant in chosen(options) if mutant.key not in done]
+    if order:
+        builder, tests = Builder(options), Tests()
+        together = Together(builder, order) if options.together else None
+        begin = time.monotonic()
+        for number, mutant in enumerate(order, 1):
+            found = together.outcome(tests, number) if together else outcome(builder, tests, mutant, options)
+            place = f"[{number}/{len(order)}] {mutant.header}:{mutant.line}"
+            if found is None:
+                print(f"{place}: no switch shows it", flush=True)
+                continue
+            result, by = found
+            lines.append({"header": mutant.header, "line": mutant.line, "column": mutant.key[2], "before": mutant.before,
+                          "after": mutant.after, "text": mutant.text.strip(), "result": result, "by": by})
+            with results.open("a") as file:
+                file.write(json.dumps(lines[-1], ensure_ascii=False) + "\n")
+            left = (time.monotonic() - begin) / number * (len(order) - number)
+            print(f"{place} '{mutant.before.strip()}' to '{mutant.after.strip()}': {result}{' by ' + by if by else ''} "
+                  f"({left / 60:.0f} min left)", flush=True)
+        shutil.rmtree(builder.folder)
+    print(table(lines))
+
+
+if __name__ == "__main__":
+    main()
