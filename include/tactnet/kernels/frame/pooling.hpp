@@ -1,23 +1,27 @@
 #pragma once
 
+#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
-// Pooling of one frame that lies pixel by pixel: maximum over windows that overlap, which a convolution
-// cannot fuse, and averages.
+// Pooling of one frame that lies pixel by pixel, of floats or bytes: maximum over windows that overlap, which
+// a convolution cannot fuse; averages of floats.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// The widest vector that divides the elements of a pixel; a number by itself where none does.
-template <std::size_t Stride>
+template <class T, std::size_t Stride>
 [[nodiscard]] constexpr auto pixel_vector() {
-    if constexpr (Stride % min_lanes<float> != 0) {
+    if constexpr (std::is_same_v<T, std::uint8_t>) {
+        return std::type_identity<uint8_vec<widest_bytes(Stride)>>{};
+    } else if constexpr (Stride % min_lanes<float> != 0) {
         return std::type_identity<float>{};
     } else {
         constexpr std::size_t width = [] {
@@ -33,32 +37,36 @@ template <std::size_t Stride>
 /// Loads, stores and compares pixels as `Vector`, which may be float.
 template <class Vector>
 struct pixel_access {
-    static Vector load(const float* from) {
-        if constexpr (std::is_same_v<Vector, float>)
-            return *from;
-        else
+    static constexpr bool simd = requires(const float* from) { Vector::load_aligned(from); };
+
+    template <class T>
+    [[gnu::always_inline]] static Vector load(const T* from) {
+        if constexpr (simd)
             return load_as<Vector>(from);
-    }
-    static void store(float* to, const Vector& value) {
-        if constexpr (std::is_same_v<Vector, float>)
-            *to = value;
         else
+            return load_any<Vector>(from);
+    }
+    template <class T>
+    [[gnu::always_inline]] static void store(T* to, const Vector& value) {
+        if constexpr (simd)
             store_as(to, value);
-    }
-    static Vector larger(const Vector& a, const Vector& b) {
-        if constexpr (std::is_same_v<Vector, float>)
-            return a > b ? a : b;
         else
+            store_any(to, value);
+    }
+    [[gnu::always_inline]] static Vector larger(const Vector& a, const Vector& b) {
+        if constexpr (simd)
             return maximum_or_second(a, b);
+        else
+            return a > b ? a : b;
     }
 };
 
 /// output = the largest value of each window. `Stride` elements from one pixel to the next, in both maps.
-template <sliding_window W, std::size_t Stride>
-[[gnu::flatten]] void pool_frame(const float* input, float* output) {
-    using wide = typename decltype(pixel_vector<Stride>())::type;
+template <sliding_window W, std::size_t Stride, class T>
+[[gnu::flatten]] void pool_frame(const T* input, T* output) {
+    using wide = typename decltype(pixel_vector<T, Stride>())::type;
     using pixels = pixel_access<wide>;
-    constexpr std::size_t width = sizeof(wide) / sizeof(float);
+    constexpr std::size_t width = sizeof(wide) / sizeof(T);
     for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
         const auto at = [&](std::size_t y, std::size_t x, std::size_t channel) {
             return pixels::load(input + (y * W.input.columns + x) * Stride + channel);
@@ -108,7 +116,7 @@ void average_pixels(const average_windows& windows, std::size_t stride, const fl
 /// output = the sum of each window ÷ its divisor. `Stride` elements from one pixel to the next, in both maps.
 template <std::size_t Stride>
 void average_frame(const average_windows& windows, const float* input, float* output) {
-    using wide = typename decltype(pixel_vector<Stride>())::type;
+    using wide = typename decltype(pixel_vector<float, Stride>())::type;
     average_pixels<wide>(windows, Stride, input, output);
 }
 

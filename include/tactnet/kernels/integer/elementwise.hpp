@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/integer/vector.hpp>
+#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/alignment.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/integer/vector.hpp>
+#include <tactnet/kernels/simd/compiler_vector.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 // The compiler's own vectors. xsimd has neither the products of bytes that networks in 8 bits are made of,
 // nor conversions that give the same result in all its versions, and xsimd 8 exchanges no lanes.
@@ -35,6 +36,38 @@ using uint8_vec = typename detail::compiler_vector<std::uint8_t, Lanes>::type;
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> to_int32(const uint8_vec<Lanes>& values) {
     return __builtin_convertvector(__builtin_convertvector(values, int16_vec<Lanes>), int32_vec<Lanes>);
+}
+
+/// Lanes of the widest vector of 32-bit integers that the instruction set multiplies.
+#if defined(TACTNET_NO_SIMD)
+inline constexpr std::size_t max_integer_lanes = 1;
+#elif defined(__AVX512BW__)
+inline constexpr std::size_t max_integer_lanes = 16;
+#elif defined(__AVX2__)
+inline constexpr std::size_t max_integer_lanes = 8;
+#else
+inline constexpr std::size_t max_integer_lanes = 4;
+#endif
+
+/// Lanes of the widest vector of bytes that divides `count`.
+[[nodiscard]] constexpr std::size_t widest_bytes(std::size_t count) {
+    std::size_t width = 4 * max_integer_lanes;
+    while (count % width != 0)
+        width /= 2;
+    return width;
+}
+
+/// Loads from any alignment, and from memory that was written as another type.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_any(const void* from) {
+    Vector values;
+    std::memcpy(&values, from, sizeof(values));
+    return values;
+}
+/// Stores to any alignment.
+template <class Vector>
+[[gnu::always_inline]] inline void store_any(void* to, const Vector& values) {
+    std::memcpy(to, &values, sizeof(values));
 }
 
 } // namespace kernels
