@@ -1,4 +1,4 @@
-// An attack on the programs: every case is a fault that the world may have in store. See CONTRIBUTING.md.
+// An attack on the programs: every case is a fault that the world may have in store. See docs/rooms.md.
 //
 // Exit status: 0, 1 (a case was silent or aborted), 2 (bad arguments, or no attack was possible).
 

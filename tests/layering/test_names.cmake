@@ -71,7 +71,7 @@ foreach(test IN LISTS tests)
 endforeach()
 
 if(problems)
-    message(FATAL_ERROR "What tests are called (see CONTRIBUTING.md):\n${problems}")
+    message(FATAL_ERROR "What tests are called (see docs/rooms.md):\n${problems}")
 endif()
 list(LENGTH tests count)
 message("${count} tests, each beside its header")
