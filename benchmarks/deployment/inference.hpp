@@ -64,7 +64,7 @@ std::vector<double> exact_logits(const Network& network, const std::vector<float
         for (std::size_t e = 0; e < Network::input_shape.size(); ++e)
             in(i, e) = static_cast<double>(frames[i * Network::input_shape.size() + e]);
     exact.prepare(one, space);
-    exact.infer(one, space, in, out);
+    exact.infer(in, out, one, space);
     std::vector<double> logits;
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t o = 0; o < Network::outputs; ++o)

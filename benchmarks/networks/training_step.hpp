@@ -58,7 +58,7 @@ struct fixture {
     }
     void infer(tactnet::thread_pool& threads) {
         network.prepare(threads, space);
-        network.infer(threads, space, in, out);
+        network.infer(in, out, threads, space);
     }
     /// A whole step of stochastic gradient descent, with rates as in the recipes.
     void train(tactnet::thread_pool& threads) {
@@ -68,10 +68,10 @@ struct fixture {
     }
     void find_gradients(tactnet::thread_pool& threads) {
         network.prepare(threads, space);
-        network.forward(threads, space, in, out);
+        network.forward(in, out, threads, space);
         loss = tactnet::softmax_cross_entropy(out.as_const(), std::span<const std::size_t>(labels),
                                               Network::outputs, 0.1, gradient.view());
-        network.backward(threads, space, in, out, gradient, {nullptr, in.samples()}, parameter_gradients);
+        network.backward(in, out, gradient, {nullptr, in.samples()}, parameter_gradients, threads, space);
     }
 };
 

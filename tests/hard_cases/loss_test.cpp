@@ -146,7 +146,7 @@ void check_softmax(const std::string& name, float size) {
     two_layers::output_batch batch_out(1);
     batch_in.set(0, tensor_view<const float, two_layers::input_shape>(in.data()));
     net.prepare(threads, space);
-    net.infer(threads, space, batch_in.as_const(), batch_out.view());
+    net.infer(batch_in.as_const(), batch_out.view(), threads, space);
     std::vector<outcome> of_batch, of_deployed;
     for (std::size_t c = 0; c < classes; ++c) {
         const double usual = static_cast<double>(values[c] / sum);

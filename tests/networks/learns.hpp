@@ -35,12 +35,12 @@ void check_learns() {
     double first = 0, last = 0;
     for (int step = 0; step < 6; ++step) {
         net.prepare(threads, space);
-        net.forward(threads, space, in, out);
+        net.forward(in, out, threads, space);
         last = softmax_cross_entropy(out.as_const(), std::span<const std::size_t>(labels), Network::outputs,
                                      0.0, out_gradient.view());
         if (step == 0)
             first = last;
-        net.backward(threads, space, in, out, out_gradient, {nullptr, count}, gradients);
+        net.backward(in, out, out_gradient, {nullptr, count}, gradients, threads, space);
         // As far as would lower the loss by a tenth if it were straight.
         double squares = 0;
         for (const float g : gradients)

@@ -56,7 +56,7 @@ TEST_CASE("model: logits of normalised images, a row of all outputs each") {
     std::size_t different = 0;
     for (std::size_t i = 0; i < 21; ++i) {
         in.set(0, m.normalise(std::span(pixels).subspan(i * size.size()).first<size.size()>()));
-        m.network.logits(threads, space, in, out);
+        m.network.logits(in, out, threads, space);
         for (std::size_t o = 0; o < net::outputs; ++o)
             different += found[i * net::outputs + o] != out(0, o);
     }

@@ -135,7 +135,7 @@ TEST_CASE("network: the same sample gives the same bits in any batch, workspace 
     net_type::workspace space;
     net.prepare(one, space);
     net_type::output_batch expected(most);
-    net.infer(one, space, in, expected);
+    net.infer(in, expected, one, space);
     CHECK(std::isfinite(expected(0, 0)));
     CHECK(expected(0, 0) != expected(1, 0));
     std::size_t different = 0;
@@ -145,7 +145,7 @@ TEST_CASE("network: the same sample gives the same bits in any batch, workspace 
         for (std::size_t s = 0; s < count; ++s)
             for (std::size_t e = 0; e < 350; ++e)
                 some(s, e) = in(most - 1 - s, e);
-        net.infer(three, space, some, out); // the workspace is used again
+        net.infer(some, out, three, space); // the workspace is used again
         for (std::size_t s = 0; s < count; ++s)
             for (std::size_t c = 0; c < 22; ++c)
                 different += out(s, c) != expected(most - 1 - s, c);
@@ -182,9 +182,9 @@ TEST_CASE("network: a softmax at the end stands behind the logits, also at the e
         typename decltype(net)::output_batch out(count);
         net.prepare(threads, space);
         if (logits)
-            net.logits(threads, space, in, out);
+            net.logits(in, out, threads, space);
         else
-            net.infer(threads, space, in, out);
+            net.infer(in, out, threads, space);
         std::vector<float> result;
         for (std::size_t s = 0; s < count; ++s)
             for (std::size_t c = 0; c < 4; ++c)
@@ -214,11 +214,11 @@ TEST_CASE("network: without layers the output is the input") {
     for (std::size_t c = 0; c < 3; ++c)
         in(1, c) = static_cast<float>(c);
     net::workspace space;
-    net().infer(threads, space, in, out);
+    net().infer(in, out, threads, space);
     CHECK(out(1, 2) == 2);
     CHECK(out(0, 2) == 0);
     ending::workspace other;
-    ending().infer(threads, other, in, out);
+    ending().infer(in, out, threads, other);
     CHECK(out(0, 0) == doctest::Approx(1.0 / 3));
 }
 
@@ -236,7 +236,7 @@ TEST_CASE("network: any number of images need the memory of one group in the wor
         in(s, 700) = static_cast<float>(s);
     net.prepare(threads, space);
     const std::size_t before = support::bytes_allocated();
-    net.infer(threads, space, in, out);
+    net.infer(in, out, threads, space);
     CHECK(support::bytes_allocated() - before <= 2 * kernels::lanes<float> * map);
     for (std::size_t s = 1; s < many; ++s)
         CHECK(out(s, 0) > out(s - 1, 0)); // every image went through

@@ -38,7 +38,7 @@ TEST_CASE("tactnet4: the published network gives the published logits" * doctest
     thread_pool threads;
     net_type::workspace space;
     net.prepare(threads, space);
-    net.infer(threads, space, in, out);
+    net.infer(in, out, threads, space);
 
     // Relative to the largest logit of an image: one near zero is a difference of large ones.
     double worst = 0;

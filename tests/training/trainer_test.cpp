@@ -291,7 +291,7 @@ TEST_CASE(
             in.set(i, t.input_normalisation()(task.images().image<net::input_shape>(t.split().training[i])));
         network.momentum = 1;
         network.prepare(threads, space);
-        network.forward(threads, space, in, out);
+        network.forward(in, out, threads, space);
         return network;
     };
     const auto check = [&](const net& found, const net& expected, std::size_t first, std::size_t count) {

@@ -4,6 +4,7 @@
 #include <tactnet/layers/activation_function.hpp>
 #include <tactnet/layers/layer.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <string_view>
 
@@ -26,35 +27,23 @@ struct activation {
         static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
 
         static void forward_block(const T* in, T* out) {
-            for (std::size_t e = 0; e < elements; ++e)
-                out[e] = Function::value(in[e]);
+            if constexpr (detail::clamps_below_zero<Function>)
+                kernels::relu_forward(in, out, elements);
+            else
+                std::transform(in, in + elements, out, [](T x) { return Function::value(x); });
         }
         static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
-            for (std::size_t e = 0; e < elements; ++e)
-                in_gradient[e] = Function::backward(out[e], out_gradient[e]);
+            if constexpr (detail::clamps_below_zero<Function>)
+                kernels::relu_backward(out, out_gradient, in_gradient, elements);
+            else
+                std::transform(out, out + elements, out_gradient, in_gradient,
+                               [](T y, T gradient) { return Function::backward(y, gradient); });
         }
     };
 };
 
 /// Rectified linear unit: max(x, 0). In place.
-struct relu {
-    static constexpr std::string_view name = "relu";
-    static constexpr bool numbered = true;
-
-    static constexpr layer_costs costs(const shape& input) {
-        return {.output = input, .in_place = true, .keeps_output = true};
-    }
-
-    template <class T, shape Input>
-    struct layer : lane_block_layer<T, Input, relu> {
-        static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
-
-        static void forward_block(const T* in, T* out) { kernels::relu_forward(in, out, elements); }
-        static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
-            kernels::relu_backward(out, out_gradient, in_gradient, elements);
-        }
-    };
-};
+using relu = activation<relu_function>;
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet

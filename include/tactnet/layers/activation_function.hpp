@@ -27,7 +27,8 @@
 //     using hard_tanh = tactnet::activation<hard_tanh_function>;
 //
 // `value` is a function of float and double. `backward` makes the gradient of the input from the output y and
-// its gradient. In 8 bits a table holds the value of each byte. Optional members:
+// its gradient. An empty `header` means that the deployed network declares the function anyway. In 8 bits a
+// table holds the value of each byte. Optional members:
 //   arguments           a std::array of the unsigned template arguments of `type`
 //   clamps_below_zero   true for max(x, 0): in 8 bits a clamp of bytes, and fused with the layer before
 //   moves_zero          true unless value(0) is 0
@@ -44,6 +45,7 @@ concept activation_function = requires(float x, double y) {
     { Function::name } -> std::convertible_to<const char*>;
     { Function::title } -> std::convertible_to<const char*>;
     { Function::type } -> std::convertible_to<const char*>;
+    { Function::header } -> std::convertible_to<const char*>;
 };
 
 /// The elementwise layer of a function, defined in layers/activation.hpp.
@@ -52,7 +54,8 @@ struct activation;
 
 /// max(x, 0); NaN stays NaN.
 struct relu_function {
-    static constexpr const char *name = "relu", *title = "ReLU", *type = "tactnet::relu_function";
+    static constexpr const char *name = "relu", *title = "ReLU", *type = "tactnet::relu_function",
+                                *header = "";
     static constexpr bool clamps_below_zero = true;
 
     template <class T>

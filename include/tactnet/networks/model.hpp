@@ -46,7 +46,7 @@ struct model {
         for (std::size_t i = 0; i < count; ++i)
             in.set(i, normalise(images.subspan(i * size).template first<size>()));
         network.prepare(threads, space);
-        network.logits(threads, space, in, out);
+        network.logits(in, out, threads, space);
         std::vector<float> result;
         result.reserve(count * Network::outputs);
         for (std::size_t i = 0; i < count; ++i)

@@ -165,8 +165,8 @@ public:
     /// Computes the outputs of a batch, with running statistics. The workspace must be prepared. The result
     /// of a sample is bit-identical in any batch and on any number of threads. Batches of any size are
     /// computed in parts, so that the workspace stays small.
-    void infer(thread_pool& threads, workspace& space, const_input in, output_type out) const {
-        logits(threads, space, in, out);
+    void infer(const_input in, output_type out, thread_pool& threads, workspace& space) const {
+        logits(in, out, threads, space);
         if constexpr (ends_in_softmax) {
             no_memory none;
             softmax::layer<T, output_shape>::infer(make_context(threads), nullptr, nullptr, none,
@@ -174,7 +174,7 @@ public:
         }
     }
     /// As `infer`, before a last softmax.
-    void logits(thread_pool& threads, workspace& space, const_input in, output_type out) const {
+    void logits(const_input in, output_type out, thread_pool& threads, workspace& space) const {
         const std::size_t blocks = in.lane_blocks(), most = threads.threads();
         const std::size_t parts = detail::ceil_div(blocks, most);
         // Parts of nearly equal size, a largest one first, so that the workspace has room for all.
@@ -191,7 +191,7 @@ public:
     }
     /// Computes the logits of a batch in training: with dropout, and with the moments of the batch in batch
     /// norms, which update the running ones.
-    void forward(thread_pool& threads, workspace& space, const_input in, output_type out,
+    void forward(const_input in, output_type out, thread_pool& threads, workspace& space,
                  std::uint64_t seed = 0, std::uint32_t step = 0) {
         space.resize(in.samples());
         logit_layers::forward(make_context(threads, seed, step), values_.data(), statistics_.data(),
@@ -200,9 +200,9 @@ public:
     /// Computes the gradients of the learnable parameters (as many as `learnable_values`, or without the
     /// trailing zeros) from the gradients of the logits, after `forward` with the same arguments.
     /// `in_gradient` may be a null view.
-    void backward(thread_pool& threads, workspace& space, const_input in, const_output out,
-                  const_output out_gradient, input_type in_gradient, std::span<T> gradients,
-                  std::uint64_t seed = 0, std::uint32_t step = 0) const {
+    void backward(const_input in, const_output out, const_output out_gradient, input_type in_gradient,
+                  std::span<T> gradients, thread_pool& threads, workspace& space, std::uint64_t seed = 0,
+                  std::uint32_t step = 0) const {
         logit_layers::backward(make_context(threads, seed, step), values_.data(), space.memory_, in, out,
                                out_gradient, in_gradient, gradients.data());
     }

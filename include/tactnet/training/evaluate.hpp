@@ -106,7 +106,7 @@ evaluate(const Network& network, const normalisation<Network::input_shape>& norm
     return detail::evaluate(
         Network::input_shape, normalise.mean.view().elements(), normalise.scale, Network::outputs, samples,
         chosen, how, [&](const sample_batch& in, sample_batch& out) {
-            network.logits(threads, space, {in.data(), in.samples()}, {out.data(), out.samples()});
+            network.logits({in.data(), in.samples()}, {out.data(), out.samples()}, threads, space);
         });
 }
 

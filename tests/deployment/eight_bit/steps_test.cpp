@@ -39,7 +39,8 @@ namespace {
 /// An activation that no layer of the library has: x ÷ (1 + |x|) + Shift ÷ 100.
 template <unsigned Shift>
 struct shifted_softsign {
-    static constexpr const char *name = "softsign", *title = "Softsign", *type = "shifted_softsign";
+    static constexpr const char *name = "softsign", *title = "Softsign", *type = "shifted_softsign",
+                                *header = "";
     static constexpr std::array arguments{Shift};
     static constexpr bool moves_zero = Shift > 0;
     template <class T>

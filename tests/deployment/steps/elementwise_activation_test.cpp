@@ -19,7 +19,7 @@ TEST_CASE("activation_step: of a ReLU negative numbers are zero, and nothing is 
 namespace {
 
 struct one_more {
-    static constexpr const char *name = "one_more", *title = "One more", *type = "one_more";
+    static constexpr const char *name = "one_more", *title = "One more", *type = "one_more", *header = "";
     static constexpr bool moves_zero = true;
     template <class T>
     static constexpr T value(T x) {

@@ -121,7 +121,7 @@ struct trained_subject {
         typename Network::input_batch in(1);
         typename Network::output_batch out(1);
         in.set(0, tactnet::tensor_view<const float, Network::input_shape>(shifted(counts, mean).data()));
-        net.logits(threads, space, in.as_const(), out.view());
+        net.logits(in.as_const(), out.view(), threads, space);
         std::vector<float> logits(Network::outputs);
         for (std::size_t o = 0; o < logits.size(); ++o)
             logits[o] = out(0, o);
@@ -148,13 +148,13 @@ private:
                               shifted(touch(labels[s], step * at_once + s), mean).data()));
             }
             net.prepare(threads, space);
-            net.forward(threads, space, in.as_const(), out.view(), seed, step);
+            net.forward(in.as_const(), out.view(), threads, space, seed, step);
             last_loss =
                 tactnet::softmax_cross_entropy(out.as_const(), labels, classes, 0, out_gradient.view());
             first_loss = step == 0 ? last_loss : first_loss;
             std::fill(gradients.begin(), gradients.end(), 0.0f);
-            net.backward(threads, space, in.as_const(), out.as_const(), out_gradient.as_const(),
-                         {nullptr, at_once}, gradients, seed, step);
+            net.backward(in.as_const(), out.as_const(), out_gradient.as_const(), {nullptr, at_once},
+                         gradients, threads, space, seed, step);
             tactnet::take_step<float>(rule, state, 0.01 * (1 - static_cast<double>(step) / steps), values,
                                       gradients, decayed);
         }

@@ -39,7 +39,7 @@ TEST_CASE("squeezenet: the weights of ImageNet load by name, and give PyTorch's 
     thread_pool threads;
     trunk::workspace space;
     net.prepare(threads, space);
-    net.logits(threads, space, in, out);
+    net.logits(in, out, threads, space);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         support::golden_stages golden(std::to_string(numbers[i]), "squeezenet_imagenet");
         golden.compare("features.12", trunk::outputs, [&](std::size_t e) { return out(i, e); });

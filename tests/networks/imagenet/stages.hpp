@@ -8,8 +8,6 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
-#include <support/layers/tile_magnitudes.hpp>
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,6 +18,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <support/layers/tile_magnitudes.hpp>
 #include <utility>
 #include <vector>
 
@@ -207,7 +206,7 @@ Network compare_stages(golden_stages& golden, const std::string& last) {
     typename Network::output_batch out(1);
     typename Network::workspace space;
     net.prepare(threads, space);
-    net.logits(threads, space, in, out);
+    net.logits(in, out, threads, space);
     golden.compare(
         last, Network::outputs, [&](std::size_t e) { return out(0, e); }, walk.factor());
     return net;

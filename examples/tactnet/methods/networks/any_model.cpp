@@ -63,7 +63,7 @@ std::vector<float> logits_of(const any_model& model, std::size_t count,
     }
     const auto space = model.network->make_workspace();
     model.network->prepare(alone, *space);
-    model.network->logits(alone, *space, in, out);
+    model.network->logits(in, out, alone, *space);
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < model.classes.size(); ++c)
             result.push_back(out(i, c));

@@ -174,7 +174,7 @@ public:
                 for (std::size_t i = 0; i < count; ++i)
                     in.set(i, features.subspan(i * size, size));
                 tactnet::thread_pool alone;
-                own->logits(alone, *space, in, out);
+                own->logits(in, out, alone, *space);
             });
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,

@@ -157,8 +157,11 @@ public:
     [[nodiscard]] const std::string& definitions() const { return definitions_; }
     /// The headers, in angle brackets, that declare what deployed_view.hpp does not.
     [[nodiscard]] const std::set<std::string>& includes() const { return includes_; }
-    /// Adds such a header.
-    void include(const std::string& header) { includes_.insert(header); }
+    /// Adds such a header, unless it is empty.
+    void include(const std::string& header) {
+        if (!header.empty())
+            includes_.insert(header);
+    }
 
     /// Defines a step and all steps inside by their descriptions, and returns its name. `stride` is the text
     /// of the elements from one pixel of the input to the next.

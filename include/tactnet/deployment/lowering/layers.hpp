@@ -76,18 +76,13 @@ struct lowering<batch_norm> {
     using at = lowered_norm<Place>;
 };
 
-/// The lowering of an activation function.
 template <class Function>
-struct activation_lowering {
+struct lowering<activation<Function>> {
     static constexpr bool rectifies = detail::clamps_below_zero<Function>;
     template <class Place>
     using at = lowered_to<
         activation_step<typename Place::format, Function, Place::layer::output, Place::input_stride>>;
 };
-template <class Function>
-struct lowering<activation<Function>> : activation_lowering<Function> {};
-template <>
-struct lowering<relu> : activation_lowering<relu_function> {};
 
 template <class Offset>
 struct lowering<square_root<Offset>> {

@@ -81,7 +81,7 @@ public:
                 samples.copy(chosen[first + i], sample);
             });
             out_.resize(last - first);
-            network.forward(threads_, *space_, in_.samples(), out_, seed_,
+            network.forward(in_.samples(), out_, threads_, *space_, seed_,
                             static_cast<std::uint32_t>(optimiser_.steps + batch));
         }
         network.momentum() = momentum;
@@ -93,11 +93,11 @@ private:
         const auto step = static_cast<std::uint32_t>(optimiser_.steps);
         out_.resize(labels.size()), out_gradient_.resize(labels.size());
         network_.prepare(threads_, *space_);
-        network_.forward(threads_, *space_, in_.samples(), out_, seed_, step);
+        network_.forward(in_.samples(), out_, threads_, *space_, seed_, step);
         const double loss =
             softmax_cross_entropy<float>({labels.size(), out_.size(), sample_batch::lanes}, out_.data(),
                                          labels, classes_, how_.label_smoothing, out_gradient_.data());
-        network_.backward(threads_, *space_, in_.samples(), out_, out_gradient_, gradients_, seed_, step);
+        network_.backward(in_.samples(), out_, out_gradient_, gradients_, threads_, *space_, seed_, step);
         return loss;
     }
 

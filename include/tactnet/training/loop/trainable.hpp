@@ -46,15 +46,15 @@ public:
 
     [[nodiscard]] virtual std::unique_ptr<workspace> make_workspace() const = 0;
     virtual void prepare(thread_pool& threads, workspace& space) const = 0;
-    virtual void forward(thread_pool& threads, workspace& space, const sample_batch& in, sample_batch& out,
+    virtual void forward(const sample_batch& in, sample_batch& out, thread_pool& threads, workspace& space,
                          std::uint64_t seed, std::uint32_t step) = 0;
-    virtual void backward(thread_pool& threads, workspace& space, const sample_batch& in,
-                          const sample_batch& out, const sample_batch& out_gradient,
-                          std::span<float> gradients, std::uint64_t seed, std::uint32_t step) const = 0;
+    virtual void backward(const sample_batch& in, const sample_batch& out, const sample_batch& out_gradient,
+                          std::span<float> gradients, thread_pool& threads, workspace& space,
+                          std::uint64_t seed, std::uint32_t step) const = 0;
 
     /// With running statistics.
-    virtual void logits(thread_pool& threads, workspace& space, const sample_batch& in,
-                        sample_batch& out) const = 0;
+    virtual void logits(const sample_batch& in, sample_batch& out, thread_pool& threads,
+                        workspace& space) const = 0;
 
     /// Copies the arrays of a network of the same type. Throws std::invalid_argument for arrays of other
     /// sizes.
@@ -90,7 +90,7 @@ protected:
     network.prepare(threads, *space);
     return detail::evaluate(
         network.input_shape(), mean, scale, network.outputs(), samples, chosen, how,
-        [&](const sample_batch& in, sample_batch& out) { network.logits(threads, *space, in, out); });
+        [&](const sample_batch& in, sample_batch& out) { network.logits(in, out, threads, *space); });
 }
 
 } // namespace TACTNET_ARCH

@@ -48,22 +48,22 @@ public:
     void prepare(thread_pool& threads, workspace& space) const override {
         network_.prepare(threads, memory(space));
     }
-    void forward(thread_pool& threads, workspace& space, const sample_batch& in, sample_batch& out,
+    void forward(const sample_batch& in, sample_batch& out, thread_pool& threads, workspace& space,
                  std::uint64_t seed, std::uint32_t step) override {
-        network_.forward(threads, memory(space), {in.data(), in.samples()}, {out.data(), out.samples()}, seed,
+        network_.forward({in.data(), in.samples()}, {out.data(), out.samples()}, threads, memory(space), seed,
                          step);
     }
-    void backward(thread_pool& threads, workspace& space, const sample_batch& in, const sample_batch& out,
-                  const sample_batch& out_gradient, std::span<float> gradients, std::uint64_t seed,
+    void backward(const sample_batch& in, const sample_batch& out, const sample_batch& out_gradient,
+                  std::span<float> gradients, thread_pool& threads, workspace& space, std::uint64_t seed,
                   std::uint32_t step) const override {
-        network_.backward(threads, memory(space), {in.data(), in.samples()}, {out.data(), out.samples()},
+        network_.backward({in.data(), in.samples()}, {out.data(), out.samples()},
                           {out_gradient.data(), out_gradient.samples()}, {nullptr, in.samples()}, gradients,
-                          seed, step);
+                          threads, memory(space), seed, step);
     }
 
-    void logits(thread_pool& threads, workspace& space, const sample_batch& in,
-                sample_batch& out) const override {
-        network_.logits(threads, memory(space), {in.data(), in.samples()}, {out.data(), out.samples()});
+    void logits(const sample_batch& in, sample_batch& out, thread_pool& threads,
+                workspace& space) const override {
+        network_.logits({in.data(), in.samples()}, {out.data(), out.samples()}, threads, memory(space));
     }
 
 private:
