@@ -1,6 +1,9 @@
 #include <tactnet/layers/dropout.hpp>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <set>
 #include <support/layers/conformance.hpp>
 #include <vector>
 
@@ -78,4 +81,27 @@ TEST_CASE("dropout: the way back goes through what was kept") {
     bound::backward(p, nullptr, none, in.view(), out.view(), in.view(), in_gradient.view(), nullptr);
     CHECK(equal(out, in_gradient, 0, 0));
     CHECK(equal(out, in_gradient, 1, 1));
+}
+
+TEST_CASE("execution_context: inner layers have places of their own, however deep and however many") {
+    thread_pool threads;
+    const execution_context network{.threads = threads};
+    CHECK(network.of_inner(0).of_inner(5).place == 64 + 6);
+    CHECK(network.of_skip().place == 64);
+    std::set<std::uint64_t> places{network.place};
+    std::size_t count = 1;
+    std::vector<execution_context> level{network};
+    for (int depth = 0; depth < 12; ++depth) {
+        std::vector<execution_context> next;
+        for (const execution_context& outer : level)
+            for (const std::size_t index : {0u, 1u, 62u, 63u, 64u, 200u}) {
+                places.insert(outer.of_inner(index).place), ++count;
+                if (next.size() < 40)
+                    next.push_back(outer.of_inner(index));
+            }
+        for (const execution_context& outer : level)
+            places.insert(outer.of_skip().place), ++count;
+        level.swap(next);
+    }
+    CHECK(places.size() == count);
 }

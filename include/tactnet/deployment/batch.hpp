@@ -6,7 +6,6 @@
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>

@@ -3,9 +3,9 @@
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/deployment/refused_call.hpp>
 #include <tactnet/deployment/steps.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/networks/recognition.hpp>
-#include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <type_traits>
 
-// Whole numbers divided into blocks and among threads, and bits read as another type.
+// Sizes divided into blocks, among threads and into cache lines, and bits read as another type.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -39,6 +39,19 @@ template <class To, class From>
 }
 
 } // namespace detail
+
+/// The bytes of a cache line. The arrays of a deployed network begin at cache lines on all targets, so that an
+/// exported network is the same for each.
+inline constexpr std::size_t cache_line = 64;
+/// The alignment in bytes of memory for vectors: no register is wider than a cache line.
+inline constexpr std::size_t alignment = cache_line;
+
+/// `count` elements rounded up to whole cache lines, so that what follows them is aligned.
+template <class Element = float>
+[[nodiscard]] constexpr std::size_t whole_lines(std::size_t count) {
+    return detail::round_up(count, cache_line / sizeof(Element));
+}
+
 namespace kernels {
 
 using tactnet::detail::ceil_div;

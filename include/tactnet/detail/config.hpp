@@ -33,7 +33,10 @@
 #define TACTNET_ARCH_KIND for_
 #endif
 
-// A level includes those below it.
+// A level includes those below it. Vectors of SVE have the length for which they are compiled, if that is
+// fixed.
+#define TACTNET_ARCH_SVE(bits) TACTNET_ARCH_SVE_JOINED(bits)
+#define TACTNET_ARCH_SVE_JOINED(bits) sve##bits
 #if defined(__AVX512F__)
 #define TACTNET_ARCH_LEVEL avx512
 #elif defined(__AVX2__)
@@ -50,6 +53,8 @@
 #define TACTNET_ARCH_LEVEL sse3
 #elif defined(__SSE2__)
 #define TACTNET_ARCH_LEVEL sse2
+#elif defined(__ARM_FEATURE_SVE) && __ARM_FEATURE_SVE_BITS > 0
+#define TACTNET_ARCH_LEVEL TACTNET_ARCH_SVE(__ARM_FEATURE_SVE_BITS)
 #elif defined(__ARM_FEATURE_SVE)
 #define TACTNET_ARCH_LEVEL sve
 #elif defined(__aarch64__)
@@ -60,69 +65,28 @@
 #define TACTNET_ARCH_LEVEL base
 #endif
 
+// `text` if a macro of the compiler is 1, and nothing if it is not defined.
+#define TACTNET_ARCH_IF(macro, text) TACTNET_ARCH_IF_EXPANDED(macro, text)
+#define TACTNET_ARCH_IF_EXPANDED(value, text) TACTNET_ARCH_SECOND(TACTNET_ARCH_COMMA_IF_##value text, , )
+#define TACTNET_ARCH_SECOND(...) TACTNET_ARCH_SECOND_OF(__VA_ARGS__)
+#define TACTNET_ARCH_SECOND_OF(first, second, ...) second
+#define TACTNET_ARCH_COMMA_IF_1 ,
+
 // One letter per extension; capitals where AMD and Intel differ, or for ARM.
-#if defined(__FMA__)
-#define TACTNET_ARCH_FMA f
-#else
-#define TACTNET_ARCH_FMA
-#endif
-#if defined(__FMA4__)
-#define TACTNET_ARCH_FMA4 F
-#else
-#define TACTNET_ARCH_FMA4
-#endif
-#if defined(__BMI2__)
-#define TACTNET_ARCH_BMI2 b
-#else
-#define TACTNET_ARCH_BMI2
-#endif
-#if defined(__LZCNT__)
-#define TACTNET_ARCH_LZCNT l
-#else
-#define TACTNET_ARCH_LZCNT
-#endif
-#if defined(__AVX512CD__)
-#define TACTNET_ARCH_CD c
-#else
-#define TACTNET_ARCH_CD
-#endif
-#if defined(__AVX512DQ__)
-#define TACTNET_ARCH_DQ d
-#else
-#define TACTNET_ARCH_DQ
-#endif
-#if defined(__AVX512BW__)
-#define TACTNET_ARCH_BW w
-#else
-#define TACTNET_ARCH_BW
-#endif
-#if defined(__AVX512VL__)
-#define TACTNET_ARCH_VL v
-#else
-#define TACTNET_ARCH_VL
-#endif
-#if defined(__AVX512VBMI__)
-#define TACTNET_ARCH_VBMI m
-#else
-#define TACTNET_ARCH_VBMI
-#endif
-#if defined(__AVX512VNNI__)
-#define TACTNET_ARCH_VNNI n
-#else
-#define TACTNET_ARCH_VNNI
-#endif
-#if defined(__AVXVNNI__)
-#define TACTNET_ARCH_AVXVNNI N
-#else
-#define TACTNET_ARCH_AVXVNNI
-#endif
-#if defined(__ARM_FEATURE_DOTPROD)
-#define TACTNET_ARCH_DOTPROD p
-#else
-#define TACTNET_ARCH_DOTPROD
-#endif
-#if defined(__arm__) && defined(__ARM_FEATURE_DSP)
-#define TACTNET_ARCH_DSP s
+#define TACTNET_ARCH_FMA TACTNET_ARCH_IF(__FMA__, f)
+#define TACTNET_ARCH_FMA4 TACTNET_ARCH_IF(__FMA4__, F)
+#define TACTNET_ARCH_BMI2 TACTNET_ARCH_IF(__BMI2__, b)
+#define TACTNET_ARCH_LZCNT TACTNET_ARCH_IF(__LZCNT__, l)
+#define TACTNET_ARCH_CD TACTNET_ARCH_IF(__AVX512CD__, c)
+#define TACTNET_ARCH_DQ TACTNET_ARCH_IF(__AVX512DQ__, d)
+#define TACTNET_ARCH_BW TACTNET_ARCH_IF(__AVX512BW__, w)
+#define TACTNET_ARCH_VL TACTNET_ARCH_IF(__AVX512VL__, v)
+#define TACTNET_ARCH_VBMI TACTNET_ARCH_IF(__AVX512VBMI__, m)
+#define TACTNET_ARCH_VNNI TACTNET_ARCH_IF(__AVX512VNNI__, n)
+#define TACTNET_ARCH_AVXVNNI TACTNET_ARCH_IF(__AVXVNNI__, N)
+#define TACTNET_ARCH_DOTPROD TACTNET_ARCH_IF(__ARM_FEATURE_DOTPROD, p)
+#if defined(__arm__)
+#define TACTNET_ARCH_DSP TACTNET_ARCH_IF(__ARM_FEATURE_DSP, s)
 #else
 #define TACTNET_ARCH_DSP
 #endif

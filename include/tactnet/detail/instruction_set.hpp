@@ -35,6 +35,8 @@ inline constexpr std::string_view instruction_set =
     "_sse3"
 #elif defined(__SSE2__)
     "_sse2"
+#elif defined(__ARM_FEATURE_SVE) && __ARM_FEATURE_SVE_BITS > 0
+    "_sve" TACTNET_ARCH_TEXT(__ARM_FEATURE_SVE_BITS)
 #elif defined(__ARM_FEATURE_SVE)
     "_sve"
 #elif defined(__aarch64__)
@@ -42,50 +44,20 @@ inline constexpr std::string_view instruction_set =
 #elif defined(__wasm_simd128__)
     "_wasm128"
 #endif
-#if defined(__FMA__)
-    "_fma"
-#endif
-#if defined(__FMA4__)
-    "_fma4"
-#endif
-#if defined(__BMI2__)
-    "_bmi2"
-#endif
-#if defined(__LZCNT__)
-    "_lzcnt"
-#endif
-#if defined(__AVX512CD__)
-    "_cd"
-#endif
-#if defined(__AVX512DQ__)
-    "_dq"
-#endif
-#if defined(__AVX512BW__)
-    "_bw"
-#endif
-#if defined(__AVX512VL__)
-    "_vl"
-#endif
-#if defined(__AVX512VBMI__)
-    "_vbmi"
-#endif
-#if defined(__AVX512VNNI__)
-    "_vnni"
-#endif
-#if defined(__AVXVNNI__)
-    "_avxvnni"
-#endif
-#if defined(__ARM_FEATURE_DOTPROD)
-    "_dotprod"
-#endif
-#if defined(__arm__) && defined(__ARM_FEATURE_DSP)
-    "_dsp"
+    TACTNET_ARCH_IF(__FMA__, "_fma") TACTNET_ARCH_IF(__FMA4__, "_fma4") TACTNET_ARCH_IF(__BMI2__, "_bmi2")
+        TACTNET_ARCH_IF(__LZCNT__, "_lzcnt") TACTNET_ARCH_IF(__AVX512CD__, "_cd")
+            TACTNET_ARCH_IF(__AVX512DQ__, "_dq") TACTNET_ARCH_IF(__AVX512BW__, "_bw")
+                TACTNET_ARCH_IF(__AVX512VL__, "_vl") TACTNET_ARCH_IF(__AVX512VBMI__, "_vbmi")
+                    TACTNET_ARCH_IF(__AVX512VNNI__, "_vnni") TACTNET_ARCH_IF(__AVXVNNI__, "_avxvnni")
+                        TACTNET_ARCH_IF(__ARM_FEATURE_DOTPROD, "_dotprod")
+#if defined(__arm__)
+                            TACTNET_ARCH_IF(__ARM_FEATURE_DSP, "_dsp")
 #endif
 #if !defined(TACTNET_L1_CACHE_BY_DEFAULT)
-    "_l1_" TACTNET_ARCH_TEXT(TACTNET_L1_CACHE_KIB)
+                                "_l1_" TACTNET_ARCH_TEXT(TACTNET_L1_CACHE_KIB)
 #endif
 #if !defined(TACTNET_L2_CACHE_BY_DEFAULT)
-        "_l2_" TACTNET_ARCH_TEXT(TACTNET_L2_CACHE_KIB)
+                                    "_l2_" TACTNET_ARCH_TEXT(TACTNET_L2_CACHE_KIB)
 #endif
     ;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/batch.hpp>
@@ -58,7 +59,7 @@ template <shape Grey>
     static_assert(Grey.channels == 1, "to_three_channels_last: expected an image of one channel");
     constexpr std::size_t width = kernels::lanes_for<float>(Grey.area()), whole = Grey.area() / width * width;
     using wide = kernels::sized_vector<float, width>;
-    alignas(64) std::array<float, 3 * width> means, scales;
+    alignas(alignment) std::array<float, 3 * width> means, scales;
     for (std::size_t i = 0; i < 3 * width; ++i)
         means[i] = normalise.mean[i % 3], scales[i] = normalise.scale[i % 3];
     for (std::size_t begin = 0; begin < whole; begin += width) {

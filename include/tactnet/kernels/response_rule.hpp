@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>

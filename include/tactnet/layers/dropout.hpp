@@ -4,6 +4,7 @@
 #include <tactnet/runtime/random.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -66,7 +67,7 @@ struct dropout {
             const T scale = static_cast<T>(100.0 / (100 - Percent));
             context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
                 for (std::size_t lane = 0; lane < kernels::lanes<T>; ++lane) {
-                    const std::uint64_t layer_seed = context.seed + (std::uint64_t{context.place} << 40);
+                    const std::uint64_t layer_seed = context.seed + std::rotl(context.place, 40);
                     random_stream random(layer_seed, random_purposes::dropout, context.step,
                                          static_cast<std::uint32_t>(
                                              (context.first_lane_block + b) * kernels::lanes<T> + lane));

@@ -49,14 +49,30 @@ struct execution_context {
     double momentum = 0.1;            ///< share of a batch in the running statistics of batch norms
     std::uint64_t seed = 0;           ///< for dropout
     std::uint32_t step = 0;           ///< batches so far, for dropout
-    std::uint32_t place = 0;          ///< of the layer among all layers of the network, for dropout
+    std::uint64_t place = 0;          ///< of the layer among all layers of the network, for dropout
     std::size_t first_lane_block = 0; ///< of the part of the batch that the layer sees
 
-    /// The context of an inner layer, so that no two dropouts of a network draw the same numbers. An index is
-    /// below 64.
+    /// The context of layer `index` of a list, so that no two dropouts of a network draw the same numbers.
     [[nodiscard]] execution_context of_inner(std::size_t index) const {
+        return nested(index < skip ? index : index + 1);
+    }
+    /// The context of the skip of a residual block, whose other branch is a list.
+    [[nodiscard]] execution_context of_skip() const { return nested(skip); }
+
+private:
+    static constexpr std::size_t skip = 63;
+
+    /// Each level adds six bits to the place, up to the fourth. Deeper places and larger indices are hashed
+    /// (SplitMix64): two of them share their numbers with a probability of 2⁻⁶³.
+    [[nodiscard]] execution_context nested(std::size_t index) const {
         execution_context inner = *this;
-        inner.place = place * 64 + static_cast<std::uint32_t>(index) + 1;
+        inner.place = place * 64 + index + 1;
+        if (index > skip || inner.place >= std::uint64_t{1} << 24U) {
+            std::uint64_t mixed = place + 0x9E3779B97F4A7C15 * (index + 1);
+            mixed = (mixed ^ (mixed >> 30U)) * 0xBF58476D1CE4E5B9;
+            mixed = (mixed ^ (mixed >> 27U)) * 0x94D049BB133111EB;
+            inner.place = (mixed ^ (mixed >> 31U)) | std::uint64_t{1} << 63U;
+        }
         return inner;
     }
 };

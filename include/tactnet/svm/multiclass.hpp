@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 

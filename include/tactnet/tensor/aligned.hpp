@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/tensor/alignment.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 
 #include <cstddef>
 #include <new>

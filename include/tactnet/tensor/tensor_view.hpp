@@ -18,33 +18,6 @@ template <class Range>
 concept lasting_range =
     std::is_lvalue_reference_v<Range> || std::ranges::enable_borrowed_range<std::remove_cvref_t<Range>>;
 
-/// A span whose elements outlive the expression that it is made of: a temporary container does not convert. A
-/// range of std::array becomes the span of all their elements.
-template <class T>
-class lasting_span : public std::span<T> {
-    template <class Range>
-    using array_of = std::ranges::range_value_t<Range>;
-
-public:
-    constexpr lasting_span() = default;
-    constexpr lasting_span(T* elements, std::size_t size) : std::span<T>(elements, size) {}
-    template <class Range>
-        requires lasting_range<Range> && std::is_convertible_v<Range, std::span<T>>
-    constexpr lasting_span(Range&& elements) : std::span<T>(elements) {}
-    template <class Range>
-        requires lasting_range<Range> && std::ranges::contiguous_range<Range> &&
-            std::is_same_v<typename array_of<Range>::value_type, std::remove_const_t<T>> &&
-            (sizeof(array_of<Range>) ==
-             std::tuple_size_v<array_of<Range>> * sizeof(T)) constexpr lasting_span(Range&& arrays)
-            : std::span<T>(std::ranges::empty(arrays) ? nullptr : std::ranges::data(arrays)->data(),
-                           std::ranges::size(arrays) * std::tuple_size_v<array_of<Range>>) {}
-        /// The elements of a temporary would be gone.
-        template <class Range>
-            requires(!lasting_range<Range>)
-        lasting_span(const Range&&)
-        = delete;
-};
-
 /// A view of a sample: `Shape.size()` elements that belong to the caller, ordered [channel][row][column]. T
 /// may be const.
 template <class T, shape Shape>

@@ -3,7 +3,6 @@
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/panels/large_convolution.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <cstddef>

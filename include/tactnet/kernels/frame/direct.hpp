@@ -3,7 +3,6 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>

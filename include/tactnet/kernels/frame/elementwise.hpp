@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -62,10 +63,10 @@ private:
                                  positions = rows_at_once * Columns + lanes<float>;
 
     struct buffers {
-        alignas(64) std::array<float, 2 * (padded_rows - 1) * stride> pairs;
-        alignas(64) std::array<std::int32_t, positions> first;
-        alignas(64) std::array<float, positions> row_rest, column_rest;
-        alignas(64) std::array<std::array<float, 2 * Taps * positions>, Taps / 2> pixels;
+        alignas(alignment) std::array<float, 2 * (padded_rows - 1) * stride> pairs;
+        alignas(alignment) std::array<std::int32_t, positions> first;
+        alignas(alignment) std::array<float, positions> row_rest, column_rest;
+        alignas(alignment) std::array<std::array<float, 2 * Taps * positions>, Taps / 2> pixels;
     };
 
     static constexpr auto from_centre = [] {

@@ -3,7 +3,6 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/panels/convolution.hpp>
 #include <tactnet/kernels/panels/tiles.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -5,7 +5,6 @@
 #include <tactnet/kernels/panels/product.hpp>
 #include <tactnet/kernels/panels/staging.hpp>
 #include <tactnet/kernels/panels/tile_transforms.hpp>
-#include <tactnet/tensor/alignment.hpp>
 
 #include <algorithm>
 #include <array>

@@ -22,7 +22,7 @@ namespace kernels {
 
 /// The normal numbers of a random stream, in chunks that can be computed independently.
 class normal_numbers {
-    static constexpr std::size_t blocks = 16; ///< counters at once: the most lanes of any vector
+    static constexpr std::size_t blocks = 16; ///< counters at once: whole vectors of any instruction set
     static_assert(blocks % lanes<float> == 0);
     using words = std::array<std::uint32_t, blocks>;
 
@@ -34,7 +34,7 @@ public:
 
     /// Writes the numbers index · chunk_size … of the stream to aligned memory. They are within ±6.7.
     void chunk(std::uint32_t index, float* to) const {
-        alignas(64) std::array<words, 4> random;
+        alignas(alignment) std::array<words, 4> random;
         philox_blocks(index * static_cast<std::uint32_t>(blocks), random);
         box_muller(random[0], random[1], to);
         box_muller(random[2], random[3], to + 2 * blocks);
@@ -42,7 +42,7 @@ public:
     /// Calls use(i, number) for the first `count` numbers of the stream.
     template <class Use>
     void each(std::size_t count, const Use& use) const {
-        alignas(64) std::array<float, chunk_size> numbers;
+        alignas(alignment) std::array<float, chunk_size> numbers;
         for (std::size_t first = 0; first < count; first += chunk_size) {
             chunk(static_cast<std::uint32_t>(first / chunk_size), numbers.data());
             const std::size_t here = count - first < chunk_size ? count - first : chunk_size;
@@ -79,7 +79,7 @@ private:
         using v = vector<float>;
         // A uniform number in (0, 1] is 2^power · mantissa, with a mantissa in [√½, √2). The angle covers
         // half a turn; a negative radius gives the other half.
-        alignas(64) std::array<float, blocks> power, mantissa, quarter_angle, sign;
+        alignas(alignment) std::array<float, blocks> power, mantissa, quarter_angle, sign;
         constexpr std::uint32_t root_half = tactnet::detail::bits_as<std::uint32_t>(0x1.6a09e6p-1F);
         for (std::size_t i = 0; i < blocks; ++i) {
             const float uniform =

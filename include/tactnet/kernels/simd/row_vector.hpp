@@ -196,7 +196,7 @@ template <std::size_t Count, std::size_t Lanes, class Vector>
     if constexpr (Count >= Lanes) {
         store_anywhere(to, values);
     } else {
-        alignas(64) std::array<float, Lanes> all;
+        alignas(alignment) std::array<float, Lanes> all;
         store_as(all.data(), values);
         for (std::size_t i = 0; i < Count; ++i)
             to[i] = all[i];

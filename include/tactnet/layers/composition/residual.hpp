@@ -115,7 +115,7 @@ struct residual {
             const T* skip_gradient = out_gradient.data();
             if constexpr (projects) {
                 T* to = in_gradient.data() ? m.skip_gradient.data() : nullptr;
-                skip::backward(of_skip(context), values + main::parameters, m.skip_memory, in,
+                skip::backward(context.of_skip(), values + main::parameters, m.skip_memory, in,
                                {m.skip_output.data(), in.samples()}, out_gradient, {to, in.samples()},
                                gradients + main::parameters);
                 skip_gradient = to;
@@ -131,8 +131,6 @@ struct residual {
             else
                 return std::string_view("projection");
         }();
-        /// An index that no layer of the main branch has, so that dropouts in both draw their own masks.
-        static execution_context of_skip(const execution_context& context) { return context.of_inner(63); }
 
         template <bool Training, class Statistic>
         static void run(const execution_context& context, const T* values, Statistic* running, memory& m,
@@ -144,7 +142,7 @@ struct residual {
             detail::run<Training, main>(context, values, running, m.main_memory, in, main_out);
             if constexpr (projects) {
                 const output_view<T, output> skip_out(m.skip_output.data(), in.samples());
-                detail::run<Training, skip>(of_skip(context), values + main::parameters,
+                detail::run<Training, skip>(context.of_skip(), values + main::parameters,
                                             running + main::statistics, m.skip_memory, in, skip_out);
                 sum<output>(context, main_out, skip_out, out);
             } else {

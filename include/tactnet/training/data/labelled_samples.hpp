@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/transform.hpp>
-#include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 
@@ -12,13 +12,50 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+template <class Range>
+using range_element = std::remove_cv_t<typename decltype(std::span(std::declval<Range&>()))::element_type>;
+
+/// A contiguous range of std::array without gaps between their elements.
+template <class Range, class T>
+concept range_of_arrays = std::is_same_v<typename range_element<Range>::value_type, T> &&
+                          sizeof(range_element<Range>) == std::tuple_size_v<range_element<Range>> * sizeof(T);
+
+} // namespace detail
+
+/// A span whose elements outlive the expression that it is made of: a temporary container does not convert. A
+/// range of std::array becomes the span of all their elements.
+template <class T>
+class lasting_span : public std::span<T> {
+public:
+    constexpr lasting_span() = default;
+    constexpr lasting_span(T* elements, std::size_t size) : std::span<T>(elements, size) {}
+    template <class Range>
+        requires lasting_range<Range> && std::is_convertible_v<Range, std::span<T>>
+    constexpr lasting_span(Range&& elements) : std::span<T>(elements) {}
+    template <class Range>
+        requires lasting_range<Range> && detail::range_of_arrays<Range, std::remove_const_t<T>>
+    constexpr lasting_span(Range&& arrays)
+        : std::span<T>(std::empty(arrays) ? nullptr : std::data(arrays)->data(),
+                       std::size(arrays) * std::tuple_size_v<detail::range_element<Range>>) {}
+    /// The elements of a temporary would be gone.
+    template <class Range>
+        requires(!lasting_range<Range>)
+    lasting_span(const Range&&)
+    = delete;
+};
 
 namespace detail {
 
@@ -165,3 +202,6 @@ private:
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet
+
+template <class T>
+inline constexpr bool std::ranges::enable_borrowed_range<tactnet::lasting_span<T>> = true;

@@ -2,7 +2,6 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/batch/direct_convolution.hpp>
-#include <tactnet/tensor/alignment.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
@@ -35,7 +34,7 @@ struct tile_grid {
 /// it spreads them over the sets of the cache.
 template <class T>
 [[nodiscard]] constexpr std::size_t odd_lines(std::size_t count) {
-    constexpr std::size_t line = alignment / sizeof(T);
+    constexpr std::size_t line = cache_line / sizeof(T);
     return (ceil_div(count, line) / 2 * 2 + 1) * line;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/normal_numbers.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/simulation/effect.hpp>
@@ -47,7 +48,7 @@ struct noise {
                 return;
             constexpr std::size_t group = kernels::normal_numbers::chunk_size;
             const kernels::normal_numbers random(now.random(purpose));
-            alignas(64) std::array<float, group> numbers, values{};
+            alignas(alignment) std::array<float, group> numbers, values{};
             for (std::size_t first = 0; first < Shape.size(); first += group) {
                 float* const from = pressures.data() + first;
                 const std::size_t count = std::min(group, Shape.size() - first);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/normal_numbers.hpp>
 #include <tactnet/simulation/effect.hpp>
 
@@ -24,7 +25,7 @@ struct drift {
         bound(const drift& effect, const mounting& where) {
             if (!(effect.deviation > 0))
                 return;
-            alignas(64) std::array<float, kernels::normal_numbers::chunk_size> numbers;
+            alignas(alignment) std::array<float, kernels::normal_numbers::chunk_size> numbers;
             kernels::normal_numbers(where.unit.random(purpose)).chunk(0, numbers.data());
             rate_ = effect.deviation * static_cast<double>(numbers[0]);
         }
