@@ -156,9 +156,9 @@ TEST_CASE("weiss_decoder: a damaged one is told, and costs no other frame") {
     CHECK(error({1, 2, 3}) == "a frame with a time stamp; 3 bytes");
     CHECK(error({0, 0, 0, 0, 0, 1, 0}) == "6 cells; 1");
     CHECK(error({0, 0, 0, 0, 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 7, 0}) ==
-          "runs of 1 to 15 cells, 6 in all; 1 behind 6");
-    CHECK(error({0, 0, 0, 0, 1, 0, 0x70}) == "runs of 1 to 15 cells, 6 in all; 7 behind 0");
-    CHECK(error({0, 0, 0, 0, 1, 5, 0x00}) == "runs of 1 to 15 cells, 6 in all; 0 behind 0");
+          "runs of 1 to 15 cells, 6 in all; 1 after 6");
+    CHECK(error({0, 0, 0, 0, 1, 0, 0x70}) == "runs of 1 to 15 cells, 6 in all; 7 after 0");
+    CHECK(error({0, 0, 0, 0, 1, 5, 0x00}) == "runs of 1 to 15 cells, 6 in all; 0 after 0");
     CHECK(error({0, 0, 0, 0, 1, 5, 0x60, 1}) == "6 cells; 6 and half of one");
     CHECK(decoder.frames() == 0);
     CHECK(refused({}) == "nothing"); // reported by the push, before the end

@@ -17,7 +17,7 @@
 // The name covers all that changes the layout of vectors, the choices of xsimd, or the instructions that a
 // compiler adds by itself: a level of SSE, AVX, NEON or SVE, then a letter per extension. It does not cover
 // the version of xsimd, of which a program has one, nor templates outside this namespace: those of the
-// standard library, and of Eigen behind eigen.hpp and simulation/effects/circuit/resistive_network.hpp, which
+// standard library, and of Eigen in eigen.hpp and simulation/effects/circuit/resistive_network.hpp, which
 // belong into units of one instruction set. `instruction_set` (detail/instruction_set.hpp) spells the name
 // out.
 //

@@ -48,7 +48,7 @@ private:
     std::uint16_t value_ = 0xFFFF;
 };
 
-/// The array behind a live stream, which does not describe itself.
+/// The array of a live stream, which does not describe itself.
 struct weiss_array {
     std::size_t rows = 0, columns = 0;
     std::optional<double> row_spacing{}, column_spacing{}; ///< metres
@@ -60,7 +60,7 @@ enum class weiss_coverage : std::uint8_t { whole_packet, without_preamble };
 
 /// Decodes a live stream of packets, which may be joined at any byte. Bytes outside of packets are counted
 /// and skipped, and so are packets with other identifiers, which answer commands. A packet with a wrong
-/// checksum or a frame of another size is reported as damaged, and decoding continues behind it. A push that
+/// checksum or a frame of another size is reported as damaged, and decoding continues after it. A push that
 /// reports damage has taken all its bytes: `error` describes the last damage, `damaged_packets` counts all.
 ///
 /// Memory: one frame of four bytes per cell and one packet of two bytes per cell and 13 more, but at least
@@ -177,7 +177,7 @@ private:
             const std::size_t count = runs ? word >> 12U : 1;
             if (count > size - cell || count == 0)
                 return report(start, "runs of 1 to 15 cells, " + std::to_string(size) + " in all",
-                              std::to_string(count) + " behind " + std::to_string(cell));
+                              std::to_string(count) + " after " + std::to_string(cell));
             std::fill_n(cells().begin() + static_cast<std::ptrdiff_t>(cell), count,
                         static_cast<float>(runs ? word & 0x0FFFU : word));
             cell += count;

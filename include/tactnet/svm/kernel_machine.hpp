@@ -94,7 +94,7 @@ public:
         find_values(rows, values, threads);
         return values;
     }
-    /// The label of every row. The values behind them are not kept: memory grows with the labels alone.
+    /// The label of every row. Decision values are not kept, so memory grows with the labels alone.
     [[nodiscard]] std::vector<std::size_t> predict(feature_rows<Features> rows, thread_pool& threads) const {
         std::vector<std::size_t> labels;
         for_each_values(rows, threads, [&](std::span<const double> values) {

@@ -72,7 +72,7 @@ public:
                                [&](feature_rows<Features> block) { add_values(block, values); });
         return values;
     }
-    /// The label of every row. The values behind them are not kept: memory grows with the labels alone.
+    /// The label of every row. Decision values are not kept, so memory grows with the labels alone.
     [[nodiscard]] std::vector<std::size_t> predict(feature_rows<Features> rows) const {
         check_rows(rows);
         std::vector<double> values;

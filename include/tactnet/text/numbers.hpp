@@ -22,11 +22,11 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A number at the start of a text. `end` points behind it, and is null if there is none that `T` can hold.
+/// A number at the start of a text.
 template <std::floating_point T>
 struct number_read {
     T value = 0;               ///< rounded once
-    const char* end = nullptr; ///< behind the number
+    const char* end = nullptr; ///< of the number; null if there is none that `T` can hold
 };
 
 /// Reads the number without a sign that [begin, end) starts with, in any locale.
@@ -75,7 +75,7 @@ concept written_by_standard_library = requires(char* text, T value) {
     std::to_chars(text, text, value, std::chars_format::fixed);
 };
 
-/// Writes `value` by the printf format "%.*f" or "%.*e", with the fewest digits behind the point that read as
+/// Writes `value` by the printf format "%.*f" or "%.*e", with the fewest digits after the point that read as
 /// the same number again. Returns the end, or `begin` if the text does not fit.
 template <std::floating_point T>
 char* print_shortest(char* begin, char* end, const char* format, T value) noexcept {

@@ -294,7 +294,7 @@ TEST_CASE("tekscan_ascii: one frame without a line of its own") {
             CHECK(found.frames[0].number == 1);
         }
     CHECK(decode("ROWS 1\nCOLS 1\nASCII_DATA @@\n1\nFrame 2\n2\n@@\n")
-              .error.find("expected the end, behind a frame without a line 'Frame', found 'Frame 2'") !=
+              .error.find("expected the end after a frame without a line 'Frame', found 'Frame 2'") !=
           std::string::npos);
 }
 
@@ -330,7 +330,7 @@ TEST_CASE("tekscan_ascii: what does not agree with the header is an error with i
     refuses("Frame 2", "Fname 2", "Fname", ", frame 1: expected 2 rows in a frame, found one more" + both);
     CHECK(decode(replaced(recording, "Frame 2", "Frame 1"))
               .error.find("expected a frame after number 1, found number 1") != std::string::npos);
-    CHECK(decode(recording + "1,2,3\n").error.find("expected nothing behind the closing @@, found '1,2,3'") !=
+    CHECK(decode(recording + "1,2,3\n").error.find("expected nothing after the closing @@, found '1,2,3'") !=
           std::string::npos);
     CHECK(decode(recording + "more\n").status == decode_status::damaged);
     // The frames before are whole.
@@ -439,7 +439,7 @@ TEST_CASE("tekscan_ascii: cut short anywhere, whole frames come out and no other
     CHECK(sensors_test::only_whole_frames_when_cut(tekscan_ascii(), bytes_of(bare)));
     CHECK(decode(bare.substr(0, bare.size() - 1)).error ==
           "byte " + std::to_string(bare.size() - 1) +
-              ", line 10, frame 2: expected a line end behind the last number, or it may be cut, found "
+              ", line 10, frame 2: expected a line end after the last number, which may be cut, found "
               "the end of the data "
               "(1 announced frames are missing)");
     CHECK(decode(recording.substr(0, recording.find("B,250"))).error ==

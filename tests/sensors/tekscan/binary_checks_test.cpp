@@ -116,18 +116,18 @@ TEST_CASE("tekscan_binary_checks: times that cannot be") {
     // As far as half a frame from where SECONDS_PER_FRAME puts it.
     CHECK(of_records({at(1, 0), at(2, 5000), at(3, 20'000)}).empty());
     CHECK(of_records({at(1, 0), at(2, 4999)}) ==
-          strings{"expected a time about 0.01 s behind the frame before, found 0.004999 s"});
+          strings{"expected a time about 0.01 s after the frame before, found 0.004999 s"});
     CHECK(of_records({at(1, 0), at(2, 15'001)}).size() == 1);
     // Backwards, and far away: told of the frame itself and of the one behind it.
     CHECK(of_records({at(1, 20'000), at(2, 10'000)}) ==
-          strings{"expected a time about 0.01 s behind the frame before, found -0.01 s"});
+          strings{"expected a time about 0.01 s after the frame before, found -0.01 s"});
     CHECK(of_records({at(1, 0), at(2, std::uint64_t{1} << 60), at(3, 20'000), at(4, 30'000)}).size() == 2);
     // Without SECONDS_PER_FRAME only backwards.
     const std::string header = replaced(written_header(2), "SECONDS_PER_FRAME", "SECONDS");
     CHECK(texts(decode({frame(at(1, 0)), frame(at(2, 9'000'000))}, header)) ==
           strings{"expected a line 'SECONDS_PER_FRAME' in the header, found none that can be read"});
     CHECK(texts(decode({frame(at(1, 5)), frame(at(2, 4))}, header)).back() ==
-          "expected a time behind the frame before, found -1e-06 s");
+          "expected a time after the frame before, found -1e-06 s");
 }
 
 TEST_CASE("tekscan_binary_checks: the time of day and the time since the start say the same") {

@@ -88,7 +88,7 @@ TEST_CASE("tekscan_binary: what does not fit is an error with its place") {
                       missing = " (3 announced frames are missing)";
     CHECK(error("\x0C\x00\x01\x01"s) == at +
                                             ", frame 1: expected a run from cell 0 of 12 on, FFFF or, "
-                                            "behind a frame, FF FE, found cell 12" +
+                                            "after a frame, FF FE, found cell 12" +
                                             missing);
     CHECK(error("\x0B\x00\x02\x01\x01"s).find("expected a run of 1 to 1 cells from cell 11, found 2") !=
           std::string::npos);
@@ -106,7 +106,7 @@ TEST_CASE("tekscan_binary: what does not fit is an error with its place") {
           std::string::npos);
     CHECK(error(first + empty + third + empty)
               .find("expected 3 frames as the header announces, found one more") != std::string::npos);
-    CHECK(error(first + empty + third + closing + "x").find("expected nothing behind the closing FF FE") !=
+    CHECK(error(first + empty + third + closing + "x").find("expected nothing after the closing FF FE") !=
           std::string::npos);
     // FF FE inside a frame is no end.
     CHECK(error("\x00\x00\x01\x01"s + closing).find("found cell 65279") != std::string::npos);

@@ -80,7 +80,7 @@ struct norm_relu_pool {
         static void forward(const execution_context& context, const T* values, T*, memory& m,
                             input_view<T, Input> in, output_view<T, output> out) {
             each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
-                kernels::normalise_and_rectify(norm::rule(values, m, c), inputs_behind(context, m, in, b, c),
+                kernels::normalise_and_rectify(norm::rule(values, m, c), chosen_inputs(context, m, in, b, c),
                                                out.lane_block(b) + c * pooled, pooled);
             });
         }
@@ -89,7 +89,7 @@ struct norm_relu_pool {
                                      input_view<T, output> out, input_view<T, output> out_gradient) {
             const kernels::vector<T> zero(T{});
             each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
-                const T *x = inputs_behind(context, m, in, b, c), *y = out.lane_block(b) + c * pooled,
+                const T *x = chosen_inputs(context, m, in, b, c), *y = out.lane_block(b) + c * pooled,
                         *dy = out_gradient.lane_block(b) + c * pooled;
                 norm::observe_channel(m, context.first_lane_block + b, c, output.area(), [&](std::size_t i) {
                     const kernels::vector<T> passed =
@@ -111,7 +111,7 @@ struct norm_relu_pool {
                 kernels::normalised_pool_backward<window>(
                     norm::gradient_rule(values, m, c), kernels::lanes_in_use<T>(in.samples_in(b)),
                     in.lane_block(b) + c * plane, out.lane_block(b) + c * pooled,
-                    inputs_behind(context, m, in, b, c), out_gradient.lane_block(b) + c * pooled,
+                    chosen_inputs(context, m, in, b, c), out_gradient.lane_block(b) + c * pooled,
                     in_gradient.lane_block(b) + c * plane);
             });
         }
@@ -134,8 +134,8 @@ struct norm_relu_pool {
         static T* chosen_by(const execution_context& context, memory& m, std::size_t b, std::size_t c) {
             return m.chosen.data() + ((context.first_lane_block + b) * Input.channels + c) * pooled;
         }
-        /// The input behind each output of a channel.
-        static const T* inputs_behind(const execution_context& context, const memory& m,
+        /// The input that each output of a channel comes from.
+        static const T* chosen_inputs(const execution_context& context, const memory& m,
                                       input_view<T, Input> in, std::size_t b, std::size_t c) {
             if constexpr (pools)
                 return m.chosen.data() + ((context.first_lane_block + b) * Input.channels + c) * pooled;

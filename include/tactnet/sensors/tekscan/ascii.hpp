@@ -68,7 +68,7 @@ private:
         if (read.kind == tekscan_line_kind::blank)
             return true;
         if (status() == decode_status::finished)
-            return fail_at(line, 0, "nothing behind the closing @@", read.shown());
+            return fail_at(line, 0, "nothing after the closing @@", read.shown());
         switch (read.kind) {
         case tekscan_line_kind::row:
             return take_row(line);
@@ -96,7 +96,7 @@ private:
     template <class Sink>
     bool take_frame_line(const tekscan_line& line, Sink& sink) {
         if (open_ && !announced_)
-            return fail_at(line.source, 0, "the end, behind a frame without a line 'Frame'", line.shown());
+            return fail_at(line.source, 0, "the end after a frame without a line 'Frame'", line.shown());
         if (open_ && !close_frame(line, sink))
             return false;
         if (!line.frame)
@@ -129,7 +129,7 @@ private:
         // A last line that is cut within its last number would be another number. Only a sum can rule that
         // out.
         if (!line.ended && outcome.cut && !checks_sum())
-            return fail_at(line, line.text.size(), "a line end behind the last number, or it may be cut",
+            return fail_at(line, line.text.size(), "a line end after the last number, which may be cut",
                            "the end of the data");
         cut_ = !line.ended && outcome.cut;
         ++row_;
@@ -150,7 +150,7 @@ private:
                                      : "the end of the data");
     }
 
-    /// Checks the frame whose rows are read and gives it to the sink. `next` is the line behind it.
+    /// Checks the frame whose rows are read and gives it to the sink. `next` is the line after it.
     template <class Sink>
     bool close_frame(const tekscan_line& next, Sink& sink) {
         if (row_ < description().rows)

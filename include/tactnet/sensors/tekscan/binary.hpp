@@ -51,7 +51,7 @@ public:
     decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
         while (!bytes.empty() && status() != decode_status::damaged) {
             if (status() == decode_status::finished) {
-                fail_at(byte_, "nothing behind the closing FF FE", "more bytes");
+                fail_at(byte_, "nothing after the closing FF FE", "more bytes");
                 break;
             }
             const std::size_t taken = part_ == part::header      ? take_header(bytes)
@@ -140,7 +140,7 @@ private:
         } else if (value >= description().cells() || value < cell_) {
             fail_at(number_byte_,
                     "a run from cell " + std::to_string(cell_) + " of " +
-                        std::to_string(description().cells()) + " on, FFFF or, behind a frame, FF FE",
+                        std::to_string(description().cells()) + " on, FFFF or, after a frame, FF FE",
                     "cell " + std::to_string(value));
         } else {
             tekscan_binary_checks::run(value, cell_, number_byte_, frames() + 1, mutable_warnings());

@@ -168,9 +168,8 @@ private:
         const double found = (static_cast<double>(time) - static_cast<double>(last)) / 1e6;
         const double expected = steps * seconds_per_frame_;
         if (seconds_per_frame_ > 0 ? std::abs(found - expected) > time_tolerance * expected : found < 0)
-            warn(seconds_per_frame_ > 0
-                     ? warning_text("a time about ", expected, " s behind the frame before")
-                     : warning_text("a time behind the frame before"),
+            warn(seconds_per_frame_ > 0 ? warning_text("a time about ", expected, " s after the frame before")
+                                        : warning_text("a time after the frame before"),
                  warning_text(found, " s"));
     }
 

@@ -21,8 +21,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A number at the start of a text. `end` points behind it, and is null if there is none that a double can
-/// hold.
+/// A number at the start of a text. `end` is where it ends, or null if there is none that a double can hold.
 struct scanned_number {
     double value = 0;
     const char* end = nullptr;
@@ -177,7 +176,7 @@ inline constexpr measure_unit time_units[] = {
     return std::nullopt;
 }
 
-/// A number and the unit behind it, without blanks.
+/// A number and the unit after it, without blanks.
 struct scanned_measure {
     double number = 0;
     std::string_view unit; ///< may be empty

@@ -29,7 +29,7 @@ enum class linear_loss {
     squared_hinge ///< its square
 };
 
-/// Rows on aligned memory with one constant feature behind the others, which stands for the offset.
+/// Rows in aligned memory, with a constant feature after the others for the offset.
 class biased_rows {
 public:
     biased_rows(feature_rows<> rows, double bias)

@@ -138,7 +138,7 @@ private:
                     gradient_[t] -= beta_[k] * double{row[t]};
             }
     }
-    /// Arrays for the active samples; what is behind them may not move.
+    /// Resizes the arrays for the active samples. The padding after them may not move.
     void resize() {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         const std::size_t n = active_.size(), whole = kernels::padded_size<double>(n);
