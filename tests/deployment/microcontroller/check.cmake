@@ -6,7 +6,7 @@
 #       -DFOLDER=<to build in> -DPAGE=docs/deployment.md [-DWRITE=ON] -P check.cmake
 #
 # With WRITE the table takes the place of the one on the page. Without an emulator only flash and static RAM are checked.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 if(NOT COMPILER)
     message("skipped: there is no arm-none-eabi-g++ (Debian: gcc-arm-none-eabi, libstdc++-arm-none-eabi-newlib)")
     return()
