@@ -1,4 +1,0 @@
-#pragma once
-
-#include <tactnet/cellar/wine.hpp>
-#include <tactnet/detail/config.hpp>

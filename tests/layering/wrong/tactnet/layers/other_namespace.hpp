@@ -1,6 +1,0 @@
-#pragma once
-
-#include <tactnet/detail/config.hpp>
-namespace tactnet {
-int other();
-}

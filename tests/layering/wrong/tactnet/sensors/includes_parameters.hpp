@@ -1,4 +1,0 @@
-#pragma once
-
-#include <tactnet/io/read_file.hpp>
-#include <tactnet/io/parameters.hpp>

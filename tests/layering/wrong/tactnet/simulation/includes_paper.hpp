@@ -1,3 +1,0 @@
-#pragma once
-
-#include <tactnet/simulation/paper/objects.hpp>

@@ -1,5 +1,0 @@
-#pragma once
-
-#include <tactnet/detail/config.hpp>
-
-#include <Eigen/Core>

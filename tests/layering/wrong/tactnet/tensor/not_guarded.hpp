@@ -1,1 +1,0 @@
-#include <tactnet/detail/config.hpp>

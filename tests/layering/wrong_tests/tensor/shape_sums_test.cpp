@@ -1,1 +1,0 @@
-// A topic of the header shape.

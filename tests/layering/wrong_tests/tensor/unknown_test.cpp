@@ -1,1 +1,0 @@
-// There is no such header.
