@@ -1,7 +1,0 @@
-#include "units.hpp"
-
-#include <every_header.hpp>
-
-std::string_view arch_of_first() {
-    return TACTNET_TEXT(TACTNET_ARCH);
-}
