@@ -150,9 +150,9 @@ bool compare() {
         for (float& value : values)
             value = static_cast<float>(random.uniform(-1, 1));
     };
-    std::vector<float> folded(step::folded), input(Input.size());
+    std::vector<float> folded(step::folded_elements), input(Input.size());
     fill(folded), fill(input);
-    aligned_vector<float> packed(step::packed), in(Input.area() * c.input_stride),
+    aligned_vector<float> packed(step::packed_elements), in(Input.area() * c.input_stride),
         workspace(step::workspace_elements), out(step::output.area() * step::output_stride);
     step::pack(folded.data(), packed.data());
     for (std::size_t i = 0; i < input.size(); ++i)
@@ -189,7 +189,7 @@ bool compare_bytes() {
     constexpr float output_scale = 256;
     std::vector<std::int8_t> weights(step::weights);
     std::vector<std::int32_t> biases(Input.channels);
-    std::vector<float> folded(step::folded, 1.0f);
+    std::vector<float> folded(step::folded_elements, 1.0f);
     for (std::size_t i = 0; i < weights.size(); ++i)
         folded[i] = weights[i] = static_cast<std::int8_t>(draw(-127, 128));
     for (std::size_t f = 0; f < biases.size(); ++f)
@@ -198,7 +198,7 @@ bool compare_bytes() {
     float* const ranges = folded.data() + weights.size() + 2 * biases.size();
     map_range{1, 0}.write(ranges), map_range{output_scale, 0}.write(ranges + map_range::numbers);
 
-    aligned_vector<std::int8_t> packed(step::packed);
+    aligned_vector<std::int8_t> packed(step::packed_elements);
     aligned_vector<std::uint8_t> in(Input.area() * c.input_stride), workspace(step::workspace_elements),
         out(step::output.area() * step::output_stride);
     step::pack(folded.data(), packed.data());

@@ -71,7 +71,7 @@ struct step_walk<tactnet::step_chain<Steps...>> {
         const auto one = [&]<class Step>(std::type_identity<Step>) {
             float* const to = i + 1 == chain::size ? out : memory + i % 2 * chain::buffer;
             step_walk<Step>::go(packed, in, to, inner, visit);
-            packed += Step::packed, in = to, ++i;
+            packed += Step::packed_elements, in = to, ++i;
         };
         (one(std::type_identity<Steps>{}), ...);
     }
@@ -82,9 +82,9 @@ struct step_walk<tactnet::residual_step<Main, Skip, Stride>> {
     static void go(const float* packed, const float* in, float* out, float* memory, Visit&& visit) {
         using block = tactnet::residual_step<Main, Skip, Stride>;
         if constexpr (!std::is_same_v<Skip, tactnet::no_step> && block::aside == 0)
-            step_walk<Skip>::go(packed + Main::packed, in, out, memory, visit);
+            step_walk<Skip>::go(packed + Main::packed_elements, in, out, memory, visit);
         else
-            visit(std::type_identity<Skip>{}, packed + Main::packed, in, out, memory,
+            visit(std::type_identity<Skip>{}, packed + Main::packed_elements, in, out, memory,
                   [&] { block::leave_skip(packed, in, out, memory); });
         step_walk<Main>::go(packed, in, out, memory, visit);
     }
@@ -223,7 +223,8 @@ template <class Network>
     view::pack(deployed.folded().data(), packed.data());
     const bool finite = input::read(packed.data(), frame.data(), in.data());
     const auto walk = [&](auto&& visit) {
-        step_walk<steps>::go(packed.data() + input::packed, in.data(), out.data(), memory.data(), visit);
+        step_walk<steps>::go(packed.data() + input::packed_elements, in.data(), out.data(), memory.data(),
+                             visit);
     };
     // Once to describe the steps, then again and again with the clock between them. What the clock itself
     // takes is subtracted.
@@ -231,7 +232,7 @@ template <class Network>
         run();
         layer_report layer{.what = step_description<Step>::what(), .plan = step_description<Step>::plan()};
         layer.multiply_adds = step_description<Step>::multiply_adds;
-        layer.weight_bytes = Step::packed * sizeof(float);
+        layer.weight_bytes = Step::packed_elements * sizeof(float);
         layer.in_network = std::numeric_limits<double>::infinity();
         if constexpr (!std::is_same_v<Step, tactnet::no_step>) {
             const std::size_t elements = Step::output.area() * Step::output_stride;

@@ -33,7 +33,7 @@ public:
         const tactnet::parameter_source source{network.learnable_values().data(),
                                                network.running_statistics().data(), network.epsilon};
         using plan = tactnet::lowered_network<Network>;
-        std::vector<float> folded(plan::step::folded);
+        std::vector<float> folded(plan::step::folded_elements);
         plan::fold(source, folded.data());
         d.add(typename plan::step{}, folded.data(), 0);
         return d;
@@ -57,7 +57,7 @@ private:
     // Each returns the number of the map that holds the step's result.
     template <class... Steps>
     std::size_t add(tactnet::step_chain<Steps...>, const float* folded, std::size_t from) {
-        ((from = add(Steps{}, folded, from), folded += Steps::folded), ...);
+        ((from = add(Steps{}, folded, from), folded += Steps::folded_elements), ...);
         return from;
     }
     template <tactnet::kernels::frame_convolution C>
@@ -76,7 +76,7 @@ private:
                                .rectified = C.rectified,
                                .adds = C.adds,
                                .weights = {folded, folded + step::weights},
-                               .bias = {folded + step::weights, folded + step::folded}});
+                               .bias = {folded + step::weights, folded + step::folded_elements}});
         if constexpr (C.pool == tactnet::extent2d(1)) {
             return to;
         } else {
@@ -123,7 +123,8 @@ private:
         using step =
             tactnet::concatenation_step<tactnet::single_precision, Input, InputStride, Stride, Branches...>;
         std::vector<std::size_t> branches;
-        ((branches.push_back(add(typename Branches::step{}, folded, from)), folded += Branches::step::folded),
+        ((branches.push_back(add(typename Branches::step{}, folded, from)),
+          folded += Branches::step::folded_elements),
          ...);
         const std::size_t to = new_map(step::output);
         operations_.push_back({.what = operation::kind::concatenation,
@@ -147,14 +148,14 @@ private:
                                .from = D.input,
                                .to = step::output,
                                .weights = {folded, folded + step::weights},
-                               .bias = {folded + step::weights, folded + step::folded}});
+                               .bias = {folded + step::weights, folded + step::folded_elements}});
         return to;
     }
     template <class Main, class Skip, std::size_t Stride>
     std::size_t add(tactnet::residual_step<Main, Skip, Stride>, const float* folded, std::size_t from) {
         std::size_t term = from;
         if constexpr (!std::is_same_v<Skip, tactnet::no_step>)
-            term = add(Skip{}, folded + Main::folded, from);
+            term = add(Skip{}, folded + Main::folded_elements, from);
         other_term_ = term;
         return add(Main{}, folded, from);
     }

@@ -42,7 +42,7 @@ message("${output}")
 set(source "${FOLDER}/without_vectors.cpp")
 file(
     WRITE "${source}"
-    "#include <tactnet/deployment/steps.hpp>
+    "#include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/networks.hpp>
 #if !defined(TACTNET_NO_SIMD) || defined(XSIMD_VERSION_MAJOR)
 #error \"vectors, where there are none\"

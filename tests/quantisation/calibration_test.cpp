@@ -149,7 +149,7 @@ TEST_CASE(
     [&]<std::size_t... I>(std::index_sequence<I...>) {
         (([&] {
              using step = typename steps::template at<I>;
-             at += step::folded;
+             at += step::folded_elements;
              if constexpr (step::ranges > 1)
                  written.push_back(at - 2);
              if constexpr (I > 0)

@@ -1,5 +1,5 @@
 #include <tactnet/deployment.hpp>
-#include <tactnet/deployment/eight_bit/layout_of.hpp>
+#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/quantisation/graph_of.hpp>
 

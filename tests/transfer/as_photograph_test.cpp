@@ -193,7 +193,7 @@ TEST_CASE("as_photograph: memory in whole cache lines, so that the next frame's 
     using step = as_photograph_step<single_precision, extent2d(28, 50), 1, extent2d(227, 227)>;
     using joining = as_photograph_step<single_precision, extent2d(28, 50), 16, extent2d(227, 227)>;
     static_assert(step::workspace_elements == whole_lines(step::workspace_elements) &&
-                  step::packed == whole_lines(step::packed));
+                  step::packed_elements == whole_lines(step::packed_elements));
     static_assert(joining::workspace_elements == whole_lines(joining::workspace_elements) &&
                   joining::workspace_elements > step::workspace_elements);
 }

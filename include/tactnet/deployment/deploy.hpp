@@ -49,10 +49,10 @@ struct folded_check<single_precision> {
 /// Their last argument may be a `workspace`; otherwise they take workspace_bytes of the stack.
 template <class Network, class Format = single_precision>
 class deployed : detail::refused_calls<Network::input_shape, Network::outputs> {
-    using plan = lowered_network<Network, Format>;
+    using lowered = lowered_network<Network, Format>;
 
 public:
-    using view_type = deployed_view<Network::input_shape, typename plan::step>;
+    using view_type = deployed_view<Network::input_shape, typename lowered::step>;
     using activation = typename Format::activation;
     using workspace = typename view_type::workspace;
     static constexpr shape input_shape = Network::input_shape;
@@ -69,8 +69,9 @@ public:
         : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
         std::copy(mean.begin(), mean.end(), folded_.begin());
         folded_[input_shape.size()] = scale;
-        plan::fold({network.learnable_values().data(), network.running_statistics().data(), network.epsilon},
-                   folded_.data() + view_type::steps_folded);
+        lowered::fold(
+            {network.learnable_values().data(), network.running_statistics().data(), network.epsilon},
+            folded_.data() + view_type::steps_folded);
         for (std::size_t i = 0; i < folded_.size(); ++i)
             if (!(std::abs(folded_[i]) <= largest_parameter))
                 throw std::invalid_argument(std::string("deploy: expected ") +
@@ -144,10 +145,10 @@ public:
     /// the frame or its outputs are not finite.
     [[nodiscard]] std::optional<recognition> classify(frame_ref<input_shape> frame,
                                                       workspace& memory) const& noexcept {
-        return named(view().classify(frame, memory));
+        return with_name(view().classify(frame, memory));
     }
     [[nodiscard]] std::optional<recognition> classify(frame_ref<input_shape> frame) const& noexcept {
-        return named(view().classify(frame));
+        return with_name(view().classify(frame));
     }
 
     /// Writes the outputs of many frames, one row per frame, on all threads of a pool. The bits are those of
@@ -176,7 +177,7 @@ public:
         std::vector<std::optional<recognition>> result(frames.size());
         for (std::size_t i = 0; i < frames.size(); ++i)
             if (status[i] == frame_status::ok)
-                result[i] = named(
+                result[i] = with_name(
                     view().classify_outputs(std::span(found).subspan(i * outputs).template first<outputs>()));
         return result;
     }
@@ -204,20 +205,20 @@ private:
                 needed = std::max(needed, std::abs((count - static_cast<double>(folded_[e])) *
                                                    static_cast<double>(folded_[input_shape.size()])));
         while (largest >= needed &&
-               !(plan::step::output_bound(folded_.data() + view_type::steps_folded, largest) <= most))
+               !(lowered::step::output_bound(folded_.data() + view_type::steps_folded, largest) <= most))
             largest /= 10;
         folded_[input_shape.size() + 1] =
             largest >= needed ? static_cast<float>(largest) : std::numeric_limits<float>::max();
     }
 
-    [[nodiscard]] std::optional<recognition> named(std::optional<recognition> found) const noexcept {
+    [[nodiscard]] std::optional<recognition> with_name(std::optional<recognition> found) const noexcept {
         if (found && !classes_.empty())
             found->name = classes_[found->index];
         return found;
     }
 
     aligned_vector<float> folded_;
-    aligned_vector<typename Format::packed> packed_;
+    aligned_vector<typename Format::packed_number> packed_;
     std::vector<std::string> classes_;
 };
 

@@ -2,7 +2,12 @@
 
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/deployment/refused_call.hpp>
-#include <tactnet/deployment/steps.hpp>
+#include <tactnet/deployment/steps/branches.hpp>
+#include <tactnet/deployment/steps/chain.hpp>
+#include <tactnet/deployment/steps/convolution.hpp>
+#include <tactnet/deployment/steps/elementwise.hpp>
+#include <tactnet/deployment/steps/pooling.hpp>
+#include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/networks/recognition.hpp>
@@ -29,8 +34,8 @@ inline namespace TACTNET_ARCH {
 /// magnitude that the first step may see.
 template <shape Input>
 struct input_stage<single_precision, Input> {
-    static constexpr std::size_t folded = Input.size() + 2;
-    static constexpr std::size_t packed = whole_lines(Input.size()) + whole_lines(2);
+    static constexpr std::size_t folded_elements = Input.size() + 2;
+    static constexpr std::size_t packed_elements = whole_lines(Input.size()) + whole_lines(2);
     static constexpr std::size_t map = whole_lines(Input.size()); ///< elements of the first step's input
 
     static constexpr void pack(const float* from, float* to) {
@@ -77,6 +82,11 @@ struct output_stage<single_precision, Output, Stride> {
     }
 };
 
+namespace detail {
+template <class View>
+struct batch_inference; // deployment/batch.hpp
+} // namespace detail
+
 template <std::size_t Needed, std::size_t AtMost>
 concept fits_stack = (Needed <= AtMost);
 
@@ -91,7 +101,7 @@ class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
         detail::fills_map<Steps>,
         "deployed_view: the last step writes only some channels of a wider map, which no step reads");
     using format = typename Steps::format;
-    using packed_number = typename format::packed;
+    using packed_number = typename format::packed_number;
     using input = input_stage<format, Input>;
     using output = output_stage<format, Steps::output, Steps::output_stride>;
 
@@ -103,9 +113,10 @@ public:
 
     /// Folded numbers are the mean image, the scale of the input and its largest magnitude (see
     /// `not_finite`), then the parameters once batch norms are folded in. They are the same on every machine.
-    static constexpr std::size_t steps_folded = input::folded, folded_elements = steps_folded + Steps::folded;
+    static constexpr std::size_t steps_folded = input::folded_elements,
+                                 folded_elements = steps_folded + Steps::folded_elements;
     /// Packed weights are the folded numbers in the order of use, for one instruction set.
-    static constexpr std::size_t packed_elements = input::packed + Steps::packed;
+    static constexpr std::size_t packed_elements = input::packed_elements + Steps::packed_elements;
     static constexpr std::size_t weight_bytes = packed_elements * sizeof(packed_number);
 
     /// Elements of a workspace, of which infer_batch needs one for each frame or thread, whichever are more.
@@ -127,7 +138,7 @@ public:
     /// Packs folded_elements numbers. `packed` holds packed_elements zeros.
     static constexpr void pack(const float* folded, packed_number* packed) {
         input::pack(folded, packed);
-        Steps::pack(folded + input::folded, packed + input::packed);
+        Steps::pack(folded + input::folded_elements, packed + input::packed_elements);
     }
     [[nodiscard]] static constexpr packed_weights pack(const std::array<float, folded_elements>& folded) {
         packed_weights result;
@@ -153,7 +164,7 @@ public:
         activation* const in = memory.elements.data();
         activation* const out = in + input::map;
         const bool usual = read(frame, in);
-        Steps::run(packed_ + input::packed, in, out, out + output::map);
+        Steps::run(packed_ + input::packed_elements, in, out, out + output::map);
         return output::write(out, to) && usual ? frame_status::ok : frame_status::not_finite;
     }
     /// As above, with a workspace on the stack.
@@ -186,6 +197,9 @@ public:
     /// How many outputs stand for a class: the first ones.
     [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
 
+private:
+    friend detail::batch_inference<deployed_view>;
+
     /// Runs the network layer by layer over executor.frames frames, of `frames` from `first` on
     /// (steps/batch_executor.hpp). `memory` holds workspace_elements for each of executor.copies(). `status`
     /// is null, or has one element per frame; those of broken frames become not_finite. The bits are those of
@@ -205,8 +219,8 @@ public:
         };
         executor.for_each_frame(
             [&](std::size_t i) { check(i, read(frames[first + i], in + i * input::map)); });
-        Steps::run_batch(packed_ + input::packed, in, input::map, out, out + executor.copies() * output::map,
-                         executor);
+        Steps::run_batch(packed_ + input::packed_elements, in, input::map, out,
+                         out + executor.copies() * output::map, executor);
         executor.for_each_frame([&](std::size_t i) {
             check(i,
                   output::write(out + i * output::map, std::span<float, outputs>(to + i * outputs, outputs)));
@@ -214,7 +228,6 @@ public:
         return usual ? frame_status::ok : frame_status::not_finite;
     }
 
-private:
     bool read(frame_ref<Input> frame, activation* in) const noexcept {
         return frame.visit(
             [&](auto frame_elements) { return input::read(packed_, frame_elements.data(), in); });

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/deployment/eight_bit/layout_of.hpp>
+#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>

@@ -27,13 +27,13 @@ struct activation {
         static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
 
         static void forward_block(const T* in, T* out) {
-            if constexpr (detail::clamps_below_zero<Function>)
+            if constexpr (detail::is_relu<Function>())
                 kernels::relu_forward(in, out, elements);
             else
                 std::transform(in, in + elements, out, [](T x) { return Function::value(x); });
         }
         static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
-            if constexpr (detail::clamps_below_zero<Function>)
+            if constexpr (detail::is_relu<Function>())
                 kernels::relu_backward(out, out_gradient, in_gradient, elements);
             else
                 std::transform(out, out + elements, out_gradient, in_gradient,

@@ -30,7 +30,7 @@
 // its gradient. An empty `header` means that the deployed network declares the function anyway. In 8 bits a
 // table holds the value of each byte. Optional members:
 //   arguments           a std::array of the unsigned template arguments of `type`
-//   clamps_below_zero   true for max(x, 0): in 8 bits a clamp of bytes, and fused with the layer before
+//   is_relu             true for max(x, 0) alone: in 8 bits a clamp of bytes; the layer before fuses it
 //   moves_zero          true unless value(0) is 0
 
 namespace tactnet {
@@ -56,7 +56,7 @@ struct activation;
 struct relu_function {
     static constexpr const char *name = "relu", *title = "ReLU", *type = "tactnet::relu_function",
                                 *header = "";
-    static constexpr bool clamps_below_zero = true;
+    static constexpr bool is_relu = true;
 
     template <class T>
     static constexpr T value(T x) {
@@ -70,10 +70,17 @@ struct relu_function {
 
 namespace detail {
 
+/// Whether a function says that it is max(x, 0).
 template <class Function>
-concept clamps_below_zero = requires {
-    requires Function::clamps_below_zero;
-};
+[[nodiscard]] constexpr bool is_relu() {
+    if constexpr (requires { requires Function::is_relu; }) {
+        static_assert(Function::value(-1.0) == 0 && Function::value(1e6) == 1e6,
+                      "activation: is_relu is for max(x, 0) alone, and this function has other values");
+        return true;
+    } else {
+        return false;
+    }
+}
 template <class Function>
 concept moves_zero = requires {
     requires Function::moves_zero;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/deployment/eight_bit/layout_of.hpp>
+#include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/quantisation/calibrated_network.hpp>
 #include <tactnet/quantisation/graph_of.hpp>
 

@@ -59,7 +59,7 @@ private:
     template <class Step, class Main, class Skip>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
                                   const inner_step<Main, composition::sum>&,
-                                  const inner_step<Skip, composition::sum>&, input_stride) {
+                                  const inner_step<Skip, composition::sum>&, input_stride_argument) {
         const std::size_t first = net_.nodes.size();
         const std::size_t output = append<Main>(input, into), sum = net_.nodes.size() - 1;
         net_.nodes[sum].added = append<Skip>(input);
@@ -71,7 +71,7 @@ private:
     /// Branches that write their slices of one map share its range: the range that the last of them has made.
     template <class Step, class Format, class... Steps>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>, const shape&,
-                                  input_stride, std::size_t,
+                                  input_stride_argument, std::size_t,
                                   const inner_step<Steps, composition::concatenation>&...) {
         static_assert(
             (!fills_map<Steps> && ...),
@@ -112,14 +112,14 @@ private:
     /// A batch norm.
     template <class Step, class Format>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const shape&, input_stride, bool rectified) {
+                                  const shape&, input_stride_argument, bool rectified) {
         return add_parameters<Step>({.reference = reference_norm, .rectified = rectified, .input = input},
                                     into);
     }
     /// A square root.
     template <class Step, class Format, std::intmax_t Numerator, std::intmax_t Denominator>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const shape&, input_stride,
+                                  const shape&, input_stride_argument,
                                   std::type_identity<std::ratio<Numerator, Denominator>>) {
         return add_parameters<Step>(
             {.reference = reference_square_root, .offset = Step::offset, .input = input}, into);
@@ -127,20 +127,20 @@ private:
     /// An average pool.
     template <class Step, class Format>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const average_windows& windows, std::size_t, input_stride) {
+                                  const average_windows& windows, std::size_t, input_stride_argument) {
         return add_parameters<Step>({.reference = reference_average_pool, .means = windows, .input = input},
                                     into);
     }
     /// A max pool, whose bytes stay what they are.
     template <class Step, class Format>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>,
-                                  const sliding_window& window, input_stride) {
+                                  const sliding_window& window, input_stride_argument) {
         return add_node<Step>({.reference = reference_max_pool, .window = window, .input = input},
                               net_.add_map(Step::output, net_.maps[input].range));
     }
     template <class Step, class Format, activation_function Function>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  std::type_identity<Function>, const shape&, input_stride) {
+                                  std::type_identity<Function>, const shape&, input_stride_argument) {
         return add_operator<Step, (Step::ranges > 1)>(reference_activation<Function>, input, into);
     }
 
@@ -166,9 +166,9 @@ private:
     template <class Step>
     [[gnu::cold]] std::size_t add_node(graph_node step, std::size_t output) {
         step.output = output, step.folded = folded_;
-        if constexpr (Step::folded > 0)
+        if constexpr (Step::folded_elements > 0)
             step.set_ranges = &Step::set_ranges;
-        push(step, Step::folded);
+        push(step, Step::folded_elements);
         return output;
     }
     [[gnu::cold, gnu::noinline]] void push(graph_node& step, std::size_t folded) {

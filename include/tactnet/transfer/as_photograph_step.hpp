@@ -22,8 +22,8 @@ template <class Format, extent2d From, std::size_t InputStride, extent2d To>
 struct step_description<as_photograph_step<Format, From, InputStride, To>> {
     static constexpr const char* header = "tactnet/transfer/as_photograph_step.hpp";
     static constexpr void visit(auto&& to) {
-        to("tactnet::as_photograph_step", "Photograph", std::type_identity<Format>{}, From, input_stride{},
-           To);
+        to("tactnet::as_photograph_step", "Photograph", std::type_identity<Format>{}, From,
+           input_stride_argument{}, To);
     }
 };
 
@@ -33,12 +33,12 @@ struct as_photograph_step<single_precision, From, InputStride, To> {
     static constexpr shape grey{From.rows, From.columns, 1}, resized{To.rows, To.columns, 1};
     static constexpr shape output{To.rows, To.columns, 3};
     static constexpr std::size_t output_stride = 3;
-    static constexpr std::size_t folded = 6, packed = whole_lines(folded);
+    static constexpr std::size_t folded_elements = 6, packed_elements = whole_lines(folded_elements);
     static constexpr bool joins_pixels = InputStride != 1; ///< the input has gaps between its pixels
     static constexpr std::size_t workspace_elements =
         whole_lines(resized.area()) + (joins_pixels ? whole_lines(grey.area()) : 0);
 
-    static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded, to); }
+    static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded_elements, to); }
     /// More than the input: a bicubic kernel overshoots.
     static double output_bound(const float* numbers, double input) {
         const double most = input * gain<resize_axis<keys_cubic<>, From.rows, To.rows>>() *

@@ -1,5 +1,20 @@
 #include <tactnet/tactnet.hpp>
 
+#ifdef CASE_relu_with_an_upper_bound
+// expect: activation: is_relu is for max(x, 0) alone, and this function has other values
+// at-most: 1
+struct relu6_function : tactnet::relu_function {
+    template <class T>
+    static constexpr T value(T x) {
+        return x < 0 ? T(0) : x < 6 ? x : T(6);
+    }
+};
+
+using net = tactnet::network<tactnet::shape{5, 4, 1}, tactnet::conv2d<2, 3>,
+                             tactnet::activation<relu6_function>, tactnet::dense<3>>;
+auto deployed = tactnet::deploy(net{});
+#endif
+
 #ifdef CASE_residual_ends_in_relu
 // expect: deploy: the main branch of a residual block must end in a convolution, with or without batch norm
 // at-most: 1

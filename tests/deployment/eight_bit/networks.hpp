@@ -63,7 +63,7 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
     whole_map map = reference_entrance<Network::input_shape>(all_folded.data(), counts);
     std::size_t stride = map.channels, element = sizeof(std::int16_t), different = 0;
 
-    tactnet::aligned_vector<std::int8_t> first(input::packed);
+    tactnet::aligned_vector<std::int8_t> first(input::packed_elements);
     input::pack(all_folded.data(), first.data());
     tactnet::aligned_vector<std::uint8_t> words(input::map, std::uint8_t{0xa5});
     different += !input::read(first.data(), counts.data(), words.data());
@@ -81,7 +81,7 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
             const auto word = static_cast<std::int16_t>(map.whole[i]);
             std::memcpy(in.data() + (i / map.channels * stride + i % map.channels) * element, &word, element);
         }
-        tactnet::aligned_vector<std::int8_t> packed(Step::packed);
+        tactnet::aligned_vector<std::int8_t> packed(Step::packed_elements);
         Step::pack(folded, packed.data());
         const std::size_t elements = Step::output.area() * Step::output_stride;
         tactnet::aligned_vector<std::uint8_t> out(elements * sizeof(float), std::uint8_t{0x5a}),
@@ -97,7 +97,7 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
                           : out[at] == map.whole[i];
         }
         different += !same;
-        folded += Step::folded, stride = Step::output_stride, element = 1;
+        folded += Step::folded_elements, stride = Step::output_stride, element = 1;
     };
     [&]<std::size_t... I>(std::index_sequence<I...>) {
         (one(std::type_identity<typename steps::template at<I>>{}), ...);

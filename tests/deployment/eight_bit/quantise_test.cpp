@@ -192,7 +192,7 @@ constexpr std::array<float, tiny_view::folded_elements> tiny_folded = [] {
     using first = tiny_view::steps::at<0>;
     using last = tiny_view::steps::at<tiny_view::steps::size - 1>;
     first::set_ranges(folded.data() + tiny_view::steps_folded, {input, {}, between});
-    last::set_ranges(folded.data() + tiny_view::steps_folded + first::folded, {between, {}, {}});
+    last::set_ranges(folded.data() + tiny_view::steps_folded + first::folded_elements, {between, {}, {}});
     return folded;
 }();
 constexpr tiny_view::packed_weights tiny_packed = tiny_view::pack(tiny_folded);

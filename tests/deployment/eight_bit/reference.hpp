@@ -323,7 +323,8 @@ struct reference_step<
 template <class... Steps, class Products>
 struct reference_step<tactnet::step_chain<Steps...>, Products> {
     static whole_map run(const float* folded, whole_map map, const whole_map& other) {
-        ((map = reference_step<Steps, Products>::run(folded, map, other), folded += Steps::folded), ...);
+        ((map = reference_step<Steps, Products>::run(folded, map, other), folded += Steps::folded_elements),
+         ...);
         return map;
     }
 };
@@ -335,7 +336,8 @@ struct reference_step<tactnet::residual_step<Main, Skip, Stride>, Products> {
             return reference_step<Main, Products>::run(folded, in, in);
         else
             return reference_step<Main, Products>::run(
-                folded, in, reference_step<Skip, Products>::run(folded + Main::folded, in, whole_map{}));
+                folded, in,
+                reference_step<Skip, Products>::run(folded + Main::folded_elements, in, whole_map{}));
     }
 };
 
@@ -346,7 +348,7 @@ struct reference_step<tactnet::concatenation_step<Format, Input, InputStride, St
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         std::vector<whole_map> parts;
         ((parts.push_back(reference_step<typename Branches::step, Products>::run(folded, in, whole_map{})),
-          folded += Branches::step::folded),
+          folded += Branches::step::folded_elements),
          ...);
         std::size_t channels = 0;
         for (const whole_map& part : parts)

@@ -40,8 +40,8 @@ random_map make_map(shape size, std::size_t stride, std::uint64_t seed) {
 
 template <class Step>
 struct numbers_of {
-    std::vector<float> folded = std::vector<float>(Step::folded);
-    aligned_vector<float> packed = aligned_vector<float>(Step::packed);
+    std::vector<float> folded = std::vector<float>(Step::folded_elements);
+    aligned_vector<float> packed = aligned_vector<float>(Step::packed_elements);
     aligned_vector<float> scratch = aligned_vector<float>(Step::workspace_elements + 1);
 
     explicit numbers_of(std::uint64_t seed) {
@@ -154,8 +154,8 @@ TEST_CASE("convolution_step: groups need no more weights than they have where th
         .window = over({6, 9, 32}, 5, 2), .filters = 64, .input_stride = 32, .groups = 2}>;
     using joined =
         step_of<frame_convolution{.window = over({6, 9, 32}, 5, 2), .filters = 64, .input_stride = 32}>;
-    CHECK(2 * grouped::folded == joined::folded + 64);
-    CHECK(grouped::packed < joined::packed);
+    CHECK(2 * grouped::folded_elements == joined::folded_elements + 64);
+    CHECK(grouped::packed_elements < joined::packed_elements);
 }
 
 TEST_CASE("convolution_step: two outputs side by side in one wider map, without a copy") {

@@ -18,11 +18,11 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// The format of a step in 8 bits that reads and writes such numbers: bytes between steps, words of 16 bits
-/// for the frame (deployment/eight_bit/frame.hpp), floats for the outputs. Memory is counted in bytes.
+/// for the frame (deployment/eight_bit/steps.hpp), floats for the outputs. Memory is counted in bytes.
 template <class Input, class Output>
 struct eight_bit_between {
     using activation = std::uint8_t;
-    using packed = std::int8_t;
+    using packed_number = std::int8_t;
     using input_format = eight_bit_between<std::int16_t, std::uint8_t>;
     using hidden_format = eight_bit_between<std::uint8_t, std::uint8_t>;
     using output_format = eight_bit_between<Input, float>;

@@ -13,7 +13,7 @@
 #include <vector>
 
 // The layout of the folded numbers of a network in 8 bits: named arrays, for checks and files, which need not
-// know the network's type. layout_of.hpp makes the layout of a network's type.
+// know the network's type. deployment/eight_bit.hpp makes the layout of a network's type.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -48,7 +48,7 @@ struct folded_layout {
 
 namespace detail {
 
-// For the templates of layout_of.hpp; not inlined, to save compile time.
+// For the templates of deployment/eight_bit.hpp; not inlined, to save compile time.
 
 /// Appends a step with these arrays.
 [[gnu::cold, gnu::noinline]] inline void append_step(folded_layout& to, const std::string& name,

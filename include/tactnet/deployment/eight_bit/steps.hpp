@@ -1,7 +1,72 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/frame.hpp>
+#include <tactnet/deployment/deployed_view.hpp>
+#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/eight_bit/steps/convolution.hpp>
 #include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
 #include <tactnet/deployment/eight_bit/steps/pooling.hpp>
-#include <tactnet/deployment/steps.hpp>
+#include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/integer/elementwise.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+// What a deployed network in 8 bits runs: how it reads a frame and writes its outputs, here, and its steps.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// Converts counts to words of 16 bits, pixel by pixel: counts × steps − mean × steps, both rounded, so that
+/// counts of 8 bits keep every bit and the mean 1/256 of a count. Folded numbers: the mean frame, the steps
+/// per count (a power of two), the largest |count − mean| that words hold.
+template <shape Input>
+struct input_stage<eight_bit, Input> {
+    static constexpr std::size_t folded_elements = Input.size() + 2;
+    static constexpr std::size_t map = whole_lines<std::uint8_t>(Input.size() * sizeof(std::int16_t));
+    static constexpr std::size_t packed_elements = map + whole_lines<std::int8_t>(2 * sizeof(float));
+
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const auto steps = static_cast<double>(from[Input.size()]);
+        for (std::size_t e = 0; e < Input.size(); ++e) {
+            const auto bytes = detail::bits_as<std::array<std::int8_t, 2>>(
+                static_cast<std::int16_t>(detail::nearest_even(static_cast<double>(from[e]) * steps)));
+            to[2 * e] = bytes[0], to[2 * e + 1] = bytes[1];
+        }
+        detail::store_number(to + map, from[Input.size()]);
+        detail::store_number(to + map + sizeof(float), from[Input.size() + 1]);
+    }
+    /// Returns whether the whole frame is finite and fits into words.
+    template <class Count>
+    static bool read(const std::int8_t* packed_values, const Count* counts, std::uint8_t* in) noexcept {
+        const auto* const mean = reinterpret_cast<const std::int16_t*>(packed_values);
+        const auto limits = kernels::load_any<std::array<float, 2>>(packed_values + map);
+        const float steps = limits[0], most = limits[1] * steps;
+        auto* const words = reinterpret_cast<std::int16_t*>(in);
+        if constexpr (Input.channels == 1) {
+            return kernels::counts_to_words(counts, Input.size(), mean, steps, most, words);
+        } else {
+            bool fits = true;
+            for (std::size_t at = 0; at < Input.size(); ++at) {
+                const std::size_t channel = at / Input.area(), pixel = at % Input.area();
+                fits &= kernels::counts_to_words(counts + at, 1, mean + at, steps, most,
+                                                 words + pixel * Input.channels + channel);
+            }
+            return fits;
+        }
+    }
+};
+
+/// Writes the floats of the last step to outputs [channel][row][column].
+template <shape Output, std::size_t Stride>
+struct output_stage<eight_bit, Output, Stride> {
+    static constexpr std::size_t map = whole_lines<std::uint8_t>(Output.area() * Stride * sizeof(float));
+    static bool write(const std::uint8_t* out, std::span<float, Output.size()> to) noexcept {
+        return output_stage<single_precision, Output, Stride>::write(reinterpret_cast<const float*>(out), to);
+    }
+};
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/deployment/steps.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -210,7 +209,7 @@ private:
                 all.include(Value::type::header);
             append_text(detail::text_of(value));
         }
-        [[gnu::cold, gnu::noinline]] void append(input_stride) { append_text(stride); }
+        [[gnu::cold, gnu::noinline]] void append(input_stride_argument) { append_text(stride); }
         [[gnu::cold, gnu::noinline]] void append(const sliding_window& window) {
             title += detail::details_of(window);
             append_text(detail::text_of(window));

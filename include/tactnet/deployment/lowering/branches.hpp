@@ -64,7 +64,8 @@ struct lowered_residual {
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here = Place::parameters(list);
         main::fold(here, to);
-        skip::fold(here.at(layer::main::parameters, layer::main::statistics), to + main::step::folded);
+        skip::fold(here.at(layer::main::parameters, layer::main::statistics),
+                   to + main::step::folded_elements);
     }
     template <class Spec, class>
     static constexpr auto fuse() {
@@ -99,7 +100,7 @@ struct lowered_concatenation<Place, std::index_sequence<I...>, Branches...> {
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here = Place::parameters(list);
         ((branch<I, Branches>::fold(here.at(layer::offsets[I].parameters, layer::offsets[I].statistics), to),
-          to += branch<I, Branches>::step::folded),
+          to += branch<I, Branches>::step::folded_elements),
          ...);
     }
 };

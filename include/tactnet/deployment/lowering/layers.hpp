@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/lowering/lowering.hpp>
-#include <tactnet/deployment/steps/dense.hpp>
+#include <tactnet/deployment/steps/convolution.hpp>
 #include <tactnet/deployment/steps/elementwise.hpp>
 #include <tactnet/deployment/steps/pooling.hpp>
 #include <tactnet/layers/activation.hpp>
@@ -78,7 +78,7 @@ struct lowering<batch_norm> {
 
 template <class Function>
 struct lowering<activation<Function>> {
-    static constexpr bool rectifies = detail::clamps_below_zero<Function>;
+    static constexpr bool rectifies = detail::is_relu<Function>();
     template <class Place>
     using at = lowered_to<
         activation_step<typename Place::format, Function, Place::layer::output, Place::input_stride>>;

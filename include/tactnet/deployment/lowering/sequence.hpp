@@ -23,7 +23,7 @@ struct lowered_chain {
     using step = step_chain<typename Lowered::step...>;
 
     static void fold(const parameter_source& list, float* to) {
-        ((Lowered::fold(list, to), to += Lowered::step::folded), ...);
+        ((Lowered::fold(list, to), to += Lowered::step::folded_elements), ...);
     }
 };
 

@@ -73,9 +73,10 @@ inline constexpr bool is_large = [] {
 /// Runs one step over all frames of an executor: by its run_batch or run_share if it has one, otherwise frame
 /// by frame.
 template <class Step, class Executor>
-void run_batch(const typename Step::format::packed* packed, const typename Step::format::activation* in,
-               std::size_t in_distance, typename Step::format::activation* out,
-               typename Step::format::activation* memory, const Executor& executor) {
+void run_batch(const typename Step::format::packed_number* packed,
+               const typename Step::format::activation* in, std::size_t in_distance,
+               typename Step::format::activation* out, typename Step::format::activation* memory,
+               const Executor& executor) {
     static_assert(
         Step::workspace_elements == whole_lines<typename Step::format::activation>(Step::workspace_elements),
         "the workspace of a step must be whole cache lines, so that the one of the next frame is aligned");

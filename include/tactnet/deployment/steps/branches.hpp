@@ -12,7 +12,7 @@ inline namespace TACTNET_ARCH {
 
 /// The identity, as the skip of a residual block or a branch of a concatenation.
 struct no_step {
-    static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
+    static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
     static constexpr void pack(const float*, auto*) {}
     static double output_bound(const float*, double input) { return input; }
 };
@@ -27,10 +27,11 @@ template <class Main, class Skip, std::size_t InputStride>
 struct residual_step {
     using format = typename Main::format;
     using activation = typename format::activation;
-    using packed_number = typename format::packed;
+    using packed_number = typename format::packed_number;
     static constexpr shape output = Main::output;
     static constexpr std::size_t output_stride = Main::output_stride;
-    static constexpr std::size_t folded = Main::folded + Skip::folded, packed = Main::packed + Skip::packed;
+    static constexpr std::size_t folded_elements = Main::folded_elements + Skip::folded_elements,
+                                 packed_elements = Main::packed_elements + Skip::packed_elements;
     /// Elements for a skip that is computed in the workspace, since its pixels have another stride than the
     /// output.
     static constexpr std::size_t aside = [] {
@@ -48,10 +49,10 @@ struct residual_step {
 
     static constexpr void pack(const float* from, packed_number* to) {
         Main::pack(from, to);
-        Skip::pack(from + Main::folded, to + Main::packed);
+        Skip::pack(from + Main::folded_elements, to + Main::packed_elements);
     }
     static double output_bound(const float* from, double input) {
-        return Main::output_bound(from, input) + Skip::output_bound(from + Main::folded, input);
+        return Main::output_bound(from, input) + Skip::output_bound(from + Main::folded_elements, input);
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,
                     activation* memory) noexcept {
@@ -64,9 +65,9 @@ struct residual_step {
         if constexpr (std::is_same_v<Skip, no_step>) {
             copy_pixels<InputStride>(in, out);
         } else if constexpr (aside == 0) {
-            Skip::run(packed_values + Main::packed, in, out, memory);
+            Skip::run(packed_values + Main::packed_elements, in, out, memory);
         } else {
-            Skip::run(packed_values + Main::packed, in, memory, memory + aside);
+            Skip::run(packed_values + Main::packed_elements, in, memory, memory + aside);
             copy_pixels<Skip::output_stride>(memory, out);
         }
     }
@@ -80,7 +81,8 @@ struct residual_step {
                                          out + frame * detail::map_distance<residual_step>);
             });
         else
-            detail::run_batch<Skip>(packed_values + Main::packed, in, in_distance, out, memory, executor);
+            detail::run_batch<Skip>(packed_values + Main::packed_elements, in, in_distance, out, memory,
+                                    executor);
         detail::run_batch<Main>(packed_values, in, in_distance, out, memory, executor);
     }
 
@@ -104,7 +106,7 @@ struct step_description<residual_step<Main, Skip, InputStride>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::residual_step", "Both branches of a residual block",
            inner_step<Main, composition::sum>{"main"}, inner_step<Skip, composition::sum>{"skip"},
-           input_stride{});
+           input_stride_argument{});
     }
 };
 
@@ -122,7 +124,7 @@ template <class Format, shape Input, std::size_t InputStride, std::size_t Stride
 struct concatenation_step {
     using format = typename Format::hidden_format;
     using activation = typename format::activation;
-    using packed_number = typename format::packed;
+    using packed_number = typename format::packed_number;
 
 private:
     template <class Branch>
@@ -153,23 +155,27 @@ public:
         return all;
     }();
     static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t folded = (Branches::step::folded + ...),
-                                 packed = (Branches::step::packed + ...);
+    static constexpr std::size_t folded_elements = (Branches::step::folded_elements + ...),
+                                 packed_elements = (Branches::step::packed_elements + ...);
     static constexpr std::size_t workspace_elements =
         std::max({(aside<Branches> + Branches::step::workspace_elements)...});
 
     static constexpr void pack(const float* from, packed_number* to) {
-        ((Branches::step::pack(from, to), from += Branches::step::folded, to += Branches::step::packed), ...);
+        ((Branches::step::pack(from, to), from += Branches::step::folded_elements,
+          to += Branches::step::packed_elements),
+         ...);
     }
     static double output_bound(const float* from, double input) {
         double most = 0;
-        ((most = std::max(most, Branches::step::output_bound(from, input)), from += Branches::step::folded),
+        ((most = std::max(most, Branches::step::output_bound(from, input)),
+          from += Branches::step::folded_elements),
          ...);
         return most;
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,
                     activation* memory) noexcept {
-        ((run_branch<Branches>(packed_values, in, out, memory), packed_values += Branches::step::packed),
+        ((run_branch<Branches>(packed_values, in, out, memory),
+          packed_values += Branches::step::packed_elements),
          ...);
         clear_rest(out);
     }
@@ -180,7 +186,7 @@ public:
     static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
                           activation* out, activation* memory, const Executor& executor) {
         ((detail::run_batch<typename Branches::step>(packed_values, in, in_distance, out, memory, executor),
-          packed_values += Branches::step::packed),
+          packed_values += Branches::step::packed_elements),
          ...);
         executor.for_each_frame(
             [&](std::size_t frame) { clear_rest(out + frame * detail::map_distance<concatenation_step>); });
@@ -216,7 +222,7 @@ template <class Format, shape Input, std::size_t InputStride, std::size_t Stride
 struct step_description<concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::concatenation_step", "Branches side by side", std::type_identity<Format>{}, Input,
-           input_stride{}, Stride,
+           input_stride_argument{}, Stride,
            inner_step<typename Branches::step, composition::concatenation>{"branch", Branches::offset}...);
     }
 };

@@ -32,13 +32,14 @@ struct step_chain {
     static_assert((std::size_t{0} + ... + !detail::fills_map<Steps>) == !fills_map,
                   "step_chain: a step that writes among the channels of a wider map cannot stand by itself");
     using activation = typename format::activation;
-    using packed_number = typename format::packed;
+    using packed_number = typename format::packed_number;
 
     static constexpr shape output = at<size - 1>::output;
     static constexpr std::size_t output_stride = at<size - 1>::output_stride;
     /// Elements that a number of the last map takes.
     static constexpr std::size_t number_elements = detail::number_elements<at<size - 1>>;
-    static constexpr std::size_t folded = (Steps::folded + ...), packed = (Steps::packed + ...);
+    static constexpr std::size_t folded_elements = (Steps::folded_elements + ...),
+                                 packed_elements = (Steps::packed_elements + ...);
     /// Elements of the largest map between two steps.
     static constexpr std::size_t buffer = [] {
         std::size_t most = 0;
@@ -55,12 +56,13 @@ struct step_chain {
     static constexpr bool large = (detail::is_large<Steps> || ...);
 
     static constexpr void pack(const float* from, packed_number* to) {
-        ((Steps::pack(from, to), from += Steps::folded, to += Steps::packed), ...);
+        ((Steps::pack(from, to), from += Steps::folded_elements, to += Steps::packed_elements), ...);
     }
     /// The largest bound of all steps: maps between them must stay finite as well.
     static double output_bound(const float* from, double input) {
         double most = input;
-        ((input = Steps::output_bound(from, input), most = std::max(most, input), from += Steps::folded),
+        ((input = Steps::output_bound(from, input), most = std::max(most, input),
+          from += Steps::folded_elements),
          ...);
         return most;
     }
@@ -70,7 +72,7 @@ struct step_chain {
         kernels::unroll<size>([&](auto i) {
             activation* const to = i + 1 == size ? out : memory + i % 2 * buffer;
             at<i>::run(packed_values, in, to, inner);
-            packed_values += at<i>::packed;
+            packed_values += at<i>::packed_elements;
             in = to;
         });
     }
@@ -83,7 +85,7 @@ struct step_chain {
         kernels::unroll<size>([&](auto i) {
             activation* const to = i + 1 == size ? out : memory + i % 2 * turn;
             detail::run_batch<at<i>>(packed_values, in, in_distance, to, inner, executor);
-            packed_values += at<i>::packed;
+            packed_values += at<i>::packed_elements;
             in = to, in_distance = detail::map_distance<at<i>>;
         });
     }

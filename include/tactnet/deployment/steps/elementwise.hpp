@@ -23,7 +23,7 @@ template <class Format, shape Map, std::size_t Stride, bool Rectified>
 struct step_description<norm_step<Format, Map, Stride, Rectified>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::norm_step", Rectified ? "Batch norm, ReLU" : "Batch norm", std::type_identity<Format>{},
-           Map, input_stride{}, Rectified);
+           Map, input_stride_argument{}, Rectified);
     }
 };
 
@@ -32,7 +32,8 @@ struct norm_step<single_precision, Map, Stride, Rectified> {
     using format = single_precision;
     static constexpr shape output = Map;
     static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t folded = 2 * Map.channels, packed = 2 * whole_lines(Stride);
+    static constexpr std::size_t folded_elements = 2 * Map.channels,
+                                 packed_elements = 2 * whole_lines(Stride);
     static constexpr std::size_t workspace_elements = 0;
 
     static constexpr void pack(const float* from, float* to) {
@@ -59,7 +60,7 @@ template <class Format, class Function, shape Map, std::size_t Stride>
 struct step_description<activation_step<Format, Function, Map, Stride>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::activation_step", Function::title, std::type_identity<Format>{},
-           std::type_identity<Function>{}, Map, input_stride{});
+           std::type_identity<Function>{}, Map, input_stride_argument{});
     }
 };
 
@@ -84,8 +85,8 @@ struct square_root_step;
 template <class Format, shape Map, std::size_t Stride, class Offset>
 struct step_description<square_root_step<Format, Map, Stride, Offset>> {
     static constexpr void visit(auto&& to) {
-        to("tactnet::square_root_step", "Square root", std::type_identity<Format>{}, Map, input_stride{},
-           std::type_identity<Offset>{});
+        to("tactnet::square_root_step", "Square root", std::type_identity<Format>{}, Map,
+           input_stride_argument{}, std::type_identity<Offset>{});
     }
 };
 
@@ -108,7 +109,7 @@ template <class Format, shape Map, std::size_t Stride, class Rule>
 struct step_description<local_response_norm_step<Format, Map, Stride, Rule>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::local_response_norm_step", "Local response normalisation", std::type_identity<Format>{},
-           Map, input_stride{}, std::type_identity<Rule>{});
+           Map, input_stride_argument{}, std::type_identity<Rule>{});
     }
 };
 
@@ -131,7 +132,7 @@ struct softmax_step;
 template <class Format, shape Map, std::size_t Stride>
 struct step_description<softmax_step<Format, Map, Stride>> {
     static constexpr void visit(auto&& to) {
-        to("tactnet::softmax_step", "Softmax", std::type_identity<Format>{}, Map, input_stride{});
+        to("tactnet::softmax_step", "Softmax", std::type_identity<Format>{}, Map, input_stride_argument{});
     }
 };
 
@@ -155,7 +156,7 @@ struct step_with_softmax : Step {
     using activation = typename Step::format::activation;
     static constexpr bool gives_probabilities = true;
 
-    static void run(const typename Step::format::packed* packed, const activation* in, activation* out,
+    static void run(const typename Step::format::packed_number* packed, const activation* in, activation* out,
                     activation* memory) noexcept {
         Step::run(packed, in, out, memory);
         auto* const outputs = reinterpret_cast<float*>(out);
@@ -177,7 +178,7 @@ template <class Step>
 struct softmax_not_last : Step {
     using activation = typename Step::format::activation;
 
-    static void run(const typename Step::format::packed*, const activation*, activation*,
+    static void run(const typename Step::format::packed_number*, const activation*, activation*,
                     activation*) noexcept {
         static_assert(Step::output.size() == 0, "deploy: in this number format a softmax must be the last "
                                                 "layer: maps in front of others hold no probabilities");

@@ -15,7 +15,7 @@ struct pool_step;
 template <class Format, sliding_window Window, std::size_t Stride>
 struct step_description<pool_step<Format, Window, Stride>> {
     static constexpr void visit(auto&& to) {
-        to("tactnet::pool_step", "Max pool", std::type_identity<Format>{}, Window, input_stride{});
+        to("tactnet::pool_step", "Max pool", std::type_identity<Format>{}, Window, input_stride_argument{});
     }
 };
 
@@ -36,7 +36,7 @@ template <class Format, average_windows Windows, std::size_t Channels, std::size
 struct step_description<average_pool_step<Format, Windows, Channels, Stride>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::average_pool_step", "Average pool", std::type_identity<Format>{}, Windows, Channels,
-           input_stride{});
+           input_stride_argument{});
     }
 };
 

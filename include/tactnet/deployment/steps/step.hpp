@@ -11,9 +11,9 @@
 // What a deployed network does, step by step. A step stands for one or several layers and knows only sizes.
 // Its constants:
 //   output, output_stride   the map that it writes, pixel by pixel, and elements from one pixel to the next
-//   folded                  numbers that remain of the layers' parameters once batch norms are folded in
+//   folded_elements         numbers that remain of the layers' parameters once batch norms are folded in
 //                           ([output][channel][row][column], then biases), in single precision
-//   packed                  the same numbers in the order of use, padded to whole vectors, in the format
+//   packed_elements         the same numbers in the order of use, padded to whole vectors, in the format
 //   workspace_elements      elements of memory that it needs while it runs, in whole cache lines
 // and its functions:
 //   pack                    writes packed numbers from folded ones into zeros; constexpr
@@ -38,7 +38,7 @@ inline namespace TACTNET_ARCH {
 /// number format and is defined by its specialisations. A further format is a further set of specialisations.
 struct single_precision {
     using activation = float;                        ///< an element of a map
-    using packed = float;                            ///< an element of the packed weights
+    using packed_number = float;                     ///< an element of the packed weights
     using input_format = single_precision;           ///< format of the step that reads the frame
     using hidden_format = single_precision;          ///< format of steps that read the map of another
     using output_format = single_precision;          ///< format of the step that writes the outputs
@@ -67,13 +67,13 @@ inline constexpr std::size_t number_elements<Step> = Step::number_elements;
 
 /// The requirements on a step, as above.
 template <class Step>
-concept deployed_step = requires(const float* folded, typename Step::format::packed* to,
-                                 const typename Step::format::packed* packed,
+concept deployed_step = requires(const float* folded, typename Step::format::packed_number* to,
+                                 const typename Step::format::packed_number* packed,
                                  const typename Step::format::activation* in,
                                  typename Step::format::activation* out) {
     { Step::output } -> std::convertible_to<shape>;
     {
-        Step::output_stride + Step::folded + Step::packed + Step::workspace_elements
+        Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
         } -> std::convertible_to<std::size_t>;
     Step::pack(folded, to);
     { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
@@ -88,8 +88,8 @@ struct step_without_parameters {
     using format = Format;
     static constexpr shape output = Output;
     static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t folded = 0, packed = 0, workspace_elements = 0;
-    static constexpr void pack(const float*, typename Format::packed*) {}
+    static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
+    static constexpr void pack(const float*, typename Format::packed_number*) {}
     static double output_bound(const float*, double input) { return input; }
 };
 
@@ -136,7 +136,7 @@ inline constexpr bool gives_probabilities = [] {
 //     struct tactnet::step_description<my_step<Format, Map, Stride>> {
 //         static constexpr const char* header = "my/step.hpp"; // that declares it, unless the library does
 //         static constexpr void visit(auto&& to) {
-//             to("my_step", "My layer", std::type_identity<Format>{}, Map, tactnet::input_stride{});
+//             to("my_step", "My layer", std::type_identity<Format>{}, Map, tactnet::input_stride_argument{});
 //         }
 //     };
 //
@@ -149,7 +149,7 @@ struct step_description;
 
 /// The argument for the elements from one pixel of the step's input to the next. They depend on the
 /// instruction set.
-struct input_stride {};
+struct input_stride_argument {};
 
 /// How a step is composed of others.
 enum class composition { chain, sum, concatenation, wrapper };

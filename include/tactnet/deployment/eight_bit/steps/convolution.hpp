@@ -3,7 +3,6 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/steps/convolution.hpp>
-#include <tactnet/deployment/steps/dense.hpp>
 #include <tactnet/kernels/integer/methods.hpp>
 
 #include <array>
@@ -33,7 +32,7 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel>
                                           range_array("input"),
                                           range_array("added", Kernel.adds),
                                           range_array("output", writes_bytes)};
-    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
     /// The largest magnitude of an input.
     static constexpr double largest_input = std::is_same_v<Input, std::uint8_t> ? 255 : 32768;
 
@@ -56,7 +55,7 @@ private:
     static constexpr std::size_t lowest = 0, zero = 1, padding = 2;
 
 public:
-    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(3);
+    static constexpr std::size_t packed_elements = bytes + whole_lines<std::int8_t>(3);
     static constexpr std::size_t workspace_elements = whole_lines<std::uint8_t>(method::workspace_elements);
 
     /// Also sets the scales of the weights, which follow from the ranges.

@@ -14,15 +14,15 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// An elementwise activation in 8 bits: a clamp of bytes where it clamps below zero, otherwise a table with
-/// an output for each byte.
+/// An elementwise activation in 8 bits: a clamp of bytes for a ReLU, otherwise a table with an output for
+/// each byte.
 template <class Function, shape Map, std::size_t Stride>
 struct activation_step<eight_bit, Function, Map, Stride> : eight_bit_step<Map, Stride> {
-    static constexpr bool clamps = detail::clamps_below_zero<Function>;
+    static constexpr bool clamps = detail::is_relu<Function>();
     /// A clamp keeps the range of its input.
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", !clamps)};
-    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
-    static constexpr std::size_t packed = whole_lines<std::int8_t>(clamps ? 1 : 256);
+    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(clamps ? 1 : 256);
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
         arrays.write_ranges(to, values);
@@ -69,7 +69,7 @@ struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>
                                           {"bias", folded_kind::numbers, {Map.channels}},
                                           range_array("input"),
                                           range_array("output")};
-    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
 
 private:
     static constexpr std::size_t of_channels = whole_lines<std::int8_t>(Stride * sizeof(std::int32_t));
@@ -78,7 +78,7 @@ private:
     static constexpr std::size_t lowest = 0, zero = 1;
 
 public:
-    static constexpr std::size_t packed = bytes + whole_lines<std::int8_t>(2);
+    static constexpr std::size_t packed_elements = bytes + whole_lines<std::int8_t>(2);
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
         arrays.write_ranges(to, values);
@@ -126,7 +126,7 @@ struct square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Off
     : eight_bit_step<Map, Stride> {
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
     static constexpr folded_arrays arrays{range_array("input"), range_array("output")};
-    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
 
 private:
     // The offset in steps of the input, 1/1024 in steps of the output, the step of the input; then two bytes.
@@ -134,7 +134,7 @@ private:
                                  of_step = of_part + sizeof(float), bytes = of_step + sizeof(float);
 
 public:
-    static constexpr std::size_t packed = whole_lines<std::int8_t>(bytes + 2);
+    static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(bytes + 2);
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
         arrays.write_ranges(to, values);

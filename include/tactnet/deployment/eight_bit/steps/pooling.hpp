@@ -32,13 +32,13 @@ struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Chann
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
     static constexpr std::size_t number_elements = sizeof(Output); ///< bytes per number that it writes
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", writes_bytes)};
-    static constexpr std::size_t folded = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
 
 private:
     static constexpr std::size_t input_zero = sizeof(float), zero = input_zero + 1; // after the factor
 
 public:
-    static constexpr std::size_t packed = whole_lines<std::int8_t>(zero + 1);
+    static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(zero + 1);
 
     static constexpr void set_ranges(float* to, const step_ranges& values) {
         arrays.write_ranges(to, values);

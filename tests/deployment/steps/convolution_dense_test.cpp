@@ -1,5 +1,5 @@
 #include <tactnet/deployment/batch.hpp>
-#include <tactnet/deployment/steps/dense.hpp>
+#include <tactnet/deployment/steps/convolution.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
@@ -26,10 +26,11 @@ TEST_CASE(
     constexpr std::size_t most = 2 * kernels::dense_frames<step::kernel> + 1,
                           in_distance = step::kernel.inputs() + 16, out_distance = detail::map_distance<step>;
     std::uint64_t state = 7;
-    std::vector<float> folded(step::folded);
+    std::vector<float> folded(step::folded_elements);
     for (float& value : folded)
         value = support::draw(state);
-    aligned_vector<float> packed(step::packed), inputs(most * in_distance, NAN), alone(most * out_distance);
+    aligned_vector<float> packed(step::packed_elements), inputs(most * in_distance, NAN),
+        alone(most * out_distance);
     step::pack(folded.data(), packed.data());
     for (std::size_t frame = 0; frame < most; ++frame) {
         float* const in = inputs.data() + frame * in_distance;
