@@ -9,10 +9,10 @@ else()
     set(TACTNET_SVM_PEERS FALSE)
 endif()
 
-# tactnet_use_svm_peers(target): gives it benchmarks/peers/libsvm.hpp and liblinear.hpp.
+# tactnet_use_svm_peers(target): gives it benchmarks/peers/support_vector_machines.hpp.
 function(tactnet_use_svm_peers target)
     set(peers "${PROJECT_SOURCE_DIR}/benchmarks/peers")
-    target_sources(${target} PRIVATE "${peers}/libsvm.cpp" "${peers}/liblinear.cpp")
+    target_sources(${target} PRIVATE "${peers}/support_vector_machines.cpp")
     target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/benchmarks")
     target_include_directories(
         ${target} SYSTEM PRIVATE "${TACTNET_LIBSVM_INCLUDE}" "${TACTNET_LIBLINEAR_INCLUDE}"

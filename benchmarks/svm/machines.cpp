@@ -2,8 +2,7 @@
 // a folder of images as the argument, on raw pixels. Rounds of both are interleaved, and every result is
 // checked: the same answers, the same objective.
 
-#include "../peers/liblinear.hpp"
-#include "../peers/libsvm.hpp"
+#include "../peers/support_vector_machines.hpp"
 #include "../support/linear_objective.hpp"
 #include "../support/pixels.hpp"
 #include "decode_image.hpp"

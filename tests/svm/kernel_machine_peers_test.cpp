@@ -10,7 +10,7 @@
 
 #include <cmath>
 #include <cstddef>
-#include <peers/libsvm.hpp>
+#include <peers/support_vector_machines.hpp>
 #include <vector>
 
 #ifdef TACTNET_TEST_IMAGES

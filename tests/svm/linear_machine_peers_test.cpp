@@ -9,7 +9,7 @@
 
 #include <cmath>
 #include <cstddef>
-#include <peers/liblinear.hpp>
+#include <peers/support_vector_machines.hpp>
 #include <support/linear_objective.hpp>
 #include <vector>
 
