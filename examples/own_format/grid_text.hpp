@@ -99,7 +99,7 @@ private:
 
     bool refuse(const tactnet::text_line& line, std::string expected, std::string found) {
         const std::uint64_t frame = description().rows == 0 ? 0 : frames() + 1;
-        fail({line.byte, line.number, frame, std::move(expected), std::move(found), {}});
+        fail({line.byte, line.number, frame, std::move(expected), std::move(found)});
         return false;
     }
 

@@ -28,7 +28,7 @@ public:
             // behind a packet comes the next, or one is lost.
             if (size_ <= start.size() && byte != start[size_ - 1]) {
                 if (in_step_)
-                    fail({byte_ - 1, 0, frames() + 1, "'TN' in front of a packet", "other bytes", {}});
+                    fail({byte_ - 1, 0, frames() + 1, "'TN' in front of a packet", "other bytes"});
                 in_step_ = false;
                 size_ = byte == start[0] ? 1 : 0;
                 packet_[0] = byte;
@@ -43,7 +43,7 @@ public:
     tactnet::decode_status finish(Sink&&) {
         set_status(tactnet::decode_status::finished);
         if (size_ > 0)
-            fail({byte_, 0, frames() + 1, "a whole packet", std::to_string(size_) + " bytes of one", {}});
+            fail({byte_, 0, frames() + 1, "a whole packet", std::to_string(size_) + " bytes of one"});
         return status();
     }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/features/points.hpp>
-#include <tactnet/kernels/rows/nearest.hpp>
 
 #include <algorithm>
 #include <array>
@@ -40,10 +39,7 @@ public:
     /// Takes contiguous words, as k_means returns them. Throws std::invalid_argument if there are none or
     /// more than `Words`, or if a number is not finite.
     explicit bag_of_words(std::span<const float> words, histogram_form form = histogram_form::counts)
-        : words_(words.begin(), words.end()),
-          origin_(detail::far_origin<Values>(words)),
-          search_(moved(words)),
-          form_(form) {
+        : words_(words.begin(), words.end()), search_(words, detail::far_origin<Values>(words)), form_(form) {
         detail::check_points("bag_of_words", words, Values);
         if (count() > Words)
             throw std::invalid_argument("bag_of_words: expected at most " + std::to_string(Words) +
@@ -64,10 +60,7 @@ public:
         const std::size_t descriptor_count = descriptors.size() / Values;
         for (std::size_t first = 0; first < descriptor_count; first += nearest.size()) {
             const std::size_t n = std::min(nearest.size(), descriptor_count - first);
-            if (origin_.empty())
-                search_.find(descriptors.data() + first * Values, n, nearest.data());
-            else
-                search_far(descriptors.subspan(first * Values, n * Values), nearest.data());
+            search_.find(descriptors.subspan(first * Values, n * Values), nearest.data());
             for (std::size_t i = 0; i < n; ++i)
                 ++out[nearest[i]];
         }
@@ -78,27 +71,6 @@ public:
 private:
     static constexpr std::size_t at_once = 4 * kernels::nearest_row<Values>::group;
 
-    /// Subtracts the mean of the words from element `place` of words or descriptors.
-    [[nodiscard]] float moved(float number, std::size_t place) const noexcept {
-        return static_cast<float>(static_cast<double>(number) - origin_[place % Values]);
-    }
-    [[nodiscard]] std::vector<float> moved(std::span<const float> words) const {
-        std::vector<float> result(words.begin(), words.end());
-        for (std::size_t e = 0; !origin_.empty() && e < result.size(); ++e)
-            result[e] = moved(result[e], e);
-        return result;
-    }
-    void search_far(std::span<const float> descriptors, std::uint32_t* nearest) const noexcept {
-        constexpr std::size_t group = kernels::nearest_row<Values>::group;
-        std::array<float, group * Values> near_zero;
-        for (; !descriptors.empty(); nearest += group) {
-            const std::size_t size = std::min(near_zero.size(), descriptors.size());
-            for (std::size_t e = 0; e < size; ++e)
-                near_zero[e] = moved(descriptors[e], e);
-            search_.find(near_zero.data(), size / Values, nearest);
-            descriptors = descriptors.subspan(size);
-        }
-    }
     void normalise(histogram counts) const noexcept {
         double squares = 0;
         for (float& n : counts) {
@@ -112,8 +84,7 @@ private:
     }
 
     std::vector<float> words_;
-    std::vector<double> origin_; ///< the mean that the search subtracts; usually empty
-    kernels::nearest_row<Values> search_;
+    detail::nearest_point<Values> search_;
     histogram_form form_;
 };
 

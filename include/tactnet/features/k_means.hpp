@@ -2,7 +2,6 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/features/points.hpp>
-#include <tactnet/kernels/rows/nearest.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
@@ -80,7 +79,7 @@ public:
     [[nodiscard]] k_means_result improve(aligned_vector<float> centres) && {
         result_.centres = std::move(centres);
         result_.nearest.resize(count_);
-        move_near_zero();
+        origin_ = far_origin<Values>(points_);
         result_.objective = assign();
         while (!result_.converged && result_.iterations < settings_.most_iterations) {
             const double last = result_.objective;
@@ -145,27 +144,12 @@ private:
             --chosen;
         return chosen;
     }
-    /// Subtracts the mean for the search if the points are far from zero.
-    void move_near_zero() {
-        origin_ = far_origin<Values>(points_);
-        if (!origin_.empty())
-            moved_ = moved(points_);
-    }
-    [[nodiscard]] aligned_vector<float> moved(std::span<const float> rows) const {
-        aligned_vector<float> result(rows.begin(), rows.end());
-        for (std::size_t e = 0; e < result.size(); ++e)
-            result[e] = static_cast<float>(static_cast<double>(result[e]) - origin_[e % Values]);
-        return result;
-    }
     /// Finds the nearest centre of every point. Returns the objective.
     double assign() {
-        const bool far = !moved_.empty();
-        const kernels::nearest_row<Values> search = far ? kernels::nearest_row<Values>(moved(result_.centres))
-                                                        : kernels::nearest_row<Values>(result_.centres);
-        const float* const from = far ? moved_.data() : points_.data();
+        const nearest_point<Values> search(result_.centres, origin_);
         threads_.for_each(block_sums_.size(), [&](std::size_t b) {
-            search.find(from + b * block * Values, std::min(block, count_ - b * block),
-                        result_.nearest.data() + b * block);
+            const std::size_t first = b * block, count = std::min(block, count_ - first);
+            search.find(points_.subspan(first * Values, count * Values), result_.nearest.data() + first);
         });
         return measure([&](std::size_t i) { return distance(i, result_.nearest[i]); });
     }
@@ -208,8 +192,7 @@ private:
     const k_means_settings& settings_;
     thread_pool& threads_;
     std::vector<double> distances_, block_sums_;
-    std::vector<double> origin_;  ///< the mean that the search subtracts, or empty
-    aligned_vector<float> moved_; ///< the points minus the mean, or empty
+    std::vector<double> origin_; ///< the mean that the search subtracts, or empty
     k_means_result result_;
 };
 

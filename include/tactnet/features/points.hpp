@@ -1,15 +1,20 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/kernels/rows/nearest.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
+
+// Points of some numbers each, one after the other: whether they can be compared, and which of them is
+// nearest.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -56,6 +61,45 @@ template <std::size_t Values>
         return {middle.begin(), middle.end()};
     return {};
 }
+
+/// Finds the nearest of some rows of `Values` numbers to each point. An origin, which is subtracted from rows
+/// and points, may be empty. Safe to share between threads.
+template <std::size_t Values>
+class nearest_point {
+public:
+    nearest_point(std::span<const float> rows, std::vector<double> origin)
+        : origin_(std::move(origin)), search_(moved(rows)) {}
+
+    /// Writes the index of a row for each point. Uses no heap.
+    void find(std::span<const float> points, std::uint32_t* nearest) const noexcept {
+        if (origin_.empty())
+            return search_.find(points.data(), points.size() / Values, nearest);
+        constexpr std::size_t group = kernels::nearest_row<Values>::group;
+        std::array<float, group * Values> near_zero;
+        for (; !points.empty(); nearest += group) {
+            const std::size_t size = std::min(near_zero.size(), points.size());
+            for (std::size_t e = 0; e < size; ++e)
+                near_zero[e] = moved(points[e], e);
+            search_.find(near_zero.data(), size / Values, nearest);
+            points = points.subspan(size);
+        }
+    }
+
+private:
+    /// Subtracts the origin from element `place` of rows or points.
+    [[nodiscard]] float moved(float number, std::size_t place) const noexcept {
+        return static_cast<float>(static_cast<double>(number) - origin_[place % Values]);
+    }
+    [[nodiscard]] std::vector<float> moved(std::span<const float> rows) const {
+        std::vector<float> result(rows.begin(), rows.end());
+        for (std::size_t e = 0; !origin_.empty() && e < result.size(); ++e)
+            result[e] = moved(result[e], e);
+        return result;
+    }
+
+    std::vector<double> origin_;
+    kernels::nearest_row<Values> search_;
+};
 
 } // namespace detail
 } // namespace TACTNET_ARCH

@@ -57,9 +57,8 @@ struct batch_norm {
         }
 
         static void observe_forward(const execution_context& context, memory& m, input_view<T, Input> in) {
-            context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
-                for (std::size_t c = 0; c < channels; ++c)
-                    observe_input(m, in, context.first_lane_block, b, c);
+            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+                observe_input(m, in, context.first_lane_block, b, c);
             });
         }
         static void begin_forward(const execution_context& context, T* running, memory& m,
@@ -80,22 +79,19 @@ struct batch_norm {
         }
         static void forward(const execution_context& context, const T* values, T*, memory& m,
                             input_view<T, Input> in, output_view<T, Input> out) {
-            context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
-                for (std::size_t c = 0; c < channels; ++c)
-                    normalise(rule(values, m, c), in.lane_block(b) + c * plane, out.lane_block(b) + c * plane,
-                              plane);
+            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+                normalise(rule(values, m, c), in.lane_block(b) + c * plane, out.lane_block(b) + c * plane,
+                          plane);
             });
         }
 
         static void observe_backward(const execution_context& context, memory& m, input_view<T, Input> in,
                                      input_view<T, Input>, input_view<T, Input> out_gradient) {
-            context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
-                for (std::size_t c = 0; c < channels; ++c) {
-                    const T *x = in.lane_block(b) + c * plane, *dy = out_gradient.lane_block(b) + c * plane;
-                    observe_channel(m, context.first_lane_block + b, c, Input.area(), [&](std::size_t i) {
-                        return std::array<kernels::vector<T>, 2>{kernels::load(x + i), kernels::load(dy + i)};
-                    });
-                }
+            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+                const T *x = in.lane_block(b) + c * plane, *dy = out_gradient.lane_block(b) + c * plane;
+                observe_channel(m, context.first_lane_block + b, c, Input.area(), [&](std::size_t i) {
+                    return std::array<kernels::vector<T>, 2>{kernels::load(x + i), kernels::load(dy + i)};
+                });
             });
         }
         static void begin_backward(const execution_context&, const T*, memory& m, std::size_t samples) {
@@ -114,12 +110,11 @@ struct batch_norm {
                              output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
-                const kernels::vector<T> use = kernels::lanes_in_use<T>(in.samples_in(b));
-                for (std::size_t c = 0; c < channels; ++c)
-                    kernels::normalise_backward(
-                        gradient_rule(values, m, c), use, in.lane_block(b) + c * plane,
-                        out_gradient.lane_block(b) + c * plane, in_gradient.lane_block(b) + c * plane, plane);
+            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+                kernels::normalise_backward(
+                    gradient_rule(values, m, c), kernels::lanes_in_use<T>(in.samples_in(b)),
+                    in.lane_block(b) + c * plane, out_gradient.lane_block(b) + c * plane,
+                    in_gradient.lane_block(b) + c * plane, plane);
             });
         }
         static void end_backward(memory& m, T* gradients) {
@@ -131,6 +126,15 @@ struct batch_norm {
 
         // Shared with norm_relu_pool.
 
+        /// Calls body(lane block, channel).
+        template <class Body>
+        static void each_channel(const execution_context& context, std::size_t lane_blocks,
+                                 const Body& body) {
+            context.threads.for_each(lane_blocks, [&](std::size_t b) {
+                for (std::size_t c = 0; c < Input.channels; ++c)
+                    body(b, c);
+            });
+        }
         /// Keeps the moments of a channel of a lane block.
         static void observe_input(memory& m, input_view<T, Input> in, std::size_t first_lane_block,
                                   std::size_t b, std::size_t c) {

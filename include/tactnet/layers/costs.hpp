@@ -34,6 +34,14 @@ struct layer_costs {
     std::size_t inner_activations = 0;       ///< elements to hold besides input and output
     bool in_place = false;                   ///< can write over its input
     bool keeps_output = false;               ///< needs its output in the backward pass
+
+    /// Adds the arrays and the work of another layer.
+    constexpr void add(const layer_costs& other) {
+        parameters += other.parameters;
+        statistics += other.statistics;
+        multiply_adds += other.multiply_adds;
+        multiply_adds_on_pixels += other.multiply_adds_on_pixels;
+    }
     friend constexpr bool operator==(const layer_costs&, const layer_costs&) = default;
 };
 
@@ -81,10 +89,7 @@ template <std::size_t Size>
         while (overwrites[last])
             --last;
         for (std::size_t i = 0; i < Size; ++i) {
-            list.parameters += layers[i].parameters;
-            list.statistics += layers[i].statistics;
-            list.multiply_adds += layers[i].multiply_adds;
-            list.multiply_adds_on_pixels += layers[i].multiply_adds_on_pixels;
+            list.add(layers[i]);
             const std::size_t before = i == 0 ? 0 : list.output.size();
             const std::size_t after = i >= last || overwrites[i] ? 0 : layers[i].output.size();
             list.inner_activations =

@@ -31,13 +31,10 @@ public:
         if (status() == decode_status::damaged)
             return status();
         return fail(
-            {0,
-             0,
-             0,
-             "a Tekscan recording or map (a line 'ASCII_DATA @@' or 'SENSOR_MAP @@', or bytes 0A BB BA)",
-             bytes.empty() ? "not a single byte, as from a file that is empty or not there"
-                           : "none of it in the first " + std::to_string(bytes.size()) + " bytes",
-             {}});
+            {.expected = "a Tekscan recording or map (a line 'ASCII_DATA @@' or 'SENSOR_MAP @@', or bytes "
+                         "0A BB BA)",
+             .found = bytes.empty() ? "not a single byte, as from a file that is empty or not there"
+                                    : "none of it in the first " + std::to_string(bytes.size()) + " bytes"});
     }
     template <class Sink>
     decode_status finish(Sink&&) {

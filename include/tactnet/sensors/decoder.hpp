@@ -41,7 +41,7 @@ struct decoding_error {
     std::size_t line = 0;    ///< from 1; 0 in binary data
     std::uint64_t frame = 0; ///< position of the frame, from 1; 0 in a header
     std::string expected, found;
-    std::optional<std::uint64_t> missing_frames; ///< announced, but not found
+    std::optional<std::uint64_t> missing_frames{}; ///< announced, but not found
 
     /// For example "byte 812, line 31, frame 1".
     [[nodiscard]] std::string place() const { return detail::place_text(byte, line, frame); }

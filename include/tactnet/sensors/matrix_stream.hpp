@@ -162,7 +162,7 @@ private:
     }
 
     void report(std::string expected, std::string found) {
-        fail({byte_ - packet_.size(), 0, frames() + 1, std::move(expected), std::move(found), {}});
+        fail({byte_ - packet_.size(), 0, frames() + 1, std::move(expected), std::move(found)});
     }
 
     matrix_stream_format format_;

@@ -104,8 +104,9 @@ template <frame_decoder Decoder>
         result.warnings = decoder.warnings();
     }
     if (full)
-        result.damage = decoding_error{
-            0, 0, result.size() + 1, "at most " + std::to_string(limit) + " cells", "more", {}};
+        result.damage = decoding_error{.frame = result.size() + 1,
+                                       .expected = "at most " + std::to_string(limit) + " cells",
+                                       .found = "more"};
     else if (status == decode_status::damaged)
         result.damage = decoder.error();
     return result;

@@ -190,7 +190,7 @@ private:
 
     void report(std::size_t byte, std::string expected, std::string found) {
         ++damaged_;
-        fail({byte, 0, frames() + 1, std::move(expected), std::move(found), {}});
+        fail({byte, 0, frames() + 1, std::move(expected), std::move(found)});
     }
 
     weiss_coverage coverage_;

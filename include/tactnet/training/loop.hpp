@@ -42,16 +42,6 @@ inline void check_trunk(std::span<const parameter> parameters, std::span<const s
             refuse("numbers in " + parameters[i].name, parameters[i].size, arrays[i].size());
 }
 
-/// Throws if batch norms of a network of features, with one value of each in a sample, would see batches of
-/// one sample: of a single value they return their shift alone, whatever the value is.
-inline void check_batches(trainable& network, const epoch_samples& shown) {
-    const shape input = network.input_shape();
-    if (input.rows * input.columns == 1 && !network.running_statistics().empty() &&
-        shown.size() / shown.steps() < 2)
-        throw std::invalid_argument("trainer: expected batches of two or more samples, since batch norms of "
-                                    "one value learn nothing, found one of a single sample");
-}
-
 } // namespace detail
 
 /// A training in progress, epoch by epoch, of a network of any type; `trainer` is for a known type. Every
@@ -112,11 +102,10 @@ public:
     void start_from(std::span<const float> values, std::span<const float> statistics,
                     std::optional<double> momentum = std::nullopt) {
         check_not_begun();
-        for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
+        for (trainable* const each : {network_.get(), averaged_.get(), best_.get()}) {
             each->take(values, statistics);
-        if (momentum)
-            for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
-                each->momentum() = *momentum;
+            each->momentum() = momentum.value_or(each->momentum());
+        }
     }
 
     /// Starts from arrays of a network that was trained on something else. `arrays` holds the values of each
@@ -189,12 +178,7 @@ private:
     const recipe& checked(const recipe& how, const labelled_samples& samples, const data_split& split) const {
         samples.check(network_->input_shape(), network_->outputs());
         samples.check_finite(network_->input_shape());
-        if (how.validate_every == 0)
-            throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
-        if (!(how.label_smoothing >= 0 && how.label_smoothing < 1))
-            throw std::invalid_argument("trainer: expected a label smoothing of 0 or more and below 1, with "
-                                        "which nothing could be learnt, found " +
-                                        std::to_string(how.label_smoothing));
+        how.check();
         if (split.training.empty())
             throw std::invalid_argument("trainer: the training part of the split holds no sample");
         return how;
@@ -231,8 +215,8 @@ private:
             shown_.make(places[i], epoch, sample);
         });
         std::vector<std::size_t> labels(places.size());
-        for (std::size_t i = 0; i < labels.size(); ++i)
-            labels[i] = shown_.label(places[i]);
+        std::transform(places.begin(), places.end(), labels.begin(),
+                       [&](std::size_t place) { return shown_.label(place); });
         const double loss = step_.take(labels, rate);
         if (how_.averaging > 0)
             average();

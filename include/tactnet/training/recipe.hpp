@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 
 namespace tactnet {
@@ -153,6 +154,16 @@ struct recipe {
         r.averaging = 0.95;
         r.patience = 0;
         return r;
+    }
+
+    /// Throws std::invalid_argument for settings with which nothing could be learnt.
+    void check() const {
+        if (validate_every == 0)
+            throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
+        if (!(label_smoothing >= 0 && label_smoothing < 1))
+            throw std::invalid_argument("trainer: expected a label smoothing of 0 or more and below 1, with "
+                                        "which nothing could be learnt, found " +
+                                        std::to_string(label_smoothing));
     }
 
 private:

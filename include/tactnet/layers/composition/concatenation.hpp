@@ -37,11 +37,8 @@ template <std::size_t Size>
 [[nodiscard]] constexpr layer_costs costs_side_by_side(const std::array<layer_costs, Size>& branches) {
     layer_costs all{.output = {branches[0].output.rows, branches[0].output.columns, 0}};
     for (const layer_costs& branch : branches) {
+        all.add(branch);
         all.output.channels += branch.output.channels;
-        all.parameters += branch.parameters;
-        all.statistics += branch.statistics;
-        all.multiply_adds += branch.multiply_adds;
-        all.multiply_adds_on_pixels += branch.multiply_adds_on_pixels;
         all.inner_activations = std::max(all.inner_activations, branch.inner_activations);
     }
     all.inner_activations += all.output.size();

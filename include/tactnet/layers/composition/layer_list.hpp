@@ -98,19 +98,14 @@ public:
     template <std::size_t I>
     static constexpr std::size_t statistic_offset = offsets[I].statistics;
 
-    /// The layer whose buffer holds the output of layer I.
-    template <std::size_t I>
-    static constexpr std::size_t source() {
-        if constexpr (detail::overwriting(costs)[I])
-            return source<I - 1>();
-        else
-            return I;
+    /// The layer whose buffer holds the output of layer i.
+    static constexpr std::size_t source(std::size_t i) {
+        while (detail::overwriting(costs)[i])
+            --i;
+        return i;
     }
-    /// Whether layer I writes to the caller's memory, as the last one does.
-    template <std::size_t I>
-    static constexpr bool is_last() {
-        return source<I>() == source<size - 1>();
-    }
+    /// Whether layer i writes to the caller's memory, as the last one does.
+    static constexpr bool is_last(std::size_t i) { return source(i) == source(size - 1); }
 
     /// Appends the arrays of all layers, each under its given name, or under the name of its kind with a
     /// number if there are several.

@@ -57,7 +57,7 @@ struct norm_relu_pool {
         static void infer(const execution_context& context, const T* values, const T* running, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
             norm::use_running(context, running, m);
-            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+            norm::each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
                 kernels::normalised_pool_forward<window>(
                     norm::rule(values, m, c), in.lane_block(b) + c * plane, out.lane_block(b) + c * pooled);
             });
@@ -66,7 +66,7 @@ struct norm_relu_pool {
         /// Chooses the element of each window here, while the map is in the caches: when the moments of a
         /// large batch are known, it is in memory.
         static void observe_forward(const execution_context& context, memory& m, input_view<T, Input> in) {
-            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+            norm::each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
                 norm::observe_input(m, in, context.first_lane_block, b, c);
                 if constexpr (pools)
                     kernels::choose_for_pool<window>(m.sign[c], in.lane_block(b) + c * plane,
@@ -79,7 +79,7 @@ struct norm_relu_pool {
         }
         static void forward(const execution_context& context, const T* values, T*, memory& m,
                             input_view<T, Input> in, output_view<T, output> out) {
-            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+            norm::each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
                 kernels::normalise_and_rectify(norm::rule(values, m, c), chosen_inputs(context, m, in, b, c),
                                                out.lane_block(b) + c * pooled, pooled);
             });
@@ -88,7 +88,7 @@ struct norm_relu_pool {
         static void observe_backward(const execution_context& context, memory& m, input_view<T, Input> in,
                                      input_view<T, output> out, input_view<T, output> out_gradient) {
             const kernels::vector<T> zero(T{});
-            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+            norm::each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
                 const T *x = chosen_inputs(context, m, in, b, c), *y = out.lane_block(b) + c * pooled,
                         *dy = out_gradient.lane_block(b) + c * pooled;
                 norm::observe_channel(m, context.first_lane_block + b, c, output.area(), [&](std::size_t i) {
@@ -107,7 +107,7 @@ struct norm_relu_pool {
                              input_view<T, output> out_gradient, output_view<T, Input> in_gradient, T*) {
             if (in_gradient.data() == nullptr)
                 return;
-            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
+            norm::each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
                 kernels::normalised_pool_backward<window>(
                     norm::gradient_rule(values, m, c), kernels::lanes_in_use<T>(in.samples_in(b)),
                     in.lane_block(b) + c * plane, out.lane_block(b) + c * pooled,
@@ -122,15 +122,6 @@ struct norm_relu_pool {
         static constexpr std::size_t plane = Input.area() * kernels::lanes<T>,
                                      pooled = output.area() * kernels::lanes<T>;
 
-        /// Calls body(lane block, channel).
-        template <class Body>
-        static void each_channel(const execution_context& context, std::size_t lane_blocks,
-                                 const Body& body) {
-            context.threads.for_each(lane_blocks, [&](std::size_t b) {
-                for (std::size_t c = 0; c < Input.channels; ++c)
-                    body(b, c);
-            });
-        }
         static T* chosen_by(const execution_context& context, memory& m, std::size_t b, std::size_t c) {
             return m.chosen.data() + ((context.first_lane_block + b) * Input.channels + c) * pooled;
         }

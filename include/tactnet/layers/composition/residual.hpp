@@ -33,14 +33,13 @@ template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannel
 [[nodiscard]] constexpr layer_costs costs_of_sum(const layer_costs& main, const layer_costs& skip,
                                                  bool projects) {
     const std::size_t map = main.output.size();
-    return {.output = main.output,
-            .parameters = main.parameters + skip.parameters,
-            .statistics = main.statistics + skip.statistics,
-            .multiply_adds = main.multiply_adds + skip.multiply_adds,
-            .multiply_adds_on_pixels = main.multiply_adds_on_pixels + skip.multiply_adds_on_pixels,
-            .inner_activations =
-                (main.keeps_output ? map : 0) +
-                std::max(main.inner_activations, projects ? map + skip.inner_activations : 0)};
+    layer_costs sum{.output = main.output,
+                    .inner_activations =
+                        (main.keeps_output ? map : 0) +
+                        std::max(main.inner_activations, projects ? map + skip.inner_activations : 0)};
+    sum.add(main);
+    sum.add(skip);
+    return sum;
 }
 
 } // namespace detail

@@ -49,7 +49,7 @@ struct sequence {
             void resize(std::size_t count) {
                 samples = count;
                 kernels::unroll<size>([&](auto i) {
-                    if constexpr (list::template source<i>() == i && !list::template is_last<i>())
+                    if constexpr (list::source(i) == i && !list::is_last(i))
                         detail::grow(outputs[i], kernels::padded_size<T>(count) * at<i>::output.size());
                     detail::get<i>(inner).resize(count);
                 });
@@ -60,7 +60,7 @@ struct sequence {
                     for (aligned_vector<T>& g : gradients)
                         detail::grow(g, at_once * kernels::lanes<T> * at<i>::input.size());
                     if constexpr (i > 0)
-                        if constexpr (staged::template starts_backward<i>())
+                        if constexpr (staged::starts_backward(i))
                             for (aligned_vector<T>& g : stage_gradients)
                                 detail::grow(g, lane_blocks * kernels::lanes<T> * at<i>::input.size());
                 });
@@ -96,9 +96,8 @@ struct sequence {
             else if constexpr (at<0>::observes)
                 forward_stage<0, 0>(context, values, running, m, in, out);
             kernels::unroll<size>([&](auto begin) {
-                if constexpr (staged::template starts_forward<begin>())
-                    forward_stage<begin, staged::template forward_end<begin>()>(context, values, running, m,
-                                                                                in, out);
+                if constexpr (staged::starts_forward(begin))
+                    forward_stage<begin, staged::forward_end(begin)>(context, values, running, m, in, out);
             });
         }
         static void backward(const execution_context& context, const T* values, memory& m,
@@ -116,8 +115,8 @@ struct sequence {
             std::size_t stages = 0;
             kernels::unroll<size>([&](auto reversed) {
                 constexpr std::size_t end = size - reversed;
-                if constexpr (staged::template starts_backward<end>()) {
-                    constexpr std::size_t begin = staged::template backward_begin<end>();
+                if constexpr (staged::starts_backward(end)) {
+                    constexpr std::size_t begin = staged::backward_begin(end);
                     T* to = begin == 0 ? in_gradient.data() : m.stage_gradients[stages++ % 2].data();
                     backward_stage<begin, end>(context, values, m, in, out, from, to, gradients);
                     from = to;
@@ -209,10 +208,10 @@ struct sequence {
         /// The output of layer I, to write or to read as `out`, the output of the list.
         template <std::size_t I, template <class, shape> class View>
         static View<T, at<I>::output> output_of(memory& m, View<T, output> out) {
-            if constexpr (list::template is_last<I>())
+            if constexpr (list::is_last(I))
                 return {out.data(), out.samples()};
             else
-                return {m.outputs[list::template source<I>()].data(), out.samples()};
+                return {m.outputs[list::source(I)].data(), out.samples()};
         }
         template <std::size_t I, template <class, shape> class View>
         static input_view<T, at<I>::input> input_of(memory& m, input_view<T, Input> in, View<T, output> out) {

@@ -3,7 +3,9 @@
 #include <tactnet/layers/layer.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <utility>
 
 // In training, the layers of a list form stages, divided where a layer must see the whole batch. Within a
 // stage the batch is processed in parts, a lane block for each thread, so that each layer finds the output of
@@ -15,53 +17,39 @@ inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// Where the stages of a list begin and end. Forward, a stage is the layers Begin … End − 1 in this order; in
-/// the backward pass, End − 1 … Begin.
+/// Where the stages of a list begin and end. Forward, a stage is the layers begin … end − 1 in this order; in
+/// the backward pass, end − 1 … begin.
 template <class List>
 class stages {
     static constexpr std::size_t size = List::size;
-    template <std::size_t I>
-    using layer = typename List::template at<I>;
+    struct flags {
+        bool by_parts, observes;
+    };
+    static constexpr auto layers = []<std::size_t... I>(std::index_sequence<I...>) {
+        return std::array<flags, size>{{{List::template at<I>::by_parts, List::template at<I>::observes}...}};
+    }
+    (std::make_index_sequence<size>{});
 
-    /// Whether one of layer I and its predecessor must finish a batch before `Next`, the other one, begins.
-    template <std::size_t I, std::size_t Next>
-    static constexpr bool waits() {
-        return layer<Next>::observes || !layer<I>::by_parts || !layer<I - 1>::by_parts;
+    /// Whether one of layer i and its predecessor must finish a batch before `next`, the other one, begins.
+    static constexpr bool waits(std::size_t i, std::size_t next) {
+        return layers[next].observes || !layers[i].by_parts || !layers[i - 1].by_parts;
     }
 
 public:
-    template <std::size_t Begin>
-    static constexpr bool starts_forward() {
-        if constexpr (Begin == 0)
-            return true;
-        else
-            return waits<Begin, Begin>();
+    static constexpr bool starts_forward(std::size_t begin) { return begin == 0 || waits(begin, begin); }
+    static constexpr std::size_t forward_end(std::size_t begin) {
+        std::size_t end = begin + 1;
+        while (end < size && !starts_forward(end))
+            ++end;
+        return end;
     }
-    template <std::size_t Begin>
-    static constexpr std::size_t forward_end() {
-        if constexpr (Begin + 1 == size)
-            return size;
-        else if constexpr (starts_forward<Begin + 1>())
-            return Begin + 1;
-        else
-            return forward_end<Begin + 1>();
-    }
-    /// Whether a stage of the backward pass begins with layer End − 1.
-    template <std::size_t End>
-    static constexpr bool starts_backward() {
-        if constexpr (End == size)
-            return true;
-        else
-            return waits<End, End - 1>();
-    }
-    template <std::size_t End>
-    static constexpr std::size_t backward_begin() {
-        if constexpr (End == 1)
-            return 0;
-        else if constexpr (starts_backward<End - 1>())
-            return End - 1;
-        else
-            return backward_begin<End - 1>();
+    /// Whether a stage of the backward pass begins with layer end − 1.
+    static constexpr bool starts_backward(std::size_t end) { return end == size || waits(end, end - 1); }
+    static constexpr std::size_t backward_begin(std::size_t end) {
+        std::size_t begin = end - 1;
+        while (begin > 0 && !starts_backward(begin))
+            --begin;
+        return begin;
     }
 };
 

@@ -152,10 +152,8 @@ private:
 
     std::size_t take_run(std::span<const std::byte> bytes) {
         const std::size_t taken = std::min(bytes.size(), count_);
-        float* const to = cells().data() + cell_;
         const auto* const from = reinterpret_cast<const std::uint8_t*>(bytes.data());
-        for (std::size_t i = 0; i < taken; ++i)
-            to[i] = static_cast<float>(from[i]);
+        std::copy_n(from, taken, cells().data() + cell_);
         // Warnings come before errors, as if each byte came by itself.
         const std::size_t right = on_tactels(taken);
         checks_.counts({from, right}, cell_, byte_, frames() + 1, mutable_warnings());
@@ -175,10 +173,9 @@ private:
     [[nodiscard]] std::size_t on_tactels(std::size_t count) const {
         if (description().mask.empty())
             return count;
-        std::size_t right = 0;
-        while (right < count && description().exists(cell_ + right))
-            ++right;
-        return right;
+        const auto begin = description().mask.begin() + static_cast<std::ptrdiff_t>(cell_);
+        return static_cast<std::size_t>(
+            std::find(begin, begin + static_cast<std::ptrdiff_t>(count), std::uint8_t{0}) - begin);
     }
 
     template <class Sink>
@@ -224,8 +221,7 @@ private:
             seconds = static_cast<double>(*records_.time) / 1e6;
         else if (description().seconds_per_frame)
             seconds = static_cast<double>(number - first_number_) * *description().seconds_per_frame;
-        if (!doubted())
-            set_certain_frames(frames());
+        confirm_frames();
         emit(sink, number, seconds);
         std::fill(cells().begin(), cells().end(), 0.0f);
         cell_ = 0;
@@ -239,13 +235,15 @@ private:
             return fail_at(number_byte_,
                            std::to_string(*description().frames) + " frames as the header announces",
                            std::to_string(frames()) + " before FF FE");
-        if (!doubted())
-            set_certain_frames(frames());
+        confirm_frames();
         set_status(decode_status::finished);
     }
 
-    /// Warnings about the header make no frame uncertain.
-    [[nodiscard]] bool doubted() const noexcept { return warnings().count() > header_warnings_; }
+    /// Makes the frames so far certain. Only warnings about the header may have come before.
+    void confirm_frames() noexcept {
+        if (warnings().count() == header_warnings_)
+            set_certain_frames(frames());
+    }
 
     void fail_at(std::size_t byte, std::string expected, std::string found) {
         fail({byte, 0, part_ == part::header ? 0 : frames() + 1, std::move(expected), std::move(found),

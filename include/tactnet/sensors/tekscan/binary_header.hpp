@@ -41,12 +41,9 @@ public:
             return end + mark.size() - before;
         }
         if (taken < bytes.size())
-            problem_ = {text_.size(),
-                        0,
-                        0,
-                        "a header of at most " + std::to_string(largest_header_bytes) + " bytes",
-                        "a longer one",
-                        {}};
+            refuse(
+                text_.size(), 0,
+                {"a header of at most " + std::to_string(largest_header_bytes) + " bytes", "a longer one"});
         return taken;
     }
 
@@ -95,7 +92,7 @@ private:
     }
 
     void refuse(std::size_t byte, std::size_t line, text_problem problem) {
-        problem_ = {byte, line, 0, std::move(problem.expected), std::move(problem.found), {}};
+        problem_ = {byte, line, 0, std::move(problem.expected), std::move(problem.found)};
     }
 
     std::string text_; ///< until it is read

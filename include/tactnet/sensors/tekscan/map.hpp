@@ -35,12 +35,8 @@ public:
     decode_status push(std::span<const std::byte> bytes, Sink&&) {
         if (status() != decode_status::damaged &&
             !lines_.push(bytes, [&](const text_line& line) { return take(line); }) && lines_.too_long())
-            fail({lines_.byte(),
-                  lines_.number(),
-                  0,
-                  "a line of at most " + std::to_string(largest_header_bytes) + " bytes",
-                  "a longer one",
-                  {}});
+            fail_at(lines_.byte(), lines_.number(),
+                    "a line of at most " + std::to_string(largest_header_bytes) + " bytes", "a longer one");
         return status();
     }
 
@@ -131,7 +127,7 @@ private:
     }
 
     bool fail_at(std::size_t byte, std::size_t line, std::string expected, std::string found) {
-        fail({byte, line, 0, std::move(expected), std::move(found), {}});
+        fail({byte, line, 0, std::move(expected), std::move(found)});
         return false;
     }
 

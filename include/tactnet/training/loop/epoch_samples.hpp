@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -103,6 +104,20 @@ private:
     std::size_t batch_;
     std::vector<float> sixfold_;
 };
+
+namespace detail {
+
+/// Throws if batch norms of a network of features, with one value of each in a sample, would see batches of
+/// one sample: of a single value they return their shift alone, whatever the value is.
+inline void check_batches(trainable& network, const epoch_samples& shown) {
+    const shape input = network.input_shape();
+    if (input.rows * input.columns == 1 && !network.running_statistics().empty() &&
+        shown.size() / shown.steps() < 2)
+        throw std::invalid_argument("trainer: expected batches of two or more samples, since batch norms of "
+                                    "one value learn nothing, found one of a single sample");
+}
+
+} // namespace detail
 
 } // namespace TACTNET_ARCH
 } // namespace tactnet
