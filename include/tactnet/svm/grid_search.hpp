@@ -22,8 +22,8 @@ struct search_grid {
     std::size_t folds = 5;
 };
 
-template <svm_kernel Kernel>
 /// The outcome of a grid search.
+template <svm_kernel Kernel>
 struct grid_search_result {
     /// Share of samples recognised by machines that have not seen them: a row for each kernel, in it one
     /// value for each cost.
@@ -120,10 +120,10 @@ grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::s
             const auto row = rows.row(sample);
             values.insert(values.end(), row.begin(), row.end());
         }
-        const training_rows seen({values, rows.features()}, options.standardise);
-        const std::vector<float> standard = seen.fitted() ? (*seen.fitted())(rows) : std::vector<float>();
-        const feature_rows<> used = seen.fitted() ? feature_rows<>(standard, rows.features()) : rows;
-        const measured_samples<Kernel> measured(used, options.solver.cache_bytes, threads);
+        const feature_rows<> chosen(values, rows.features());
+        const auto fitted = fit_standardisation(chosen, options.standardise);
+        const standardised_rows seen(chosen, fitted), all(rows, fitted);
+        const measured_samples<Kernel> measured(all.rows(), options.solver.cache_bytes, threads);
         for (std::size_t k = 0; k < grid.kernels.size(); ++k) {
             const kernel_samples<Kernel> samples(measured, grid.kernels[k].fitted(seen.rows()), measured.gram,
                                                  threads);

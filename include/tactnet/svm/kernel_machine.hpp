@@ -151,10 +151,8 @@ private:
         });
     }
     void evaluate(feature_rows<> rows, std::span<double> values) const {
-        const std::vector<float> standard =
-            parts_.standardise ? (*parts_.standardise)(rows) : std::vector<float>();
-        const placed_rows placed =
-            space_.place(parts_.standardise ? feature_rows<>(standard, rows.features()) : rows);
+        const standardised_rows used(rows, parts_.standardise);
+        const placed_rows placed = space_.place(used.rows());
         const std::size_t stride = columns_.padded_size();
         aligned_vector<float> kernel_values(rows.size() * stride);
         columns_.measure(placed, 0, rows.size(), kernel_values.data(), stride);

@@ -16,8 +16,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-template <svm_kernel Kernel>
 /// Options of train_kernel_machine.
+template <svm_kernel Kernel>
 struct kernel_training_options {
     Kernel kernel{};
     double cost = 1; ///< C, of an error on one sample
@@ -34,16 +34,9 @@ struct kernel_training_options {
     std::size_t memory_bytes = 0xffff'ffff;
 };
 
+/// A trained kernel machine, with a report for each machine of two classes.
 template <svm_kernel Kernel, std::size_t Features>
-/// A trained kernel machine and the outcome of its solvers.
-struct kernel_training_result {
-    kernel_machine<Kernel, Features> machine;
-    std::vector<solver_report> reports; ///< of each machine
-
-    [[nodiscard]] bool converged() const {
-        return std::all_of(reports.begin(), reports.end(), [](const auto& r) { return r.converged; });
-    }
-};
+using kernel_training_result = svm_training_result<kernel_machine<Kernel, Features>>;
 
 namespace detail {
 
@@ -143,8 +136,8 @@ train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     detail::require_training_memory(classes.size(), rows.size(), options.scheme, options.memory_bytes);
 
     kernel_machine_parameters<Kernel> parts;
-    const training_rows training(rows, options.standardise);
-    parts.standardise = training.fitted();
+    parts.standardise = fit_standardisation(rows, options.standardise);
+    const standardised_rows training(rows, parts.standardise);
     parts.kernel = options.kernel.fitted(training.rows());
     parts.scheme = options.scheme;
     parts.features = rows.features();

@@ -37,17 +37,16 @@ train_linear_machine_by_products(feature_rows<Features> rows, std::span<const st
     check_samples(rows, labels);
     const class_members classes(labels);
     classes.require_two();
-    const training_rows training(rows, options.standardise);
-    measured_samples<linear_kernel> measured(training.rows(), options.solver.cache_bytes, threads);
-    const kernel_samples<linear_kernel> samples(measured, linear_kernel{}, std::move(measured.gram), threads);
-    const std::vector<binary_problem> problems = binary_problems(
-        classes, class_costs(classes, options.cost, options.class_weights), multiclass::one_versus_rest);
-
     const std::size_t features = rows.features();
     linear_machine_parameters parts;
     parts.features = features;
     parts.labels = classes.labels;
-    parts.standardise = training.fitted();
+    parts.standardise = fit_standardisation(rows, options.standardise);
+    const standardised_rows training(rows, parts.standardise);
+    measured_samples<linear_kernel> measured(training.rows(), options.solver.cache_bytes, threads);
+    const kernel_samples<linear_kernel> samples(measured, linear_kernel{}, std::move(measured.gram), threads);
+    const std::vector<binary_problem> problems = binary_problems(
+        classes, class_costs(classes, options.cost, options.class_weights), multiclass::one_versus_rest);
     parts.weights.resize(classes.size() * features);
     parts.offsets.resize(classes.size());
     std::vector<solver_report> reports(classes.size());

@@ -102,12 +102,10 @@ private:
     /// Of a row on its way.
     std::size_t bytes_each() const { return (features() + packed_.padded_rows()) * sizeof(float); }
     void add_values(feature_rows<Features> rows, std::vector<double>& values) const {
-        const std::vector<float> standard =
-            parts_.standardise ? (*parts_.standardise)(rows) : std::vector<float>();
-        const float* from = parts_.standardise ? standard.data() : rows.values().data();
+        const standardised_rows used(rows, parts_.standardise);
         const std::size_t stride = packed_.padded_rows();
         aligned_vector<float> products(rows.size() * stride);
-        packed_.products(from, rows.size(), features(), products.data(), stride);
+        packed_.products(used.rows().values().data(), rows.size(), features(), products.data(), stride);
         for (std::size_t i = 0; i < rows.size(); ++i)
             for (std::size_t c = 0; c < classes(); ++c)
                 values.push_back(double{products[i * stride + c]} + parts_.offsets[c]);
@@ -126,16 +124,9 @@ struct linear_training_options {
     descent_options solver{};
 };
 
-/// A trained linear machine and the outcome of its solvers.
+/// A trained linear machine, with a report for each class.
 template <std::size_t Features>
-struct linear_training_result {
-    linear_machine<Features> machine;
-    std::vector<solver_report> reports; ///< of each class
-
-    [[nodiscard]] bool converged() const {
-        return std::all_of(reports.begin(), reports.end(), [](const auto& r) { return r.converged; });
-    }
-};
+using linear_training_result = svm_training_result<linear_machine<Features>>;
 
 /// Trains one machine for each class among the labels, on all threads; bit-exact on any number of them.
 /// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
@@ -148,8 +139,8 @@ train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     const class_members classes(labels);
     classes.require_two();
     linear_machine_parameters parts;
-    const training_rows training(rows, options.standardise);
-    parts.standardise = training.fitted();
+    parts.standardise = fit_standardisation(rows, options.standardise);
+    const standardised_rows training(rows, parts.standardise);
     const std::vector<double> class_cost = class_costs(classes, options.cost, options.class_weights);
     std::vector<double> costs;
     for (const std::size_t label : labels)

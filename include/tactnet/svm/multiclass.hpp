@@ -35,6 +35,17 @@ struct solver_report {
     double objective = 0;   ///< of the dual, as a minimum: ½ βᵀ K β − Σ y β
 };
 
+/// A trained machine of many classes and the outcome of its solvers.
+template <class Machine>
+struct svm_training_result {
+    Machine machine;
+    std::vector<solver_report> reports; ///< of each machine of two classes
+
+    [[nodiscard]] bool converged() const {
+        return std::all_of(reports.begin(), reports.end(), [](const auto& r) { return r.converged; });
+    }
+};
+
 /// f(x) = Σ coefficients · K(sample, x) + offset
 struct binary_solution {
     std::vector<double> coefficients;

@@ -62,28 +62,27 @@ struct standardisation {
     }
 };
 
-/// The rows that a machine is trained on, standardised if requested.
-class training_rows {
+/// The standardisation of a training set if it is wanted, else none.
+[[nodiscard]] inline std::optional<standardisation> fit_standardisation(feature_rows<> rows, bool wanted) {
+    return wanted ? std::optional(standardisation::of(rows)) : std::nullopt;
+}
+
+/// Rows as a machine sees them: standardised, or as they are if there is no standardisation.
+class standardised_rows {
 public:
     /// The rows must outlive this.
-    training_rows(feature_rows<> rows, bool standardise) : rows_(rows) {
-        if (standardise) {
-            fitted_ = standardisation::of(rows);
-            values_ = (*fitted_)(rows);
-            rows_ = feature_rows<>(values_, rows.features());
-        }
-    }
+    standardised_rows(feature_rows<> rows, const std::optional<standardisation>& fitted)
+        : values_(fitted ? (*fitted)(rows) : std::vector<float>()),
+          rows_(fitted ? feature_rows<>(values_, rows.features()) : rows) {}
     // rows_ may refer to values_.
-    training_rows(const training_rows&) = delete;
-    training_rows& operator=(const training_rows&) = delete;
+    standardised_rows(const standardised_rows&) = delete;
+    standardised_rows& operator=(const standardised_rows&) = delete;
 
     [[nodiscard]] feature_rows<> rows() const { return rows_; }
-    [[nodiscard]] const std::optional<standardisation>& fitted() const { return fitted_; }
 
 private:
-    feature_rows<> rows_;
-    std::optional<standardisation> fitted_;
     std::vector<float> values_;
+    feature_rows<> rows_;
 };
 
 } // namespace TACTNET_ARCH
