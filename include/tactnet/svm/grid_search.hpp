@@ -14,7 +14,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// What to try: every kernel with every cost.
+/// The settings to try: each kernel with each cost.
 template <svm_kernel Kernel>
 struct search_grid {
     std::vector<Kernel> kernels;
@@ -28,7 +28,7 @@ struct grid_search_result {
     /// Share of samples recognised by machines that have not seen them: a row for each kernel, in it one
     /// value for each cost.
     std::vector<double> accuracies;
-    /// The best of all; of equal ones the first.
+    /// The best kernel; the first of equal ones.
     Kernel kernel;
     double cost = 0;
     double accuracy = 0;
@@ -37,7 +37,7 @@ struct grid_search_result {
 
 namespace detail {
 
-/// The training samples of one fold, and what its machines are asked.
+/// The training samples of one fold by class, and the samples held out.
 struct fold_samples {
     class_members classes;
     std::vector<std::size_t> held_out;
@@ -82,12 +82,12 @@ std::vector<std::size_t> count_recognised(const kernel_samples<Kernel>& samples,
 
 } // namespace detail
 
-/// Cross-validates every kernel with every cost, on all threads; bit-exact on any number of them.
-/// `options` say all else; standardisation is fitted on each part's training samples, as is a γ of "scale".
-/// Products of the samples are found once for each part and serve all kernels. A class with fewer samples
-/// than parts may be missing from the training of some: its samples there count as not recognised. Throws
-/// std::invalid_argument as train_kernel_machine does, and for a grid without kernels or costs or with fewer
-/// than two parts.
+/// Cross-validates every kernel with every cost, on all threads; the result is bit-identical on any number of
+/// them. `options` has all other settings; standardisation is fitted on each part's training samples, as is a
+/// γ of "scale". Products of the samples are computed once per part for all kernels. A class with fewer
+/// samples than parts may be missing from the training of some: its samples there count as not recognised.
+/// Throws std::invalid_argument as train_kernel_machine does, and for a grid without kernels or costs or with
+/// fewer than two parts.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] grid_search_result<Kernel>
 grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<const std::size_t> labels,

@@ -25,7 +25,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// All that a trained machine is: what a file holds.
+/// The parameters of a trained machine, which a file stores.
 template <svm_kernel Kernel>
 struct kernel_machine_parameters {
     Kernel kernel; ///< fitted
@@ -33,7 +33,7 @@ struct kernel_machine_parameters {
     std::size_t features = 0;
     std::vector<std::size_t> labels;         ///< of the classes, rising
     std::vector<std::size_t> support_counts; ///< support vectors of each class
-    std::vector<float> support_vectors;      ///< by class, standardised where `standardise` is there
+    std::vector<float> support_vectors;      ///< by class, standardised if `standardise` is set
     /// A row for each support vector. One versus one: its signed coefficients against the other classes in
     /// order; one versus rest: those in the machines of all classes.
     std::vector<double> coefficients;
@@ -50,8 +50,8 @@ struct kernel_machine_parameters {
 };
 
 /// A trained support vector machine with a kernel. All machines share their support vectors: a batch is one
-/// product with all of these, one exponential of each pair, and one small sum. Const calls may come from any
-/// number of threads; a row is bit-exact alone and in any batch.
+/// product with all of these, one exponential of each pair, and one small sum. Any number of threads may call
+/// const members. The result of a row is bit-identical alone and in any batch.
 template <svm_kernel Kernel, std::size_t Features = dynamic_features>
 class kernel_machine {
 public:
@@ -71,7 +71,7 @@ public:
         for (const std::size_t v : all)
             std::copy_n(parts_.coefficients.data() + v * each, each, coefficients_.data() + v * width_);
     }
-    // The packed support vectors know where the originals are.
+    // The packed support vectors point to the originals.
     kernel_machine(const kernel_machine& other) : kernel_machine(other.parts_) {}
     kernel_machine(kernel_machine&&) noexcept = default;
     kernel_machine& operator=(kernel_machine&&) noexcept = default;
@@ -121,7 +121,7 @@ public:
     }
 
 private:
-    /// Rows at a time: their kernel values stay in the cache.
+    /// The rows of a block, whose kernel values stay in the cache.
     static constexpr std::size_t block_rows = 8 * kernels::packed_rows::block_rows;
 
     void check_rows(feature_rows<Features> rows) const {
@@ -138,7 +138,7 @@ private:
                      values.subspan(first * machines(), count * machines()));
         });
     }
-    /// take(values) with those of one row after the other.
+    /// Calls take(values) for each row.
     template <class Take>
     void for_each_values(feature_rows<Features> rows, thread_pool& threads, const Take& take) const {
         check_rows(rows);
@@ -187,7 +187,7 @@ private:
                 out[machine++] += sums[a * width_ + b - 1] + sums[b * width_ + a];
     }
     [[nodiscard]] std::vector<double> probabilities_of(std::span<const double> values) const {
-        // So far from 0 and 1 that coupling can divide by them.
+        // Away from 0 and 1, since coupling divides by them.
         constexpr double least = 1e-7;
         const std::size_t k = classes();
         if (parts_.scheme == multiclass::one_versus_rest) {

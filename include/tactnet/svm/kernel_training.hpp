@@ -29,8 +29,8 @@ struct kernel_training_options {
     std::uint64_t seed = 1; ///< of the division into these parts
     /// `solver.cache_bytes` bounds the matrix of all pairs, or else the rows kept by each thread.
     solver_options solver{};
-    /// Bounds what the machines of all classes take together; more is refused. Estimated, without the
-    /// features and what `solver.cache_bytes` bounds.
+    /// The most memory of the machines of all classes together; a problem that needs more is rejected.
+    /// Estimated without the features and what `solver.cache_bytes` bounds.
     std::size_t memory_bytes = 0xffff'ffff;
 };
 
@@ -40,7 +40,7 @@ using kernel_training_result = svm_training_result<kernel_machine<Kernel, Featur
 
 namespace detail {
 
-/// The sigmoid of one machine, on values of machines that have not seen the samples. Where a part leaves one
+/// The sigmoid of one machine, on values of machines that have not seen the samples. If a fold leaves one
 /// side without samples, the other side is the answer, as in LIBSVM.
 template <svm_kernel Kernel>
 sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const binary_problem& problem,
@@ -80,7 +80,7 @@ sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const bin
     return fit_sigmoid(values, problem.sides);
 }
 
-/// Puts the machines' support vectors together, by class.
+/// Gathers the support vectors of all machines, by class.
 template <svm_kernel Kernel>
 void gather_support(kernel_machine_parameters<Kernel>& parts, feature_rows<> rows,
                     const class_members& classes, const std::vector<binary_problem>& problems,
@@ -119,10 +119,10 @@ void gather_support(kernel_machine_parameters<Kernel>& parts, feature_rows<> row
 
 } // namespace detail
 
-/// Trains machines for all classes among the labels, on all threads; bit-exact on any number of them.
-/// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
-/// its row and column), fewer than two classes, so many that they would take more than `memory_bytes`,
-/// another number of labels than rows.
+/// Trains machines for all classes among the labels, on all threads; the result is bit-identical on any
+/// number of them. Throws std::invalid_argument for a feature that is not finite (with its row and column),
+/// for fewer than two classes or more than fit into `memory_bytes`, and if the numbers of labels and rows
+/// differ.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] kernel_training_result<Kernel, Features>
 train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,

@@ -21,7 +21,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// All that a trained linear machine is: what a file holds.
+/// The parameters of a trained linear machine, which a file stores.
 struct linear_machine_parameters {
     std::size_t features = 0;
     std::vector<std::size_t> labels; ///< of the classes, rising
@@ -43,8 +43,8 @@ struct linear_machine_parameters {
     }
 };
 
-/// A trained linear machine of any number of classes, one versus rest. Const calls may come from any number
-/// of threads; a row is bit-exact alone and in any batch.
+/// A trained linear machine of any number of classes, one versus rest. Any number of threads may call const
+/// members. The result of a row is bit-identical alone and in any batch.
 template <std::size_t Features = dynamic_features>
 class linear_machine {
 public:
@@ -99,7 +99,7 @@ private:
                                         " features, found " + std::to_string(rows.features()));
         check_finite(rows);
     }
-    /// Of a row on its way.
+    /// The temporary memory of a row.
     std::size_t bytes_each() const { return (features() + packed_.padded_rows()) * sizeof(float); }
     void add_values(feature_rows<Features> rows, std::vector<double>& values) const {
         const standardised_rows used(rows, parts_.standardise);
@@ -128,9 +128,9 @@ struct linear_training_options {
 template <std::size_t Features>
 using linear_training_result = svm_training_result<linear_machine<Features>>;
 
-/// Trains one machine for each class among the labels, on all threads; bit-exact on any number of them.
-/// Throws std::invalid_argument for samples that cannot be learnt from: a feature that is not finite (with
-/// its row and column), fewer than two classes, another number of labels than rows.
+/// Trains one machine for each class among the labels, on all threads; the result is bit-identical on any
+/// number of them. Throws std::invalid_argument for a feature that is not finite (with its row and column),
+/// for fewer than two classes, and if the numbers of labels and rows differ.
 template <std::size_t Features>
 [[nodiscard]] linear_training_result<Features>
 train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
@@ -154,7 +154,7 @@ train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> l
             sides[sample] = 1;
         solutions[c] =
             coordinate_descent(biased, sides, costs, options.solver, static_cast<std::uint32_t>(c)).solve();
-        // Of all classes together they would grow with the square of the classes.
+        // For all classes together, they would grow with the square of the classes.
         solutions[c].coefficients = std::vector<double>();
     });
 

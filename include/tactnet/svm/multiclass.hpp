@@ -127,9 +127,9 @@ struct class_members {
 
 namespace detail {
 
-/// Throws std::invalid_argument when training so many classes would take more memory than allowed. What the
-/// machines learn, and what comes of it, is there for all of them at a time; for one versus one it grows with
-/// the square of the classes. `costs` are tried at once, with `values` kept for each machine.
+/// Throws std::invalid_argument when training so many classes would take more memory than allowed. The
+/// problems and solutions of all machines are in memory at once; for one versus one they grow with the square
+/// of the classes. `costs` are tried at once, with `values` kept for each machine.
 inline void require_training_memory(std::size_t classes, std::size_t samples, multiclass scheme,
                                     std::size_t bytes, std::size_t costs = 1, std::size_t values = 0) {
     const auto k = static_cast<double>(classes), n = static_cast<double>(samples);
@@ -154,7 +154,7 @@ inline void require_training_memory(std::size_t classes, std::size_t samples, mu
 
 } // namespace detail
 
-/// What each machine has to learn, in their order.
+/// The problem of each machine, in their order.
 [[nodiscard]] inline std::vector<binary_problem>
 binary_problems(const class_members& classes, std::span<const double> costs, multiclass scheme) {
     std::vector<binary_problem> problems;
@@ -181,8 +181,8 @@ binary_problems(const class_members& classes, std::span<const double> costs, mul
     return problems;
 }
 
-/// The class that the machines' values stand for. One versus one: most votes, the first of those that have as
-/// many; a value above zero is a vote for the first of the pair.
+/// The class that the values of all machines decide for. One versus one: the first class with most votes; a
+/// value above zero is a vote for the first of the pair.
 [[nodiscard]] inline std::size_t decide(std::span<const double> values, std::size_t classes,
                                         multiclass scheme) {
     const auto first_largest = [](const auto& list) {

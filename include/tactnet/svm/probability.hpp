@@ -20,7 +20,7 @@ struct sigmoid {
 
     [[nodiscard]] double operator()(double value) const {
         const double z = slope * value + offset;
-        // Of the two equivalent expressions, the one whose exponential cannot overflow.
+        // The equivalent expression whose exponential cannot overflow.
         return z >= 0 ? std::exp(-z) / (1 + std::exp(-z)) : 1 / (1 + std::exp(z));
     }
 };

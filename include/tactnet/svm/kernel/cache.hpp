@@ -12,8 +12,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Rows of a kernel matrix, those used last, within a bound on memory. Rows are of the active samples alone,
-/// padded with zeros to whole vectors.
+/// Keeps the most recently used rows of a kernel matrix within a memory limit. Rows hold the active samples
+/// only, padded with zeros to whole vectors.
 class kernel_cache {
 public:
     /// For `samples` rows of at most as many values, in at most `bytes`, but two rows at least.
@@ -23,12 +23,12 @@ public:
                                std::max(samples, std::size_t{2}))),
           places_(samples, recent_.end()) {}
 
-    // Places are iterators into the list here.
+    // Places are iterators into the list of this object.
     kernel_cache(const kernel_cache&) = delete;
     kernel_cache& operator=(const kernel_cache&) = delete;
 
-    /// The row of a sample: as it was kept, or filled by fill(out), which writes `columns` values. It stays
-    /// where it is until two others have been asked for.
+    /// The row of a sample: a stored one, or a new one filled by fill(out), which writes `columns` values.
+    /// The pointer is valid until two other rows are requested.
     template <class Fill>
     [[nodiscard]] const float* row(std::size_t sample, std::size_t columns, const Fill& fill) {
         if (places_[sample] != recent_.end()) {
@@ -43,7 +43,7 @@ public:
         return recent_.front().values.data();
     }
 
-    /// Leaves only some columns, in rising order, and the rows of these.
+    /// Drops all columns but these, in rising order, and all rows but those of `samples`.
     void keep(std::span<const std::size_t> columns, std::span<const std::size_t> samples) {
         std::vector<bool> kept(places_.size());
         for (const std::size_t sample : samples)
@@ -72,7 +72,7 @@ private:
         aligned_vector<float> values;
     };
 
-    /// A place for a new row in front, if need be that of the row not used for longest.
+    /// Puts a place for a new row in front. A full cache reuses the least recently used one.
     void take_place(std::size_t sample) {
         if (recent_.size() < capacity_) {
             recent_.push_front({sample, {}});
@@ -85,7 +85,7 @@ private:
     }
 
     std::size_t stride_, capacity_;
-    std::list<entry> recent_; // the last used in front
+    std::list<entry> recent_; // most recently used first
     std::vector<std::list<entry>::iterator> places_;
 };
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <string_view>
 
-// What two samples have in common. A kernel is a function of their product or of their squared distance,
-// which are found for whole matrices at once.
+// Kernels, which measure the similarity of two samples: functions of their product or of their squared
+// distance, which are computed for whole matrices at once.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -23,7 +23,7 @@ struct linear_kernel {
     static constexpr bool of_distance = false;
     static constexpr std::string_view name = "linear";
 
-    /// The kernel with what it takes from the training set.
+    /// The kernel with the parameters that depend on the training set.
     [[nodiscard]] linear_kernel fitted(feature_rows<>) const { return *this; }
     /// Turns `count` products into values of the kernel.
     void apply(float*, std::size_t, double) const {}
@@ -46,7 +46,7 @@ struct rbf_kernel {
     static constexpr bool of_distance = true;
     static constexpr std::string_view name = "rbf";
 
-    /// γ, at least 0. None: "scale", 1 / (features × variance of all values of the training set), or 1 where
+    /// γ, at least 0. Empty is "scale": 1 / (features × variance of all values of the training set), or 1 if
     /// these are all the same.
     std::optional<double> gamma;
 

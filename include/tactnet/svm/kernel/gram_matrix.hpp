@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <span>
 
-// The rows of a kernel matrix, for a solver that works on some of the samples: out of the whole matrix, which
-// is found in one product and serves all problems over the same samples, or found one by one where it is too
+// Rows of a kernel matrix for a solver that works on some of the samples: taken from the whole matrix, which
+// one product computes for all problems over the same samples, or computed one by one if the matrix is too
 // large.
 
 namespace tactnet {
@@ -21,12 +21,12 @@ inline namespace TACTNET_ARCH {
 /// A kernel of all pairs of samples.
 class gram_matrix {
 public:
-    /// Bytes that the matrix of so many samples takes.
+    /// The bytes of the matrix of that many samples.
     [[nodiscard]] static double bytes(std::size_t samples) {
         return static_cast<double>(samples) * static_cast<double>(padded(samples)) * sizeof(float);
     }
 
-    /// Products or squared distances of all pairs: half of them, and the other half mirrored.
+    /// Products or squared distances of all pairs. One half is computed, the other mirrored.
     template <svm_kernel Kernel>
     [[nodiscard]] static gram_matrix measured(const placed_rows& rows, const kernel_columns<Kernel>& columns,
                                               thread_pool& threads) {
@@ -44,7 +44,7 @@ public:
         });
         return gram;
     }
-    /// The kernel's values, of a matrix as `measured`.
+    /// Turns a matrix made by `measured` into values of the kernel.
     template <svm_kernel Kernel>
     void apply(const Kernel& kernel, double unit, thread_pool& threads) {
         threads.for_each(size_, [&](std::size_t i) { kernel.apply(row(i), stride_, unit); });
@@ -67,12 +67,12 @@ private:
     aligned_vector<float> values_;
 };
 
-/// Rows out of a whole matrix.
+/// Rows taken from a whole matrix.
 class stored_kernel_rows {
 public:
     explicit stored_kernel_rows(const gram_matrix& gram) : gram_(&gram) {}
 
-    /// From here on rows hold the values with these samples, which must outlive the selection.
+    /// From now on, rows hold the values with these samples, which must outlive the selection.
     void select(std::span<const std::size_t> samples) { samples_ = samples; }
     void fill(std::size_t sample, float* out) {
         const float* row = gram_->row(sample);
@@ -86,7 +86,7 @@ private:
     std::span<const std::size_t> samples_;
 };
 
-/// Rows found one by one.
+/// Rows computed one by one.
 template <svm_kernel Kernel>
 class computed_kernel_rows {
 public:

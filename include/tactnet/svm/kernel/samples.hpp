@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-// The samples of a training set as solvers see them. Problems over the same samples share one matrix of the
-// kernel, where it fits into the memory allowed; searches for γ share the distances behind it.
+// Samples of a training set for solvers. Problems over the same samples share one kernel matrix if it fits
+// into the allowed memory; searches for γ share its distances.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Samples placed for a kernel, with the products or squared distances of all pairs where these fit.
+/// Samples placed for a kernel, with the products or squared distances of all pairs if these fit.
 template <svm_kernel Kernel>
 struct measured_samples {
     kernel_space<Kernel> space;
@@ -35,11 +35,11 @@ struct measured_samples {
     }
 };
 
-/// The same with the values of one kernel.
+/// Samples with the values of one kernel.
 template <svm_kernel Kernel>
 class kernel_samples {
 public:
-    /// `gram` is a copy of the one measured, or that itself, moved; `measured` must outlive this.
+    /// `gram` is `measured.gram`, copied or moved; `measured` must outlive this.
     kernel_samples(const measured_samples<Kernel>& measured, const Kernel& kernel,
                    std::optional<gram_matrix> gram, thread_pool& threads)
         : measured_(&measured), kernel_(kernel), gram_(std::move(gram)) {
@@ -51,7 +51,7 @@ public:
         return with_rows(
             [&](auto rows) { return sequential_minimal_optimisation(problem, rows, options).solve(); });
     }
-    /// The values of a machine for some of the samples.
+    /// The decision values of a machine for some of the samples.
     [[nodiscard]] std::vector<double> decision_values(const binary_problem& problem,
                                                       const binary_solution& solution,
                                                       std::span<const std::size_t> samples) const {

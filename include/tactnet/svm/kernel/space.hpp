@@ -23,7 +23,7 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// Samples as a kernel space holds them.
+/// Samples in the coordinates of a kernel space.
 struct placed_rows {
     feature_rows<> original;
     aligned_vector<float> moved; ///< centred and in units; empty for kernels of products
@@ -34,7 +34,7 @@ struct placed_rows {
     [[nodiscard]] float norm(std::size_t index) const { return norms.empty() ? 0.0F : norms[index]; }
 };
 
-/// Origin and unit of length for samples near some given ones.
+/// The origin and unit of length for samples near given ones.
 template <svm_kernel Kernel>
 class kernel_space {
 public:
@@ -47,7 +47,7 @@ public:
             check_products(samples);
     }
 
-    /// The square of the unit of length: what distances are multiplied with to be those of the features.
+    /// The square of the unit of length, the factor from squared distances to those of the features.
     [[nodiscard]] double unit() const { return 1 / (double{scale_} * double{scale_}); }
     [[nodiscard]] float scale() const { return scale_; }
 
@@ -73,8 +73,8 @@ public:
     }
 
 private:
-    /// Beyond this many times the extent of the samples a row is as good as at infinity; squares of it still
-    /// add up within float.
+    /// Rows are clamped to this many times the extent of the samples, so that their squares add up within
+    /// float.
     static constexpr float farthest = 0x1p50F;
 
     void centre_on(feature_rows<> samples) {
@@ -113,7 +113,7 @@ private:
     float scale_ = 1;
 };
 
-/// Some of the placed samples, packed to be multiplied with others.
+/// Some of the placed samples, packed for products with others.
 template <svm_kernel Kernel>
 class kernel_columns {
 public:
@@ -133,8 +133,8 @@ public:
     /// The length of a row of results, in whole panels.
     [[nodiscard]] std::size_t padded_size() const { return packed_.padded_rows(); }
 
-    /// out[i][j]: product or squared distance of row `first` + i and column j. Bit-exact for a row
-    /// whatever the rows beside it; for a pair of samples whichever is the row.
+    /// out[i][j]: product or squared distance of row `first` + i and column j. Bit-identical for a row in any
+    /// batch, and for a pair of samples whichever is the row.
     void measure(const placed_rows& rows, std::size_t first, std::size_t count, float* out,
                  std::size_t stride) const {
         for (std::size_t column = 0; column < size(); column += kernels::packed_rows::panel_width)
@@ -151,7 +151,7 @@ public:
     }
 
 private:
-    /// Pairs whose distance is below this part of the norms that it is the difference of.
+    /// Pairs with a squared distance below this fraction of their norms are measured directly.
     static constexpr float close = 0x1p-6F;
 
     void to_distances(std::size_t column, const placed_rows& rows, std::size_t row, float* products) const {

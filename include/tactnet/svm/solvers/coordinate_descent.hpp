@@ -58,8 +58,8 @@ private:
 /// Options of coordinate descent.
 struct descent_options {
     linear_loss loss = linear_loss::squared_hinge;
-    /// Largest difference of projected gradients. LIBLINEAR's is 0.1, ten times as much, where 0.7 % of the
-    /// answers on raw pixels are not those of the optimum; here 0.05 %.
+    /// Largest difference of projected gradients. LIBLINEAR's is 0.1, with which 0.7 % of the answers on raw
+    /// pixels differ from those of the optimum; with this one 0.05 %.
     double tolerance = 0.01;
     std::size_t iteration_limit = 1000; ///< passes over the samples
     std::uint64_t seed = 1;             ///< of the order of the samples
@@ -72,7 +72,7 @@ struct descent_solution {
     solver_report report;
 };
 
-/// One machine. `sides` are +1 or −1, `costs` what an error on a sample costs.
+/// Trains one machine. `sides` are +1 or −1, `costs` those of an error on each sample.
 class coordinate_descent {
 public:
     coordinate_descent(const biased_rows& rows, std::span<const double> sides, std::span<const double> costs,
@@ -103,7 +103,7 @@ public:
                     report.converged = true;
                     break;
                 }
-                // Once more over all samples, before they are believed to be settled.
+                // Checks all samples once more before the result is accepted.
                 active.resize(rows_.size());
                 std::iota(active.begin(), active.end(), std::size_t{0});
                 before = {};
@@ -132,7 +132,7 @@ private:
     [[nodiscard]] double highest_alpha(std::size_t i) const { return squared() ? infinity : costs_[i]; }
     [[nodiscard]] double ridge(std::size_t i) const { return squared() ? 0.5 / costs_[i] : 0.0; }
 
-    /// One step on every active sample; those that are settled leave.
+    /// Takes one step per active sample, and removes settled samples.
     gradient_range pass(std::vector<std::size_t>& active, const gradient_range& before) {
         gradient_range range;
         for (std::size_t k = 0; k < active.size();) {
@@ -162,7 +162,7 @@ private:
                               rows_.row(i), rows_.stride());
     }
     [[nodiscard]] descent_solution finish(solver_report report) {
-        // From the coefficients once more, free of what single precision has gathered.
+        // Recomputed from the coefficients, free of accumulated rounding errors.
         descent_solution result{std::vector<double>(rows_.stride()), alpha_, report};
         double linear = 0;
         for (std::size_t i = 0; i < rows_.size(); ++i) {

@@ -24,7 +24,7 @@ inline namespace TACTNET_ARCH {
 /// Options of the solver.
 struct solver_options {
     double tolerance = 1e-3;         ///< largest violation of the optimality conditions
-    std::size_t iteration_limit = 0; ///< 0: ten million, or 100 a sample where that is more
+    std::size_t iteration_limit = 0; ///< 0: ten million, or 100 per sample if that is more
     bool shrinking = true;           ///< leave out samples that seem settled at a bound
     std::size_t cache_bytes = std::size_t{256} << 20;
 };
@@ -96,7 +96,7 @@ private:
             std::max(diagonal_[i] + diagonal_[j] - 2 * double{row_i[j]}, least_curvature);
         const double room_i = high(a) - beta_[a], room_j = beta_[b] - low(b);
         const double step = (gradient_[i] - gradient_[j]) / curvature;
-        // At a bound to the last bit, so that the sample is known to be there.
+        // Exactly at a bound, so that the sample counts as bound.
         if (step >= room_i && room_i <= room_j) {
             beta_[a] = high(a);
             beta_[b] = std::max(beta_[b] - room_i, low(b));
@@ -112,7 +112,7 @@ private:
         return kernels::update_gradient(gradient_.data(), row_i, row_j, std::min({step, room_i, room_j}),
                                         up_.data(), padded());
     }
-    /// Notes which ways a sample may move.
+    /// Stores in which directions a sample may move.
     void bound(std::size_t position) {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         const std::size_t k = active_[position];
@@ -120,7 +120,7 @@ private:
         low_[position] = beta_[k] > low(k) ? 0 : infinity;
     }
 
-    /// All samples take part, with a gradient free of what rounding has gathered.
+    /// Activates all samples, and recomputes the gradient, free of accumulated rounding errors.
     void activate_all() {
         active_.resize(count_);
         std::iota(active_.begin(), active_.end(), std::size_t{0});
@@ -161,11 +161,11 @@ private:
             lowest = std::min(lowest, gradient_[t] + low_[t]);
         return lowest;
     }
-    /// Leaves out samples at a bound whose gradient keeps them there. Says whether there were any.
+    /// Leaves out samples at a bound whose gradient keeps them there. Returns whether there were any.
     bool shrink(double highest_rising) {
         const double lowest = lowest_falling();
         if (!(highest_rising - lowest > options_.tolerance))
-            return false; // settled all of them
+            return false; // all are settled
         std::vector<std::size_t> kept;
         for (std::size_t t = 0; t < active_.size(); ++t) {
             const bool settled =
