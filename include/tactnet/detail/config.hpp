@@ -4,7 +4,7 @@
 
 #if __cplusplus < 202002L
 #error "tactnet needs C++20: GCC 12, Clang 14 or newer with -std=c++20"
-// A file that is not there ends the compilation, so that the sentence above is the last one.
+// A missing file stops the compilation, so that the sentence above is the last one.
 #include <tactnet_needs_cxx20>
 #endif
 

@@ -45,7 +45,7 @@ struct layer_costs {
     friend constexpr bool operator==(const layer_costs&, const layer_costs&) = default;
 };
 
-/// What a list of layers holds: a type with a name for its arrays, its costs, and a template `layer` that
+/// An entry of a list of layers: a type with a name for its arrays, its costs, and a template `layer` that
 /// binds it to a number type and an input shape.
 template <class Spec>
 concept layer_specification = requires(const shape& input) {
@@ -101,7 +101,7 @@ template <std::size_t Size>
     return list;
 }
 
-/// What precedes a layer among its neighbours: their channels and their arrays.
+/// The channels and arrays of the layers before a layer.
 struct layer_offset {
     std::size_t channels = 0, parameters = 0, statistics = 0;
 };
@@ -116,8 +116,8 @@ offsets_of(const std::array<layer_costs, Size>& layers) {
     return result;
 }
 
-/// Rejects a type that is no layer specification, and stands the identity in for it, so that the sentence
-/// comes alone.
+/// Rejects a type that is no layer specification, and replaces it by the identity, so that no further errors
+/// follow.
 template <class Spec>
 auto check_specification() {
     static_assert(layer_specification<Spec>,

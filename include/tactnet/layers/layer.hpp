@@ -42,7 +42,7 @@ template <class T>
     return kernels::padded_size<T>(samples) / kernels::lanes<T>;
 }
 
-/// What a network passes to its layers with each batch.
+/// The settings of a call, which a network passes to its layers with each batch.
 struct execution_context {
     thread_pool& threads;
     double epsilon = 1e-5;            ///< added to the variance by batch norms

@@ -23,8 +23,9 @@ template <std::size_t Size, class K>
 
 /// Local response normalisation across channels (Krizhevsky, Sutskever, Hinton, 2012, section 3.3):
 /// y(c) = x(c) · (k + α ÷ size · Σ x(i)²)^−β over the `size` channels around c. As in Caffe, MATLAB and
-/// PyTorch, α is divided by the size: the paper's α = 1e-4 at size 5, k = 2, is their 5e-4. Of an even size,
-/// one more channel lies before c than after it, as in PyTorch. The constants are fractions (std::ratio).
+/// PyTorch, α is divided by the size: the paper's α = 1e-4 at size 5, k = 2, is their 5e-4. If the size is
+/// even, one more channel lies before c than after it, as in PyTorch. The constants are fractions
+/// (std::ratio).
 template <std::size_t Size = 5, class Alpha = std::ratio<1, 10000>, class Beta = std::ratio<3, 4>,
           class K = std::ratio<1>>
 struct local_response_norm {

@@ -23,7 +23,7 @@ struct softmax {
 
     template <class T, shape Input>
     struct layer : lane_block_layer<T, Input, softmax> {
-        // Lanes without a sample are computed too: what is left in them reaches the neighbouring layers.
+        // Also computes lanes without a sample, which the neighbouring layers read.
         static constexpr std::size_t plane = Input.area() * kernels::lanes<T>;
 
         static void forward_block(const T* in, T* out) {

@@ -22,8 +22,8 @@ inline constexpr std::size_t large_page = std::size_t{2} << 20U;
 inline constexpr std::size_t least_on_large_pages = 2 * large_page;
 
 /// Asks the system for large pages in a block that begins at a page boundary: fewer page faults and fewer
-/// misses of the translation buffer. A refusal only costs time. The memory is then taken 2 MiB at a time, and
-/// stays marked when it is freed.
+/// misses of the translation buffer. If the system refuses, only time is lost. The memory is then taken 2 MiB
+/// at a time, and stays marked when it is freed.
 inline void prefer_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
     const int before = errno;

@@ -11,9 +11,8 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
-/// A range whose elements outlive the expression that it stands in: an lvalue, or a view of something else.
-/// What keeps a view of its argument takes only these, so that a temporary that would dangle does not
-/// compile.
+/// A range whose elements outlive the full expression: an lvalue, or a view. Functions that keep a view of
+/// their argument require it, so that a temporary, which would dangle, does not compile.
 template <class Range>
 concept lasting_range =
     std::is_lvalue_reference_v<Range> || std::ranges::enable_borrowed_range<std::remove_cvref_t<Range>>;
@@ -29,7 +28,7 @@ public:
     constexpr explicit tensor_view(T* elements) : data_(elements) {}
     constexpr tensor_view(const tensor_view<std::remove_const_t<T>, Shape>& other) requires std::is_const_v<T>
         : data_(other.data()) {}
-    /// An array of as many elements, as a program may hold a frame.
+    /// Views an array of that many elements.
     constexpr tensor_view(
         const std::array<std::remove_const_t<T>, Shape.size()>& elements) requires std::is_const_v<T>
         : data_(elements.data()) {}

@@ -86,8 +86,8 @@ struct text_part {
 };
 using text_parts = std::initializer_list<text_part>;
 
-/// The parts in one text. Messages are put together out of line: at the place of an error, concatenation
-/// would be most of the code.
+/// Joins the parts of a message. Not inlined, since concatenation would be most of the code at the place of
+/// an error.
 [[gnu::cold, gnu::noinline]] inline std::string joined(text_parts parts) {
     std::string text;
     for (const text_part& part : parts)

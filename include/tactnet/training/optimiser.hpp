@@ -51,7 +51,7 @@ struct optimiser_state {
 
 namespace detail {
 
-/// What weight decay applies to: one for weights, and for scales and shifts of batch norms if the rule says
+/// The mask of weight decay: one for weights, and for scales and shifts of batch norms if the rule says
 /// so, else zero, up to a whole vector.
 inline aligned_vector<float> decay_mask(const optimiser& rule, const std::vector<parameter>& parameters,
                                         std::size_t size) {
@@ -72,7 +72,7 @@ template <class T>
 }
 
 /// Flushes denormal numbers to zero. The momentum of a parameter without gradients decays until it is
-/// denormal, where it stays (0.9 of a few smallest numbers rounds to as many), and slows down every step on
+/// denormal, where it stays (0.9 times the smallest number rounds back to it), and slows down every step on
 /// most processors.
 template <class T>
 [[nodiscard]] kernels::vector<T> without_denormals(const kernels::vector<T>& x) {

@@ -33,7 +33,7 @@ enum class augmentation_rule {
 struct recipe {
     std::string_view name = "default";
     std::size_t epochs = 110;
-    std::size_t batch = 32; ///< samples a step; 0 is as many as there are training images
+    std::size_t batch = 32; ///< samples per step; 0 is all training images
     double rate = 1e-2;     ///< highest learning rate
     /// Share of the rate for arrays that start from weights of another network
     /// (training_loop::start_from_trunk). 0 freezes weights, while the statistics of batch norms still follow

@@ -70,7 +70,7 @@ struct concatenation {
 
         static constexpr shape output =
             detail::concatenation_output<typename as_sequence<Branches>::template layer<T, Input>...>();
-        /// What precedes each branch: channels of the output, parameters and statistics.
+        /// The channels of the output, parameters and statistics before those of each branch.
         static constexpr std::array<detail::layer_offset, size> offsets =
             detail::offsets_of(std::array{as_sequence<Branches>::costs(Input)...});
 

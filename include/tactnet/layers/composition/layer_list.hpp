@@ -23,7 +23,7 @@ concept has_given_name = requires {
     requires Spec::has_given_name;
 };
 
-// Descriptions of networks are not worth the compiler's time: what follows is compiled once for all of them.
+// Descriptions of networks are rare calls: the functions below compile once for all networks.
 
 using describe_function = void (*)(const std::string& prefix, std::vector<parameter>& list);
 

@@ -154,7 +154,7 @@ private:
         const std::size_t taken = std::min(bytes.size(), count_);
         const auto* const from = reinterpret_cast<const std::uint8_t*>(bytes.data());
         std::copy_n(from, taken, cells().data() + cell_);
-        // Warnings come before errors, as if each byte came by itself.
+        // Warnings come before errors, as if bytes came one by one.
         const std::size_t right = on_tactels(taken);
         checks_.counts({from, right}, cell_, byte_, frames() + 1, mutable_warnings());
         if (right < taken) {

@@ -76,7 +76,7 @@ struct bonded_layer {
     };
 };
 
-// How soft a sensor is depends more on what is behind the film than on the film. On a metal plate it is
+// The compliance of a sensor depends more on its backing than on the film. On a metal plate it is
 // rigid, on foam semi-rigid, and on a soft body without a frame it is flexible and bends round the object.
 // The softer it is, the more tactels share a force and the less each of them bears: the contact grows, and
 // the range from faint to strong shrinks.

@@ -26,7 +26,7 @@ struct epoch_report {
 /// The state of a training besides the arrays of its network. Files store it as numbers.
 struct training_progress {
     std::uint64_t steps = 0;
-    // Of validations; infinite before the first.
+    // Losses of validations; infinite before the first.
     double best_loss = std::numeric_limits<double>::infinity(), smoothed_loss = best_loss,
            smallest_loss = best_loss;
     std::size_t waited = 0; ///< validations since the smallest loss

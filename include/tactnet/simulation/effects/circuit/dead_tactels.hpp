@@ -12,8 +12,8 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace simulation {
 
-/// Tactels, rows and columns that always read zero: given ones, and random ones per sensor. What is dead at a
-/// probability is also dead at a greater one.
+/// Tactels, rows and columns that always read zero: given ones, and random ones per sensor. A tactel that is
+/// dead at one probability is also dead at every greater one.
 struct dead_tactels {
     static constexpr stage place = stage::circuit;
     static constexpr effect_purpose purpose{1};
