@@ -206,7 +206,7 @@ TEST_CASE("deployed: of equal logits the first class") {
     CHECK(found->probability == 1 / (4 + std::exp(-3.0)));
 }
 
-TEST_CASE("deployed: a softmax at the end is not taken twice") {
+TEST_CASE("deployed: a softmax at the end is not applied twice") {
     const auto logits = trained<net>(3);
     const auto probabilities = trained<ending>(3);
     const auto network = deploy(logits);
@@ -231,7 +231,7 @@ TEST_CASE("deployed: names without an output and outputs without a name") {
                          std::invalid_argument);
 }
 
-TEST_CASE("deployed: it is a deployed network wherever one is asked for") {
+TEST_CASE("deployed: a network with class names passes for a deployed network") {
     const auto m = trained<net>(5);
     const auto network = deploy(m);
     const fast_model::view_type view = network;

@@ -69,7 +69,7 @@ TEST_CASE("reflection_average: the mean of four calls, the same bits whichever w
     check_average<float>();
 }
 
-TEST_CASE("reflection_average: a broken frame is told, and no heap is used") {
+TEST_CASE("reflection_average: a broken frame is reported, and no heap is used") {
     const deployed<net> network = some_network();
     const average both_ways(network.view());
     const auto memory = std::make_unique<average::workspace>();

@@ -39,7 +39,7 @@ public:
         support::samples g = out_gradient;
         for (std::size_t s = 0; s < in.size(); ++s)
             for (std::size_t i = 0; i < input.size(); ++i)
-                g[s][i] = scaled({g[s][i].value, 0}, in[s][i].value, call.roundoff);
+                g[s][i] = scaled({g[s][i].value}, in[s][i].value, call.roundoff);
         return {g, {}};
     }
 
@@ -48,8 +48,8 @@ private:
     [[nodiscard]] support::bounded scaled(support::bounded b, double sign, double roundoff) const {
         if (sign > 0)
             return b;
-        const double value = slope_ * b.value;
-        return {value, b.error + 3 * roundoff * std::abs(value)};
+        b.value *= slope_;
+        return support::rounded_once(support::rounded_once(b, roundoff), roundoff);
     }
 
     double slope_;
@@ -61,20 +61,6 @@ template <unsigned Percent>
 struct support::reference_of<own::leaky_relu<Percent>> {
     static reference_pointer on(extents3 in) {
         return std::make_unique<reference_leaky_relu>(in, slope_of(Percent));
-    }
-};
-
-template <unsigned Percent>
-struct support::description<own::leaky_relu<Percent>> {
-    static described_layer on(tactnet::shape) {
-        return {.what = described_layer::kind::own, .own = [](rounded_map x, std::span<const float>) {
-                    for (rounded& each : x)
-                        if (!(each.value > 0)) {
-                            each.value *= slope_of(Percent);
-                            each = rounded_once(rounded_once(each)); // the slope, and the product
-                        }
-                    return x;
-                }};
     }
 };
 

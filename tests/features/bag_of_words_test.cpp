@@ -121,7 +121,7 @@ TEST_CASE("bag_of_words: no heap in a call") {
     CHECK(support::allocations() == before);
 }
 
-TEST_CASE("bag_of_words: what it refuses, and what it says") {
+TEST_CASE("bag_of_words: rejected arguments and their messages") {
     using bag = bag_of_words<2, 2>;
     CHECK_THROWS_WITH(bag(std::vector<float>{}),
                       "bag_of_words: expected points of 2 numbers each, found 0 numbers");

@@ -121,7 +121,7 @@ TEST_CASE("k_means_from: every iteration against plain loops in double") {
     }
 }
 
-TEST_CASE("k_means: the objective never rises, and the end is said") {
+TEST_CASE("k_means: the objective never rises, and the end is reported") {
     thread_pool one(1);
     const auto points = random_points(2500, values, 2);
     const auto seeds = k_means_seeds<values>(points, {.centres = 40}, one);
@@ -239,7 +239,7 @@ TEST_CASE("k_means: fewer different points than centres") {
     CHECK(single.nearest == std::vector<std::uint32_t>{0});
 }
 
-TEST_CASE("k_means: what it refuses, and what it says") {
+TEST_CASE("k_means: rejected arguments and their messages") {
     thread_pool one(1);
     auto points = random_points(4, values, 6);
     const auto run = [&](std::span<const float> from, std::size_t centres) {

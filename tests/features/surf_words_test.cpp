@@ -104,7 +104,7 @@ TEST_CASE("fit_surf_words: the seed, the descriptors and the iterations matter")
     CHECK(words_with({.most_descriptors = 300, .most_iterations = 1}) != expected);
 }
 
-TEST_CASE("fit_surf_words: what it refuses, and what it says") {
+TEST_CASE("fit_surf_words: rejected arguments and their messages") {
     thread_pool two(2);
     std::vector<float> images = some_images<float>(6);
     images[4 * size.size() + 7] = std::numeric_limits<float>::quiet_NaN();

@@ -8,7 +8,7 @@ extents.
 
 The second row is the deviation of the error that single precision makes when roundings are independent (Higham and
 Mary, "A new approach to probabilistic rounding error analysis", 2019), carried through the layers as in
-tests/support/layers/deployment_bound.hpp: a sum of n products passes n + 3 roundings, a batch norm 3, a mean of n
+tests/support/layers/deployed_reference.hpp: a sum of n products passes n + 3 roundings, a batch norm 3, a mean of n
 numbers n + 1, local responses size + 3 in their base, 5 in the power and one product. What lies ten deviations below zero is
 exactly zero behind a ReLU.
 

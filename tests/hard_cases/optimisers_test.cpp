@@ -106,7 +106,7 @@ bool diverges_and_keeps(const recipe& how, float size, std::size_t epochs) {
 
 } // namespace
 
-TEST_CASE("trainer: what cannot go well is told, and the last good weights are kept") {
+TEST_CASE("trainer: a training that cannot succeed is reported, and the last good weights are kept") {
     recipe how = recipe::on_features();
     how.epochs = 20;
     how.schedule = constant_rate{};

@@ -399,7 +399,7 @@ TEST_CASE("linear_machine: the objective of degenerate samples and extreme costs
 }
 
 // Contradicting samples at a cost of 1e12 have no machine that is found in a thousand passes: that is told.
-TEST_CASE("linear_machine: what does not converge says so") {
+TEST_CASE("linear_machine: a training that does not converge reports it") {
     support::samples both = on_a_line(40);
     thread_pool threads(1);
     const auto trained =

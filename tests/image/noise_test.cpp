@@ -28,7 +28,7 @@ bool equal_bits(const tensor<float, size>& a, const tensor<float, size>& b) {
 
 } // namespace
 
-TEST_CASE("add_noise: mean and deviation as asked for") {
+TEST_CASE("add_noise: has the mean and deviation of its parameters") {
     const auto check = [](const pressure_noise& noise, double count, double deviation) {
         const auto image = noisy(noise, static_cast<float>(count));
         double sum = 0, squares = 0;
@@ -52,7 +52,7 @@ TEST_CASE("add_noise: the same for the same seed, epoch and sample") {
     CHECK_FALSE(equal_bits(noisy(noise, 50, 1, 2, 3), noisy(noise, 50, 1, 1, 3)));
     CHECK_FALSE(equal_bits(noisy(noise, 50, 1, 2, 3), noisy(noise, 50, 1, 2, 4)));
 }
-TEST_CASE("add_noise: none is none; nothing falls below zero; NaN stays") {
+TEST_CASE("add_noise: zero deviation leaves every bit unchanged; nothing falls below zero; NaN stays") {
     for (const float value : noisy({}, -0.0f))
         CHECK(std::signbit(value));
     bool zero = false;

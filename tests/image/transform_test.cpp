@@ -65,7 +65,7 @@ TEST_CASE("transform_image: reflections are permutations") {
         return place{6 - row, 12 - column};
     });
 }
-TEST_CASE("transform_image: translation by whole tactels, zeros behind") {
+TEST_CASE("transform_image: translation by whole tactels, filled with zeros") {
     for (const int down : {-8, -3, -1, 0, 2, 7})
         for (const int right : {-13, -2, 0, 1, 12})
             check_exact({.row_shift = -1.0 * down, .column_shift = -1.0 * right}, [&](int row, int column) {
@@ -267,7 +267,7 @@ TEST_CASE("transform_image: what moves pixels to pixels changes none of their bi
     check_permutations<shape{6, 1}>();
     check_permutations<shape{1, 1}>();
 }
-TEST_CASE("transform_image: the edge goes on where the image does not") {
+TEST_CASE("transform_image: edge fill repeats the border beyond the image") {
     tensor<float, shape{3, 4}> image, to;
     for (std::size_t e = 0; e < image.size(); ++e)
         image.data()[e] = static_cast<float>(e + 1);

@@ -120,7 +120,7 @@ TEST_CASE("checkpoint: stopped and resumed gives the same bits as one go, on any
         }
 }
 
-TEST_CASE("checkpoint: of other settings it says which") {
+TEST_CASE("checkpoint: the error names the setting that differs") {
     const support::temporary_folder folder;
     const auto path = folder / "t.checkpoint";
     run first;

@@ -225,7 +225,7 @@ TEST_CASE("save_deployed: of fewer classes than outputs it keeps as many filters
     }
 }
 
-TEST_CASE("load_deployed: a file in single precision says what it takes, and the other way round") {
+TEST_CASE("load_deployed: a file in the other number format is rejected, and the error names both") {
     const support::temporary_folder folder;
     save_model(folder / "float.safetensors", trained(5));
     const safetensors floats = safetensors::parse(read_file(folder / "float.safetensors"), "net.safetensors");

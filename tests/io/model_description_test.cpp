@@ -68,7 +68,7 @@ TEST_CASE("model_description: of 8 bits it needs no epsilon and no scale") {
     CHECK_FALSE(describe_model(file_of({{"bits", "4"}})).bits); // another program's word
 }
 
-TEST_CASE("model_description: a file that says nothing") {
+TEST_CASE("model_description: a file without metadata") {
     const model_description d = describe_model(file_of({}));
     CHECK(d.network.empty());
     CHECK_FALSE(d.rows);

@@ -13,6 +13,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <support/error_of.hpp>
 #include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <vector>
@@ -56,12 +57,7 @@ safetensors changed(const safetensors& file, const std::map<std::string, std::st
 }
 
 std::string error_of(const safetensors& file) {
-    try {
-        static_cast<void>(load_model<small_network>(file));
-    } catch (const file_error& error) {
-        return error.what();
-    }
-    return "no error";
+    return support::error_of<file_error>([&] { static_cast<void>(load_model<small_network>(file)); });
 }
 
 } // namespace

@@ -91,7 +91,7 @@ TEST_CASE("pretrained: a trunk from the file of a whole network") {
     CHECK_FALSE(std::ranges::equal(n.learnable_values(), before.learnable_values()));
 }
 
-TEST_CASE("pretrained: a network among other things, behind a prefix") {
+TEST_CASE("pretrained: a network among other tensors, under a prefix") {
     const support::temporary_folder folder;
     const auto path = folder.path() / "weights.safetensors";
     const safetensors plain = safetensors::parse(file_of(element_type::float16).to_bytes(), "plain");

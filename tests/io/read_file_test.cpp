@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <support/error_of.hpp>
 #include <support/files/temporary_folder.hpp>
 
 #if defined(__linux__)
@@ -26,19 +27,13 @@ std::string text_of(const std::filesystem::path& path) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-template <class Action>
-std::string error_of(Action action) {
-    try {
-        action();
-    } catch (const file_error& error) {
-        return error.what();
-    }
-    return "no error";
+std::string error_of(const auto& action) {
+    return support::error_of<file_error>(action);
 }
 
 } // namespace
 
-TEST_CASE("read_file: reading: each failure has its sentence") {
+TEST_CASE("read_file: each failure has its message") {
     const support::temporary_folder folder;
     const std::string missing = (folder / "missing").string();
     CHECK(error_of([&] { read_file(missing); }) == missing + ": expected a file, found nothing of that name");

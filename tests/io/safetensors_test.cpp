@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <support/error_of.hpp>
 #include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <vector>
@@ -39,12 +40,7 @@ std::vector<std::byte> make_file(std::string_view header, std::size_t data) {
 }
 
 std::string error_of(std::vector<std::byte> bytes) {
-    try {
-        safetensors::parse(std::move(bytes), "file");
-    } catch (const file_error& error) {
-        return error.what();
-    }
-    return "no error";
+    return support::error_of<file_error>([&] { safetensors::parse(std::move(bytes), "file"); });
 }
 
 std::string error_of(std::string_view header, std::size_t data) {
@@ -188,14 +184,7 @@ TEST_CASE("safetensors: what is asked for and not there") {
     safetensors_writer writer;
     writer.add("conv1.weight", {8, 1, 5, 5}, std::vector<float>(200));
     const auto file = safetensors::parse(writer.to_bytes(), "net.safetensors");
-    const auto message = [](auto action) -> std::string {
-        try {
-            action();
-        } catch (const file_error& error) {
-            return error.what();
-        }
-        return "no error";
-    };
+    const auto message = [](auto action) -> std::string { return support::error_of<file_error>(action); };
     const std::string missing =
         "net.safetensors: expected a tensor 'conv2.weight', found others, such as 'conv1.weight'";
     CHECK(message([&] { file.at("conv2.weight"); }) == missing);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <support/error_of.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <vector>
 
@@ -74,12 +75,9 @@ std::string error_of(const Change& change) {
     add("offsets", {parts.offsets.size()}, parts.offsets);
     if (!parts.gamma.empty())
         add("gamma", {}, parts.gamma);
-    try {
-        (void)load_kernel_machine<rbf_kernel>(safetensors::parse(writer.to_bytes(), "file"));
-    } catch (const file_error& error) {
-        return error.what();
-    }
-    return "no error";
+    return support::error_of<file_error>([&] {
+        static_cast<void>(load_kernel_machine<rbf_kernel>(safetensors::parse(writer.to_bytes(), "file")));
+    });
 }
 
 } // namespace

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <support/error_of.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <type_traits>
 #include <vector>
@@ -41,14 +42,8 @@ std::ptrdiff_t entries_in(const std::filesystem::path& folder) {
     return std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
 }
 
-template <class Action>
-std::string error_of(Action action) {
-    try {
-        action();
-    } catch (const file_error& error) {
-        return error.what();
-    }
-    return "no error";
+std::string error_of(const auto& action) {
+    return support::error_of<file_error>(action);
 }
 
 } // namespace
@@ -67,7 +62,7 @@ TEST_CASE("write_file: what was written is read") {
     CHECK(entries_in(folder.path()) == 1);
 }
 
-TEST_CASE("write_file: pieces stand one behind the other") {
+TEST_CASE("write_file: pieces are written in order") {
     const support::temporary_folder folder;
     const std::string a = "one, ", b, c = "two";
     const std::array<std::span<const std::byte>, 3> pieces{

@@ -90,7 +90,7 @@ TEST_CASE("batch_norm: a NaN is seen in its channel and nowhere else") {
     CHECK(!std::isnan(t.out(0, 6)));
 }
 
-TEST_CASE("batch_norm: of two numbers it remembers the unbiased variance, of a single one that of none") {
+TEST_CASE("batch_norm: two numbers give the unbiased running variance, a single one counts as zero") {
     using single = batch_norm::layer<float, shape{1, 1, 1}>;
     for (const std::size_t samples : {1u, 2u}) {
         thread_pool threads;

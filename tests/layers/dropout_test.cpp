@@ -72,7 +72,7 @@ TEST_CASE("dropout: a function of seed, step, depth and sample") {
     CHECK(!equal(out, dropped(in, {.threads = threads, .seed = 5, .step = 6, .place = 6}), 0, 0));
 }
 
-TEST_CASE("dropout: the way back goes through what was kept") {
+TEST_CASE("dropout: gradients pass through what was kept") {
     thread_pool threads;
     const execution_context p{.threads = threads, .seed = 1, .step = 2, .place = 3};
     const images in = ones(2), out = dropped(in, p);

@@ -84,7 +84,7 @@ TEST_CASE("max_pool: of equal values the first takes the whole gradient") {
         CHECK(in_gradient(0, e) == (e == 0 ? 7 : 0));
 }
 
-TEST_CASE("max_pool: a NaN is seen in every window that holds it, wherever it stands") {
+TEST_CASE("max_pool: a NaN reaches every window that holds it, at any place") {
     for (std::size_t broken = 0; broken < 9; ++broken) {
         images in(1);
         for (std::size_t e = 0; e < 9; ++e)

@@ -49,7 +49,7 @@ using other_layers =
 
 } // namespace
 
-TEST_CASE("costs: those told by specifications are those of the layers") {
+TEST_CASE("costs: those of specifications are those of the layers") {
     check_all<shape{28, 50}>();
     check_all<shape{14, 25}>();
     check_all<shape{10, 18}>();

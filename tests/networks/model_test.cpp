@@ -63,7 +63,7 @@ TEST_CASE("model: logits of normalised images, a row of all outputs each") {
     CHECK(different == 0);
 }
 
-TEST_CASE("model: logits stand in front of a softmax") {
+TEST_CASE("model: logits are taken before a softmax") {
     thread_pool alone;
     CHECK(example<softmax>(5).logits(images(2), alone) == example(5).logits(images(2), alone));
 }

@@ -65,7 +65,7 @@ TEST_CASE("describe: every number of a network once, under PyTorch's names") {
     CHECK(arrays.at("fc.bias").what == parameter_role::bias);
 }
 
-TEST_CASE("describe: the arrays of residual blocks stand behind the block's name") {
+TEST_CASE("describe: the arrays of residual blocks are named after the block") {
     using net = tactresnet<shape{28, 50, 1}, 22>;
     check_cover<net>();
     const auto arrays = arrays_of<net>();
@@ -153,7 +153,7 @@ TEST_CASE("network: the same sample gives the same bits in any batch, workspace 
     CHECK(different == 0);
 }
 
-TEST_CASE("network: a softmax at the end stands behind the logits, also at the end of a list within") {
+TEST_CASE("network: a softmax at the end, also of a nested list, is not part of the logits") {
     constexpr shape size{4, 5, 1};
     using bare = network<size, conv2d<3, 3>, relu, dense<4>>;
     using ending = network<size, conv2d<3, 3>, relu, dense<4>, softmax>;

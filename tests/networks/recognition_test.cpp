@@ -77,7 +77,7 @@ TEST_CASE("recognition: of equal logits the first") {
     CHECK(zeros->probability == 0.5);
 }
 
-TEST_CASE("recognition: a logit that is not finite names no class, wherever it stands") {
+TEST_CASE("recognition: a logit that is not finite gives no class, at any place") {
     for (std::size_t at = 0; at < 3; ++at)
         for (const float bad : {not_a_number, infinite, -infinite}) {
             std::array logits{3.0f, 1.0f, 2.0f};

@@ -107,7 +107,7 @@ TEST_CASE("range_search: a second sweep searches each range beside those that we
     CHECK(found.error == 1);
 }
 
-TEST_CASE("range_search: ranges with which a frame is refused are not taken") {
+TEST_CASE("range_search: ranges with which a frame would be rejected are not chosen") {
     const found_ranges found =
         searched([](std::span<const float> folded, std::span<const float> shown, std::span<float> to) {
             return off_by(folded[places], shown, to) && folded[places] > 1.5f;

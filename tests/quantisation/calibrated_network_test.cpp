@@ -72,7 +72,7 @@ TEST_CASE("calibrated_network: fitted weights are kept if outputs come nearer, a
     }
 }
 
-TEST_CASE("calibrated_network: numbers that no network has are refused, and what they are is told") {
+TEST_CASE("calibrated_network: numbers that no network has are rejected, and the error names them") {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const std::vector<float> right{0, 0, 0, 0, 1, 1, 0, 1}, images(16, 1.0f);
     for (const float broken : {nan, 2e30f, -2e30f, std::numeric_limits<float>::infinity()}) {

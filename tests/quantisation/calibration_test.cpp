@@ -200,7 +200,7 @@ TEST_CASE("eight_bit_calibration: the same images give the same numbers, bytes a
     CHECK(support::same_bits(first.folded(), of_bytes.folded()));
 }
 
-TEST_CASE("eight_bit_calibration: of many images some in even distances are taken") {
+TEST_CASE("eight_bit_calibration: of many images some at even distances are used") {
     using small = network<shape{2, 3}, conv2d<2, 2>, relu, dense<2>>;
     small n;
     support::fill(n, 5);

@@ -32,7 +32,7 @@ const calibration_graph& described() {
 
 } // namespace
 
-TEST_CASE("calibration_graph_of: maps lie one behind the other, those of one range share it") {
+TEST_CASE("calibration_graph_of: maps lie one after the other, those of one range share it") {
     struct expected_map {
         shape size;
         std::size_t range;

@@ -152,7 +152,7 @@ TEST_CASE("node_executor: outputs are not rounded, their weights are") {
                   *drawn.sum_at(f, pixel / to.columns, pixel % to.columns, true));
 }
 
-TEST_CASE("node_executor: the sums of a pixel lie where place_of says, each tap is told once") {
+TEST_CASE("node_executor: the sums of a pixel lie at place_of, and each tap is visited once") {
     const drawn_step drawn({{6, 7, 4}, extent2d(3, 3), 1, 1, 1, 1, 1}, 2, 6, 1, true, true, 0, 60);
     const graph_node& step = drawn.net.nodes[0];
     const node_executor run(drawn.net, step, drawn.folded, false);
@@ -187,7 +187,7 @@ struct at_least_step {
 
 } // namespace
 
-TEST_CASE("node_executor: another step does what its function says, and is rounded to even steps") {
+TEST_CASE("node_executor: any other step runs its function and rounds to even steps") {
     calibration_graph net;
     net.ranges = 2;
     graph_node step{.reference = at_least_step::reference, .input = net.add_map({1, 5}, 0)};

@@ -149,7 +149,7 @@ TEST_CASE("eight_bit_calibration: a weight makes up for what another one loses, 
     CHECK(few.output_error() == few.output_error_of_rounded());
 }
 
-TEST_CASE("weight_rounding: weights whose sums might pass 32 bits are not taken") {
+TEST_CASE("weight_rounding: weights whose sums might exceed 32 bits are not chosen") {
     // The fit turns (127, 0) into (124, 1): the second input is always seven times the first.
     const auto changes = [](std::size_t range, float bias) {
         return fitted_pair(range, bias)[1] != support::second_weight;

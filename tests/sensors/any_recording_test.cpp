@@ -22,7 +22,7 @@ const std::string map = "ROWS 1\nCOLS 2\nSENSOR_MAP @@\n0,B\n@@\n";
 
 static_assert(tactnet::frame_decoder<any_recording>);
 
-TEST_CASE("any_recording: the content tells the format, however it is split") {
+TEST_CASE("any_recording: the format is detected from the content, however it is split") {
     const auto check = [](const std::string& bytes, const std::string& format, std::size_t frames) {
         const auto found = sensors_test::decode(any_recording(), bytes_of(bytes));
         CHECK_MESSAGE(found.status == decode_status::finished, found.error);
@@ -47,7 +47,7 @@ TEST_CASE("any_recording: the content tells the format, however it is split") {
     }
 }
 
-TEST_CASE("any_recording: what is wrong, in one sentence, also of a file that is not there") {
+TEST_CASE("any_recording: errors are one sentence, also for a missing file") {
     any_recording none;
     CHECK(none.finish(tactnet::ignore_frames()) == decode_status::damaged);
     const std::string sentence = "byte 0: expected a Tekscan recording or map (a line 'ASCII_DATA @@' or "
@@ -64,7 +64,7 @@ TEST_CASE("any_recording: what is wrong, in one sentence, also of a file that is
                                        cut.error().found + " (1 announced frames are missing)");
 }
 
-TEST_CASE("any_recording: a header that nothing follows is told by its last line") {
+TEST_CASE("any_recording: a header without frames is detected by its last line") {
     for (const std::string end : {"", "\n", "\r"})
         CHECK(sensors_test::decode(any_recording(), bytes_of("ROWS 1\nCOLS 2\nASCII_DATA @@" + end))
                   .error.find("expected 1 frames, found 0 before the end of the data") != std::string::npos);

@@ -53,7 +53,7 @@ TEST_CASE("calibration: gains of an equilibration make its frame even") {
     CHECK(to[0] == -1);
 }
 
-TEST_CASE("calibration: of a recording that tells its saturation pressure") {
+TEST_CASE("calibration: a recording that names its saturation pressure") {
     tactnet::recording_description description;
     CHECK(!calibration::from(description));
     description.saturation_pressure = 0.5;

@@ -122,7 +122,7 @@ TEST_CASE("weiss_decoder: a stream may be joined anywhere; answers to commands a
     }
 }
 
-TEST_CASE("weiss_decoder: a damaged one is told, and costs no other frame") {
+TEST_CASE("weiss_decoder: a damaged frame is reported, and no other is lost") {
     const bytes good = packet(0, plain, 0);
     for (std::size_t at = 6; at < good.size(); ++at) {
         bytes bad = good;

@@ -63,7 +63,7 @@ TEST_CASE("scene: with the accurate contact and a pad") {
           doctest::Approx(2).epsilon(1e-3));
 }
 
-TEST_CASE("scene: one that goes on with another sensor is one of that sensor") {
+TEST_CASE("scene: after a change of sensor its frames are those of that sensor") {
     using faulty =
         scene<array<8, 12>, contact<winkler>, elastic_pad, gain_map, hysteresis, noise, dead_tactels>;
     const object ball{{rod::sphere({1e-3, 2e-3}, 0.02)}, {}};
@@ -163,7 +163,7 @@ TEST_CASE("scene: another sensor of the make begins without a memory") {
     CHECK(touched.cell() == 1.5e-3);
 }
 
-TEST_CASE("scene: an effect is told the cells of what reaches it") {
+TEST_CASE("scene: an effect knows the cells of the map that reaches it") {
     scene<array<8, 12>, contact<winkler>, tactel_average<3>, quantisation<8>, halved, jpeg_storage> touched;
     static_assert(decltype(touched)::tactels == tactnet::shape{8, 12});
     static_assert(decltype(touched)::output == tactnet::shape{4, 6});

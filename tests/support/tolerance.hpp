@@ -19,10 +19,10 @@ inline constexpr double unit_roundoff = static_cast<double>(std::numeric_limits<
     return roundings * roundoff / (1 - roundings * roundoff);
 }
 
-/// A number of the reference, and how far from it a result may lie.
+/// A number of the reference, how far from it a result may lie, and how far it lies where roundings are
+/// independent of each other (layers/deployed_reference.hpp).
 struct bounded {
-    double value = 0;
-    double error = 0;
+    double value = 0, error = 0, deviation = 0;
 };
 
 /// Whether a result lies where it may. NaN is found only where NaN is expected.

@@ -90,7 +90,7 @@ TEST_CASE("kernel_machine: decision values are the sums that the parameters say,
     }
 }
 
-TEST_CASE("kernel_machine: clouds are told apart, by either kernel and scheme; features known when compiling "
+TEST_CASE("kernel_machine: clouds are separated, by either kernel and scheme; features known when compiling "
           "or not") {
     const support::samples s = support::blobs(300, 12, 5, 0.3), fresh = support::blobs(600, 12, 5, 0.3);
     for (const multiclass scheme : schemes) {

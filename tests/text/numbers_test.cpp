@@ -41,7 +41,7 @@ TEST_CASE("read_floating_point: the number that a text begins with, rounded once
     reads("16777217", 16777216.0F, 8);
 }
 
-TEST_CASE("read_floating_point: what is no number, or too large, has no end") {
+TEST_CASE("read_floating_point: text that is no number, or too large, has no end") {
     for (const std::string_view text : {"", ".", "x", "e5", " 1", "+1", "1e999"}) {
         CAPTURE(text);
         CHECK(tactnet::read_floating_point<double>(text.data(), text.data() + text.size()).end == nullptr);

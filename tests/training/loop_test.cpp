@@ -200,7 +200,7 @@ TEST_CASE(
     CHECK(trained(1e-60, 1) == trained(0, 1));
 }
 
-TEST_CASE("training_loop: keeps the last network where the recipe says so") {
+TEST_CASE("training_loop: keeps the last network if the recipe demands it") {
     const support::toy_task task(20);
     thread_pool threads;
     recipe how;

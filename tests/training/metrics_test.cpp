@@ -8,7 +8,7 @@
 
 using namespace tactnet;
 
-TEST_CASE("confusion_matrix: counts, and what is made of them") {
+TEST_CASE("confusion_matrix: counts and the rates computed from them") {
     confusion_matrix m(3), n(3);
     CHECK(std::isnan(m.accuracy()));
     m.add(0, 0);

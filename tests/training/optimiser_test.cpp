@@ -152,7 +152,7 @@ TEST_CASE(
     CHECK(std::isnan(state.second[0]));
 }
 
-TEST_CASE("decay_mask: weights decay, and norms where the rule says so, biases and statistics never") {
+TEST_CASE("decay_mask: weights decay, norms only by the rule, biases and statistics never") {
     const std::vector<parameter> parameters{{{"weight", {2}, {}, 0, 2}, parameter_role::weight, 1},
                                             {{"bias", {1}, {}, 2, 1}, parameter_role::bias, 1},
                                             {{"scale", {1}, {}, 3, 1}, parameter_role::scale, 1},

@@ -195,7 +195,7 @@ TEST_CASE("trainer: starts from another network, with its own epsilon and normal
     CHECK_THROWS_AS(started.start_from(taught.best()), std::logic_error);
 }
 
-TEST_CASE("trainer: a training that diverges stops and says so") {
+TEST_CASE("trainer: a training that diverges stops and reports it") {
     const support::toy_task task(20);
     thread_pool threads;
     recipe r = quick();
@@ -213,7 +213,7 @@ TEST_CASE("trainer: a training that diverges stops and says so") {
     CHECK(message.find("expected a finite loss") != std::string::npos);
 }
 
-TEST_CASE("trainer: a training that diverges in its very last step says so too") {
+TEST_CASE("trainer: a training that diverges in its very last step is reported too") {
     const support::toy_task task(20);
     thread_pool threads;
     recipe r = quick();

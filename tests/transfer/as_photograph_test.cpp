@@ -83,19 +83,22 @@ public:
         support::samples out(in.size(), support::sample(output.size()));
         for (std::size_t s = 0; s < in.size(); ++s) {
             support::sample grey(output.area());
-            std::vector<double> sizes(output.area());
+            std::vector<double> sizes(output.area()), squares(output.area());
             for_each_tap(down_, along_, [&](std::size_t o, std::size_t i, double w) {
                 grey[o].value += w * in[s][i].value;
                 grey[o].error += std::abs(w) * in[s][i].error;
+                squares[o] += w * w * in[s][i].deviation * in[s][i].deviation;
                 sizes[o] += std::abs(w) * (std::abs(in[s][i].value) + in[s][i].error);
             });
             for (std::size_t e = 0; e < output.size(); ++e) {
                 const std::size_t o = e % output.area(), channel = e / output.area();
                 const double mean = call.running[channel], scale = 1 / std::sqrt(call.running[3 + channel]);
+                const double likely = call.roundoff * (sizes[o] + std::abs(mean));
                 const double wrong = grey[o].error + support::accumulated(call.roundoff, sums) * sizes[o];
                 out[s][e] = {(grey[o].value - mean) * scale,
                              scale * (wrong + support::accumulated(call.roundoff, 4) *
-                                                  (std::abs(grey[o].value) + wrong + std::abs(mean)))};
+                                                  (std::abs(grey[o].value) + wrong + std::abs(mean))),
+                             scale * std::sqrt(squares[o] + (sums + 4) * likely * likely)};
             }
         }
         return out;
@@ -129,41 +132,6 @@ template <extent2d Size>
 struct support::reference_of<as_photograph<Size>> {
     static reference_pointer on(extents3 in) {
         return std::make_unique<reference_photograph>(in, Size.rows, Size.columns);
-    }
-};
-
-template <extent2d Size>
-struct support::description<as_photograph<Size>> {
-    static described_layer on(tactnet::shape in) {
-        return {.what = described_layer::kind::own,
-                .own =
-                    [in](const rounded_map& x, std::span<const float> parameters) {
-                        const auto down = bicubic(in.rows, Size.rows),
-                                   along = bicubic(in.columns, Size.columns);
-                        const double n = static_cast<double>(most_taps(down) + most_taps(along)) + 4,
-                                     u = unit_roundoff<float> * (1 + 0x1p-20);
-                        rounded_map grey(Size.area()), out;
-                        std::vector<double> sizes(Size.area()), wrong(Size.area()), squares(Size.area());
-                        for_each_tap(down, along, [&](std::size_t o, std::size_t i, double w) {
-                            grey[o].value += w * x[i].value;
-                            wrong[o] += std::abs(w) * x[i].error;
-                            squares[o] += w * w * x[i].deviation * x[i].deviation;
-                            sizes[o] += std::abs(w) * (std::abs(x[i].value) + x[i].error);
-                        });
-                        for (std::size_t channel = 0; channel < 3; ++channel)
-                            for (std::size_t o = 0; o < Size.area(); ++o) {
-                                const double mean = static_cast<double>(parameters[channel]),
-                                             scale =
-                                                 1 / std::sqrt(static_cast<double>(parameters[3 + channel])),
-                                             size = sizes[o] + std::abs(mean);
-                                out.push_back({(grey[o].value - mean) * scale,
-                                               scale * (wrong[o] + accumulated(u, n) * size),
-                                               scale * std::sqrt(squares[o] + n * u * u * size * size)});
-                            }
-                        return out;
-                    },
-                .own_statistics = 6,
-                .own_output = {3, Size.rows, Size.columns}};
     }
 };
 
@@ -220,7 +188,7 @@ TEST_CASE("as_photograph: an exported header names its step") {
     CHECK(text.find("tactnet::as_photograph_step<tactnet::single_precision, ") != std::string::npos);
 }
 
-TEST_CASE("as_photograph: its step tells how large its outputs can be, by mean and scale of each channel") {
+TEST_CASE("as_photograph: its step's output bound follows mean and scale of each channel") {
     // Between equal sizes every output is one of the inputs.
     using same_size = as_photograph_step<single_precision, extent2d(3, 4), 1, extent2d(3, 4)>;
     for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -236,7 +204,7 @@ TEST_CASE("as_photograph: its step tells how large its outputs can be, by mean a
     CHECK(twice::output_bound(none.data(), 1) < 2);
 }
 
-TEST_CASE("as_photograph: its step joins the pixels of its input, and no number behind them") {
+TEST_CASE("as_photograph: its step joins the pixels of its input, and no number after them") {
     using step = as_photograph_step<single_precision, extent2d(4, 4), 16, extent2d(4, 4)>;
     std::vector<float> in(17 * 16, 7.0f);
     aligned_vector<float> out(3 * 16 + 1), memory(step::workspace_elements + 1);

@@ -59,7 +59,7 @@ constexpr float nothing = 0, denormal = 1e-40f, huge = std::numeric_limits<float
 
 } // namespace
 
-TEST_CASE("folded_layout: each step says its arrays, which together are all folded numbers") {
+TEST_CASE("folded_layout: the arrays of all steps together are all folded numbers") {
     std::vector<std::string> names;
     std::size_t next = view::steps_folded;
     for (const folded_step& step : layout().steps)

@@ -3,7 +3,6 @@
 // Networks in 8 bits for these tests: filled with numbers and calibrated on a few frames.
 
 #include "../deployed_network.hpp"
-#include "reference.hpp"
 
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/quantisation/calibration.hpp>
@@ -15,6 +14,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <support/layers/whole_reference.hpp>
 #include <support/same_bits.hpp>
 #include <utility>
 #include <vector>

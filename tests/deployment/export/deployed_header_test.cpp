@@ -96,7 +96,7 @@ TEST_CASE("deployed_header: names of namespaces") {
         CHECK_FALSE_MESSAGE(tactnet::is_namespace_name(bad), bad);
 }
 
-TEST_CASE("deployed_header: what it refuses") {
+TEST_CASE("deployed_header: rejected arguments") {
     const auto original = deployed_network<small_network>();
     const auto frame = frame_of<small_network>(0);
     CHECK_THROWS_WITH_AS((void)tactnet::deployed_header(original, {"x", "a-b", {}}, frame),

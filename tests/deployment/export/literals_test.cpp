@@ -16,7 +16,7 @@ TEST_CASE("string_literal: printable ASCII stays, what means something is escape
     CHECK(string_literal("\xc3\xa9") == "\"\\303\\251\""); // é in UTF-8
 }
 
-TEST_CASE("one_line: nothing is left that ends a comment, or goes on with it in the next line") {
+TEST_CASE("one_line: no character is left that ends a comment or continues it in the next line") {
     CHECK(detail::one_line("a\nb\rc\td\\") == "a b c d ");
     CHECK(detail::one_line(" ~\xc3\xa9") == " ~\xc3\xa9");
 }

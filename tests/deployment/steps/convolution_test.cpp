@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deployment/deployed_network.hpp>
 #include <support/guarded_map.hpp>
+#include <support/layers/window_of.hpp>
 #include <vector>
 
 // What no network of the library asks for yet: outputs among the channels of a wider map, and groups.
@@ -54,21 +55,21 @@ struct numbers_of {
 
 /// A channel of the output by plain sums: group by group.
 template <frame_convolution C>
-support::rounded_map expected_of(const std::vector<double>& in, const std::vector<float>& folded,
-                                 tactnet::extent2d tiled) {
+support::sample expected_of(const std::vector<double>& in, const std::vector<float>& folded,
+                            tactnet::extent2d tiled) {
     constexpr std::size_t channels = C.window.input.channels / C.groups, filters = C.filters / C.groups,
                           area = C.window.input.area();
-    support::rounded_map all;
+    support::sample all;
     sliding_window window = C.window;
     window.input.channels = channels;
     for (std::size_t g = 0; g < C.groups; ++g) {
-        support::rounded_map part(channels * area);
+        support::sample part(channels * area);
         for (std::size_t i = 0; i < part.size(); ++i)
             part[i].value = in[g * part.size() + i];
         const std::size_t weights = filters * C.taps();
         const std::vector<double> own(folded.begin() + static_cast<std::ptrdiff_t>(g * weights),
                                       folded.begin() + static_cast<std::ptrdiff_t>((g + 1) * weights));
-        std::vector<support::rounded> biases(filters);
+        std::vector<support::bounded> biases(filters);
         for (std::size_t f = 0; f < filters; ++f)
             biases[f].value = static_cast<double>(folded[C.groups * weights + g * filters + f]);
         const auto out = support::bounded_convolution(support::window_of(window), filters, own, biases, part,

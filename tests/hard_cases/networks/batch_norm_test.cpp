@@ -2,7 +2,6 @@
 // same folded into a convolution for deployment. u is the unit roundoff of single precision.
 
 #include "../record.hpp"
-#include "plain_network.hpp"
 
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/conv2d.hpp>
@@ -220,7 +219,7 @@ void check_folded(const std::string& name, float mean, float variance, double ep
     CHECK(fast.infer(tensor_view<const float, folding::input_shape>(frame.data()),
                      std::span<float, folding::outputs>(out)) == frame_status::ok);
     const auto expected = support::bounded_outputs(layers, parameters, support::bounded_input(frame, {}, 1));
-    const auto plain = hard_cases::plain_outputs(layers, parameters, frame);
+    const auto plain = support::plain_outputs(layers, parameters, frame);
     std::vector<outcome> all;
     for (std::size_t o = 0; o < out.size(); ++o)
         all.push_back({expected[o].value, static_cast<double>(plain[o]), static_cast<double>(out[o]),

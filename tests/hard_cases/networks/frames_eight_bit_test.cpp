@@ -16,9 +16,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deployment/eight_bit/reference.hpp>
 #include <span>
 #include <string>
+#include <support/layers/whole_reference.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -33,7 +33,7 @@ std::vector<float> as_bytes(std::vector<float> counts) {
     return counts;
 }
 
-double largest_distance(std::span<const float> found, const support::rounded_map& exact) {
+double largest_distance(std::span<const float> found, const support::sample& exact) {
     double distance = 0, largest = 0;
     for (std::size_t o = 0; o < exact.size(); ++o) {
         distance = std::max(distance, std::abs(static_cast<double>(found[o]) - exact[o].value));

@@ -1,11 +1,10 @@
 // Frames through whole networks, in batches as trained and in the deployed form, after a short training.
-// Every logit is held to the bound that the running error analysis of support/layers/deployment_bound.hpp
+// Every logit is held to the bound that the running error analysis of support/layers/deployed_reference.hpp
 // gives for this network and this frame: absolute, since logits cancel. Behind many layers the worst case
 // says nothing (4e8 for logits of 8); then the deviation that independent roundings have is smaller, and is
 // the bound.
 
 #include "../record.hpp"
-#include "plain_network.hpp"
 #include "trained_subject.hpp"
 
 #include <tactnet/networks/tactnet4.hpp>
@@ -25,7 +24,7 @@ using hard_cases::outcome;
 
 namespace {
 
-std::vector<outcome> outcomes_of(const support::rounded_map& expected, const std::vector<float>& plain,
+std::vector<outcome> outcomes_of(const support::sample& expected, const std::vector<float>& plain,
                                  const std::vector<float>& ours) {
     std::vector<outcome> all;
     for (std::size_t o = 0; o < expected.size(); ++o)
@@ -40,12 +39,12 @@ void check_frames(const std::string& name) {
     subject trained(7);
     constexpr shape image = Network::input_shape;
     const auto folded = support::describe<Network>();
-    const auto unfolded = hard_cases::as_trained(folded);
+    const auto unfolded = support::as_trained(folded);
     const auto parameters = support::parameters_of(trained.net);
     const auto check = [&](const char* kind, const std::vector<float>& counts, const auto& fast) {
         const auto in = support::bounded_input(counts, trained.mean, 1);
         const std::vector<float> plain =
-            hard_cases::plain_outputs(unfolded, parameters, subject::shifted(counts, trained.mean));
+            support::plain_outputs(unfolded, parameters, subject::shifted(counts, trained.mean));
         const std::string title = name + ", " + kind;
         hard_cases::hold(
             "frames", title + ", batch", hard_cases::unit::absolute,
@@ -76,7 +75,7 @@ void check_frames(const std::string& name) {
             const std::vector<float> logits = trained.in_batch(counts);
             seen &= !std::all_of(logits.begin(), logits.end(), [](float x) { return std::isfinite(x); });
             plain = static_cast<double>(
-                hard_cases::plain_outputs(unfolded, parameters, subject::shifted(counts, trained.mean))[0]);
+                support::plain_outputs(unfolded, parameters, subject::shifted(counts, trained.mean))[0]);
         }
         const std::string title = name + ", " + broken.name;
         hard_cases::tell("frames", title + ", deployed", plain, told, "not_finite");

@@ -3,7 +3,6 @@
 // processor takes longer for them is measured, and told as a limit: it is the processor's.
 
 #include "../record.hpp"
-#include "plain_network.hpp"
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
@@ -88,7 +87,7 @@ void check_network(const std::string& name, float weights, float size, bool flus
         const auto run = [&] {
             CHECK(fast.infer(tensor_view<const float, net::input_shape>(frame.data()),
                              std::span<float, net::outputs>(out)) == frame_status::ok);
-            plain = hard_cases::plain_outputs(layers, support::parameters_of(n), frame);
+            plain = support::plain_outputs(layers, support::parameters_of(n), frame);
         };
         if (flushed) {
             const flush_to_zero now;

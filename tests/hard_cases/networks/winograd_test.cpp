@@ -3,7 +3,6 @@
 // tile's terms, or to the deviation of independent roundings where that is smaller.
 
 #include "../record.hpp"
-#include "plain_network.hpp"
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
@@ -49,7 +48,7 @@ double check_tiles(const std::string& name, hardness kind) {
         }
     });
     const auto layers = support::describe<Network>();
-    CHECK(layers[0].tiled.rows > 0);
+    CHECK(layers.tiles.at(0).rows > 0);
     std::vector<float> frame(Network::input_shape.size()), out(Network::outputs);
     for (float& value : frame)
         value = draw.next(-1, 1) + (kind == hardness::offset || kind == hardness::cancelling ? 1e4f : 0.0f);
@@ -59,7 +58,7 @@ double check_tiles(const std::string& name, hardness kind) {
                      std::span<float, Network::outputs>(out), *memory) == frame_status::ok);
     const auto expected =
         support::bounded_outputs(layers, support::parameters_of(net), support::bounded_input(frame, {}, 1));
-    const auto plain = hard_cases::plain_outputs(layers, support::parameters_of(net), frame);
+    const auto plain = support::plain_outputs(layers, support::parameters_of(net), frame);
     std::vector<outcome> all;
     double tiles = 0, direct = 0;
     for (std::size_t o = 0; o < out.size(); ++o) {
@@ -92,7 +91,7 @@ TEST_CASE("deployed: tiles of a convolution, of usual numbers and of hard ones")
 
 // There is no way back to direct sums: which convolutions are computed by tiles is chosen when compiling,
 // from sizes alone. What it costs is the quotient of the errors.
-TEST_CASE("deployed: tiles behind each other, beside direct sums") {
+TEST_CASE("deployed: consecutive layers by tiles, compared with direct sums") {
     const double first = check_tiles<one>("1 convolution", hardness::usual),
                  second = check_tiles<two>("2 convolutions", hardness::usual),
                  fourth = check_tiles<four>("4 convolutions", hardness::usual),

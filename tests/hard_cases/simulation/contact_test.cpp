@@ -263,7 +263,7 @@ void check_springs(const std::string& name, double lift, double force) {
 
 } // namespace
 
-TEST_CASE("winkler: forces of 1e-12 and 1e9 N, near and far from where heights are told from") {
+TEST_CASE("winkler: forces of 1e-12 and 1e9 N, near and far from the origin of heights") {
     check_springs("springs, a ball, 1e-12 N", 0, 1e-12);
     check_springs("springs, a ball, 1e9 N", 0, 1e9);
     check_springs("springs, a ball that hangs 0.25 m high, 1e-12 N", 0.25, 1e-12);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <support/error_of.hpp>
 #include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <support/files/touch.hpp>
@@ -24,12 +25,7 @@ using tactnet::list_image_folder;
 namespace {
 
 std::string error_of(const std::filesystem::path& root) {
-    try {
-        list_image_folder(root);
-    } catch (const file_error& error) {
-        return error.what();
-    }
-    return "no error";
+    return support::error_of<file_error>([&] { list_image_folder(root); });
 }
 
 } // namespace
@@ -53,7 +49,7 @@ TEST_CASE("image_folder: classes by their bytes, files in natural order, everyth
     CHECK_THROWS_AS(list_image_folder(folder.path(), only_text), file_error);
 }
 
-TEST_CASE("image_folder: a folder that is no set of images: each has its sentence") {
+TEST_CASE("image_folder: a folder that is no set of images: each error has its message") {
     const support::temporary_folder folder;
     const auto root = folder / "root";
     const std::string name = root.string();
@@ -143,4 +139,51 @@ TEST_CASE("image_folder: the real recordings" * doctest::test_suite("data")) {
         const std::string number = std::to_string(i % 50 + 1) + ".jpg";
         CHECK(listed.files[i].path.filename().string().ends_with(number));
     }
+}
+
+using tactnet::natural_less;
+
+TEST_CASE("natural_less: runs of digits count as numbers") {
+    // Each comes before all that follow it, and after none.
+    const std::vector<std::string> ordered{"",
+                                           "0",
+                                           "00",
+                                           "01",
+                                           "1",
+                                           "2",
+                                           "010",
+                                           "10",
+                                           "a",
+                                           "a0",
+                                           "a1",
+                                           "a1b",
+                                           "a2",
+                                           "a2a",
+                                           "a2b1",
+                                           "a2b10",
+                                           "a10",
+                                           "a10.jpg",
+                                           "b",
+                                           "key",
+                                           "key1.jpg",
+                                           "key02.jpg",
+                                           "key2.jpg",
+                                           "key10.jpg",
+                                           "key99999999999999999999998.jpg",
+                                           "key99999999999999999999999.jpg",
+                                           "key100000000000000000000000.jpg",
+                                           "key_1",
+                                           "\xC3\xA9"};
+    for (std::size_t i = 0; i < ordered.size(); ++i)
+        for (std::size_t j = 0; j < ordered.size(); ++j) {
+            CAPTURE(ordered[i]);
+            CAPTURE(ordered[j]);
+            CHECK(natural_less(ordered[i], ordered[j]) == (i < j));
+        }
+    // Leading zeros decide only between numbers that are otherwise the same.
+    CHECK(natural_less("a01b", "a1c"));
+    CHECK(natural_less("a01", "a1"));
+    CHECK_FALSE(natural_less("a1", "a01"));
+    CHECK(natural_less("a1b", "a01c"));
+    CHECK(natural_less("1", "02"));
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <support/error_of.hpp>
 #include <support/files/bit_flips.hpp>
 #include <vector>
 
@@ -15,12 +16,7 @@ using namespace tactnet;
 namespace {
 
 std::string error_of(std::string_view json) {
-    try {
-        static_cast<void>(check_json(json, "file", "line 3"));
-    } catch (const file_error& error) {
-        return error.what();
-    }
-    return "no error";
+    return support::error_of<file_error>([&] { static_cast<void>(check_json(json, "file", "line 3")); });
 }
 
 bool noticed(const std::vector<std::byte>& bytes) {

@@ -119,7 +119,7 @@ TEST_CASE("json_scanner: nesting is bounded, so that no text can exhaust the sta
     CHECK_THROWS_AS(skip(std::string(1'000'000, '[')), file_error);
 }
 
-TEST_CASE("json_scanner: an error says where in the file") {
+TEST_CASE("json_scanner: an error names its place in the file") {
     auto scanner = scan(R"({"a":1,"a":2})");
     try {
         scanner.object([&](const std::string&) { scanner.skip_value(); });

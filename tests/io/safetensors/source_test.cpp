@@ -113,7 +113,7 @@ TEST_CASE("safetensors_source: bytes go from file to file without being held, an
     CHECK_FALSE(std::filesystem::exists(folder / "none"));
 }
 
-TEST_CASE("safetensors_source: damage is noticed as in a file that is read whole") {
+TEST_CASE("safetensors_source: damage is detected as in a file that is read whole") {
     const support::temporary_folder folder;
     const auto path = folder.path() / "small.safetensors";
     safetensors_writer writer;

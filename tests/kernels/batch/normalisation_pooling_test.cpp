@@ -43,7 +43,7 @@ TEST_CASE_TEMPLATE(
             }
     }
 }
-TEST_CASE_TEMPLATE("normalised_pool_forward: a NaN is kept, whatever comes before and behind it", T, float,
+TEST_CASE_TEMPLATE("normalised_pool_forward: a NaN is kept, whatever comes before and after it", T, float,
                    double) {
     constexpr std::size_t width = lanes<T>;
     for (const std::size_t at : {0u, 1u, 6u, 7u}) {
@@ -64,8 +64,8 @@ TEST_CASE_TEMPLATE("normalised_pool_forward: a NaN is kept, whatever comes befor
         }
     }
 }
-TEST_CASE_TEMPLATE("normalised_pool_backward: the first of equal elements, none behind a ReLU that is shut",
-                   T, float, double) {
+TEST_CASE_TEMPLATE("normalised_pool_backward: the first of equal elements, none where ReLU is zero", T, float,
+                   double) {
     constexpr std::size_t width = lanes<T>;
     const aligned_vector<T> input(pixels * width, T{5}), chosen(windows * width, T{5}),
         output_gradient(windows * width, T{7});

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <support/guarded_map.hpp>
-#include <support/layers/deployment_bound.hpp>
+#include <support/layers/deployed_reference.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -17,9 +17,8 @@ namespace {
 
 /// A map [channel][pixel] of random numbers, and the same pixel by pixel with `stride` elements from one to
 /// the next; lanes beyond the channels hold `rest`.
-support::rounded_map random_map(shape size, std::size_t stride, float rest, float* pixels,
-                                std::uint64_t& state) {
-    support::rounded_map map(size.size());
+support::sample random_map(shape size, std::size_t stride, float rest, float* pixels, std::uint64_t& state) {
+    support::sample map(size.size());
     std::fill_n(pixels, size.area() * stride, rest);
     for (std::size_t c = 0; c < size.channels; ++c)
         for (std::size_t p = 0; p < size.area(); ++p) {
@@ -61,11 +60,11 @@ void compare_dense() {
     std::uint64_t state = D.outputs;
     support::guarded_map input(D.inputs(), NAN, 0), output(D.output_stride(), 12345, NAN),
         packed(direct_dense_method<D>::packed_elements, NAN, 0);
-    const support::rounded_map in = random_map(D.input, D.input_stride, 1e3f, input.data(), state);
+    const support::sample in = random_map(D.input, D.input_stride, 1e3f, input.data(), state);
     std::vector<double> weights(D.outputs * D.input.size());
     for (double& w : weights)
         w = static_cast<double>(support::draw(state));
-    std::vector<support::rounded> biases(D.outputs);
+    std::vector<support::bounded> biases(D.outputs);
     std::vector<float> bias(D.outputs);
     for (std::size_t o = 0; o < D.outputs; ++o)
         biases[o].value = static_cast<double>(bias[o] = support::draw(state));
@@ -78,7 +77,7 @@ void compare_dense() {
     CHECK(output.untouched());
     check_several<D, 2>(packed.data(), state);
     check_several<D, 3>(packed.data(), state);
-    const support::rounded_map expected = support::bounded_convolution(
+    const support::sample expected = support::bounded_convolution(
         {{D.input.channels, D.input.rows, D.input.columns}, D.input.rows, D.input.columns, 1, 1, 0, 0, 0, 0},
         D.outputs, weights, biases, in, nullptr, {});
     std::size_t wrong = 0;
@@ -97,14 +96,14 @@ void compare_pool() {
     constexpr std::size_t area = W.output_rows() * W.output_columns();
     support::guarded_map input(W.input.area() * Stride, NAN, 0), output(area * Stride, 12345, NAN);
     // All below zero: padding that counted as zero would be the largest.
-    support::rounded_map in = random_map(W.input, Stride, -5, input.data(), state);
+    support::sample in = random_map(W.input, Stride, -5, input.data(), state);
     for (std::size_t i = 0; i < W.input.area() * Stride; ++i)
         input.data()[i] -= 2;
-    for (support::rounded& x : in)
+    for (support::bounded& x : in)
         x.value = static_cast<double>(static_cast<float>(x.value) - 2);
     pool_frame<W, Stride>(input.data(), output.data());
     CHECK(output.untouched());
-    const support::rounded_map expected =
+    const support::sample expected =
         support::bounded_max_pool({{W.input.channels, W.input.rows, W.input.columns},
                                    W.kernel.rows,
                                    W.kernel.columns,

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <support/guarded_map.hpp>
-#include <support/layers/deployment_bound.hpp>
+#include <support/layers/deployed_reference.hpp>
 #include <support/layers/window_of.hpp>
 #include <type_traits>
 #include <utility>
@@ -81,32 +81,18 @@ void compare(std::uint64_t seed) {
     window.input.channels = 1;
     std::size_t wrong = 0;
     for (std::size_t f = 0; f < C.filters; ++f) {
-        support::rounded_map in(area), sum(output_area);
+        support::sample in(area), sum(output_area);
         for (std::size_t p = 0; p < area; ++p)
             in[p].value = static_cast<double>(input.data()[p * C.input_stride + f / filters]);
         for (std::size_t p = 0; C.adds && p < output_area; ++p)
             sum[p].value = static_cast<double>(added[p * C.filters + f]);
         const std::vector<double> own(weights.begin() + static_cast<std::ptrdiff_t>(f * taps),
                                       weights.begin() + static_cast<std::ptrdiff_t>((f + 1) * taps));
-        std::vector<support::rounded> bias(1);
+        std::vector<support::bounded> bias(1);
         bias[0].value = static_cast<double>(biases[f]);
-        support::rounded_map expected = support::bounded_convolution(support::window_of(window), 1, own, bias,
-                                                                     in, C.adds ? &sum : nullptr, {});
-        const auto beyond = [](std::size_t end, std::size_t size) { return end > size ? end - size : 0; };
-        if (C.pool != extent2d(1))
-            expected = support::bounded_max_pool(
-                {{1, window.output_rows(), window.output_columns()},
-                 C.pool.rows,
-                 C.pool.columns,
-                 C.pool.rows,
-                 C.pool.columns,
-                 0,
-                 beyond(C.output_rows() * C.pool.rows, window.output_rows()),
-                 0,
-                 beyond(C.output_columns() * C.pool.columns, window.output_columns())},
-                expected);
-        if (C.rectified)
-            expected = support::bounded_relu(std::move(expected));
+        const support::sample expected = support::pooled_and_rectified(
+            C, support::bounded_convolution(support::window_of(window), 1, own, bias, in,
+                                            C.adds ? &sum : nullptr, {}));
         REQUIRE(expected.size() == output_area);
         for (std::size_t p = 0; p < output_area; ++p) {
             const double error =

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <support/guarded_map.hpp>
-#include <support/layers/deployment_bound.hpp>
+#include <support/layers/deployed_reference.hpp>
 #include <support/layers/window_of.hpp>
 #include <type_traits>
 #include <vector>
@@ -32,11 +32,11 @@ void compare(std::uint64_t seed) {
     std::vector<double> weights(C.filters * channels * taps);
     for (double& w : weights)
         w = static_cast<double>(support::draw(state));
-    std::vector<support::rounded> biases(C.filters);
-    for (support::rounded& b : biases)
+    std::vector<support::bounded> biases(C.filters);
+    for (support::bounded& b : biases)
         b.value = static_cast<double>(support::draw(state));
-    support::rounded_map in(channels * area);
-    for (support::rounded& x : in)
+    support::sample in(channels * area);
+    for (support::bounded& x : in)
         x.value = static_cast<double>(support::draw(state));
 
     // Lanes beyond the channels hold numbers, as other steps may leave them; around the map is NaN.
@@ -46,7 +46,7 @@ void compare(std::uint64_t seed) {
             input.data()[p * C.input_stride + c] = static_cast<float>(in[c * area + p].value);
     constexpr std::size_t output_area = C.output_rows() * C.output_columns();
     support::guarded_map output(output_area * C.output_stride(), 12345, C.adds ? 0.0f : NAN);
-    support::rounded_map added(C.filters * output_area);
+    support::sample added(C.filters * output_area);
     for (std::size_t f = 0; f < C.filters && C.adds; ++f)
         for (std::size_t p = 0; p < output_area; ++p) {
             added[f * output_area + p].value = static_cast<double>(support::draw(state));
@@ -58,7 +58,7 @@ void compare(std::uint64_t seed) {
             weights[((f * channels + c) * C.window.kernel.rows + row) * C.window.kernel.columns + column]);
     };
     std::vector<float> bias;
-    for (const support::rounded& b : biases)
+    for (const support::bounded& b : biases)
         bias.push_back(static_cast<float>(b.value));
     using method = std::conditional_t<Tile == extent2d(0), direct_method<C>, winograd_method<C, Tile>>;
     static_assert(method::applicable && method::tile == Tile);
@@ -70,28 +70,9 @@ void compare(std::uint64_t seed) {
     CHECK(workspace.untouched());
     CHECK(output.untouched());
 
-    const sliding_window& w = C.window;
-    support::rounded_map expected =
-        support::bounded_convolution(support::window_of(w), C.filters, weights, biases, in,
-                                     C.adds ? &added : nullptr, {Tile.rows, Tile.columns});
-    if (C.pool != extent2d(1)) {
-        const auto behind = [](std::size_t reach, std::size_t size) {
-            return reach > size ? reach - size : 0;
-        };
-        expected =
-            support::bounded_max_pool({{C.filters, w.output_rows(), w.output_columns()},
-                                       C.pool.rows,
-                                       C.pool.columns,
-                                       C.pool.rows,
-                                       C.pool.columns,
-                                       0,
-                                       behind(C.output_rows() * C.pool.rows, w.output_rows()),
-                                       0,
-                                       behind(C.output_columns() * C.pool.columns, w.output_columns())},
-                                      expected);
-    }
-    if (C.rectified)
-        expected = support::bounded_relu(std::move(expected));
+    const support::sample expected = support::pooled_and_rectified(
+        C, support::bounded_convolution(support::window_of(C.window), C.filters, weights, biases, in,
+                                        C.adds ? &added : nullptr, {Tile.rows, Tile.columns}));
     REQUIRE(expected.size() == C.filters * output_area);
     std::size_t wrong = 0, unclean = 0;
     double worst = 0, furthest = 0;
@@ -102,7 +83,7 @@ void compare(std::uint64_t seed) {
                 unclean += !(found == 0); // where there is no filter
                 continue;
             }
-            const support::rounded& right = expected[f * output_area + p];
+            const support::bounded& right = expected[f * output_area + p];
             const double error = std::abs(found - right.value);
             wrong += !(error <= right.error && error <= 2 * right.deviation);
             worst = std::max(worst, right.error > 0 ? error / right.error : 0);

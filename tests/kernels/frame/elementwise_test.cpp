@@ -75,7 +75,7 @@ TEST_CASE("normalise_counts: bytes up to the largest, of which no limit is asked
     CHECK(frame.wrong() == 0);
 }
 
-TEST_CASE("normalise_counts: one that is no number or beyond the limit is told, wherever it is") {
+TEST_CASE("normalise_counts: NaN and counts beyond the limit are reported at every place") {
     constexpr float largest = std::numeric_limits<float>::max(),
                     infinity = std::numeric_limits<float>::infinity();
     for_each_size(some_sizes{}, [](auto size) {

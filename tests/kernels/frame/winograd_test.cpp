@@ -93,7 +93,7 @@ TEST_SUITE("kernels") {
               0); // bands that end within a frame
     }
 
-    TEST_CASE("winograd_method: frames pass together only where what is transformed stays near") {
+    TEST_CASE("winograd_method: layer-wise batching only where the transformed map stays in cache") {
         constexpr frame_convolution few = pooled(step({4, 7, 16}, 2, 32, 16)),
                                     many = step({10, 18, 64}, 3, 64, 64);
         CHECK(winograd_method<few, extent2d(2)>::frames_together == 4);

@@ -179,6 +179,12 @@ std::size_t differing(numbers_are kind = numbers_are::drawn, std::size_t* satura
     return wrong + guard_touched(workspace, Method::workspace_elements, 0x5a);
 }
 
+/// Of several convolutions by taps.
+template <class Input, frame_convolution... C>
+std::size_t direct_differing(numbers_are kind = numbers_are::drawn) {
+    return (differing<kernels::direct_integer_method<C, Input>, C, Input>(kind) + ...);
+}
+
 /// A convolution by its window; pixels lie side by side, or with lanes between them.
 constexpr frame_convolution of(shape input, std::size_t filters, extent2d kernel, extent2d stride = 1,
                                padding around = padding::same, std::size_t input_stride = 0) {

@@ -59,7 +59,7 @@ TEST_CASE("even_stencil: it is the sum written out") {
     compare<shape{9, 8}>({2, 7});
 }
 
-TEST_CASE("even_stencil: what is no pressure counts as none, and what is too much as the most there is") {
+TEST_CASE("even_stencil: NaN and negative pressures count as zero, too large ones as the maximum") {
     constexpr float most = std::numeric_limits<float>::max();
     constexpr shape size{4, 20};
     even_stencil<size> stencil(1, [](std::size_t i, std::size_t j) { return i + j == 0 ? 0.5f : 0.0625f; });

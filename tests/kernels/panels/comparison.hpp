@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <support/guarded_map.hpp>
-#include <support/layers/deployment_bound.hpp>
+#include <support/layers/deployed_reference.hpp>
 #include <support/layers/window_of.hpp>
 #include <utility>
 #include <vector>
@@ -26,8 +26,8 @@ struct large_numbers {
     tactnet::kernels::frame_convolution c;
     std::size_t frames;
     std::vector<double> weights;
-    std::vector<rounded> biases;
-    std::vector<rounded_map> inputs, added; ///< of each frame
+    std::vector<bounded> biases;
+    std::vector<sample> inputs, added; ///< of each frame
     std::size_t input_distance, output_distance;
     guarded_map laid_inputs;
 
@@ -37,7 +37,7 @@ struct large_numbers {
           frames(count),
           weights(c.filters * c.taps()),
           biases(c.filters),
-          inputs(count, rounded_map(c.window.input.size())),
+          inputs(count, sample(c.window.input.size())),
           added(count),
           input_distance(tactnet::whole_lines(c.window.input.area() * c.input_stride)),
           output_distance(tactnet::whole_lines(c.output_rows() * c.output_columns() * c.output_stride())),
@@ -46,7 +46,7 @@ struct large_numbers {
         std::uint64_t state = seed;
         const auto next = [&] { return static_cast<double>(draw(state)); };
         std::generate(weights.begin(), weights.end(), next);
-        for (rounded& b : biases)
+        for (bounded& b : biases)
             b.value = next();
         const std::size_t area = c.window.input.area();
         for (std::size_t frame = 0; frame < frames; ++frame) {
@@ -59,7 +59,7 @@ struct large_numbers {
                 }
             if (c.adds) {
                 added[frame].resize(c.filters * c.output_rows() * c.output_columns());
-                for (rounded& a : added[frame])
+                for (bounded& a : added[frame])
                     a.value = next();
             }
         }
@@ -104,27 +104,10 @@ struct large_numbers {
     /// Outputs of a frame that are further from the exact ones than the bound, or not clean where there is no
     /// filter.
     [[nodiscard]] std::size_t wrong_outputs(std::size_t frame, const float* found) const {
-        const tactnet::sliding_window& w = c.window;
         const std::size_t tiles = tactnet::kernels::large_convolution(c).tiles.outputs;
-        rounded_map expected = bounded_convolution(window_of(w), c.filters, weights, biases, inputs[frame],
-                                                   c.adds ? &added[frame] : nullptr, {tiles, tiles});
-        if (c.pool != tactnet::extent2d(1)) {
-            const auto behind = [](std::size_t reach, std::size_t size) {
-                return reach > size ? reach - size : 0;
-            };
-            expected = bounded_max_pool({{c.filters, w.output_rows(), w.output_columns()},
-                                         c.pool.rows,
-                                         c.pool.columns,
-                                         c.pool.rows,
-                                         c.pool.columns,
-                                         0,
-                                         behind(c.output_rows() * c.pool.rows, w.output_rows()),
-                                         0,
-                                         behind(c.output_columns() * c.pool.columns, w.output_columns())},
-                                        expected);
-        }
-        if (c.rectified)
-            expected = bounded_relu(std::move(expected));
+        const sample expected = pooled_and_rectified(
+            c, bounded_convolution(window_of(c.window), c.filters, weights, biases, inputs[frame],
+                                   c.adds ? &added[frame] : nullptr, {tiles, tiles}));
         const std::size_t area = c.output_rows() * c.output_columns();
         std::size_t wrong = expected.size() != area * c.filters;
         for (std::size_t p = 0; p < area; ++p)
@@ -135,7 +118,7 @@ struct large_numbers {
                     wrong += !(value == 0);
                     continue;
                 }
-                const rounded& right = expected[f * area + p];
+                const bounded& right = expected[f * area + p];
                 const double error = std::abs(value - right.value);
                 wrong += !(error <= right.error && error <= 2 * right.deviation);
             }

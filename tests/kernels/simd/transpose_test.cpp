@@ -22,7 +22,7 @@ TEST_CASE_TEMPLATE("transpose: rows become columns, at any distance from each ot
     }
 }
 
-TEST_CASE_TEMPLATE("transpose: features and samples change places, zeros behind the last feature", T, float,
+TEST_CASE_TEMPLATE("transpose: features and samples change places, zeros after the last feature", T, float,
                    double) {
     constexpr std::size_t width = lanes<T>;
     const aligned_vector<T> from = support::whole_numbers<T>(width * width, 7919);

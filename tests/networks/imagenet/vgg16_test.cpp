@@ -12,7 +12,7 @@ static_assert(vgg16<shape{224, 224, 3}>::multiply_adds == 15470264320);
 static_assert(vgg16_fc6<shape{224, 224, 3}>::parameters == 138357544 - 4097 * 4096 - 4097 * 1000);
 static_assert(vgg16_fc6<shape{224, 224, 3}>::outputs == 4096);
 
-TEST_CASE("vgg16: its features end before the second dense layer and the ReLU in front of it") {
+TEST_CASE("vgg16: its features end before the second dense layer and the ReLU before it") {
     CHECK(support::begins_as<vgg16_fc6<shape{224, 224, 3}>, vgg16<shape{224, 224, 3}>>(
         {"classifier.3.weight", "classifier.3.bias", "classifier.6.weight", "classifier.6.bias"}));
 }

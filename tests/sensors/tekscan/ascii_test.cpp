@@ -378,7 +378,7 @@ TEST_CASE("tekscan_ascii: sums of cells with decimals, which are rounded") {
     CHECK(status("13", "") == decode_status::damaged);
 }
 
-TEST_CASE("tekscan_ascii: a decimal comma is never taken for anything else") {
+TEST_CASE("tekscan_ascii: a decimal comma is never read as anything else") {
     const std::string start = "ROWS 1\nCOLS 2\nASCII_DATA @@\n";
     for (const std::string row : {"1,5\t2,5", "1,5 2,5", "1,5;2,5", "0\t1,5", "0;1,5", "1,5\t2"}) {
         CAPTURE(row);
@@ -494,7 +494,7 @@ TEST_CASE("tekscan_ascii: memory does not grow with the stream, nor with what a 
     }
 }
 
-TEST_CASE("tekscan_ascii: the real recording: every frame has the sum that it says" *
+TEST_CASE("tekscan_ascii: in the real recording every frame has the sum that it declares" *
           doctest::test_suite("data")) {
     const auto path = support::find_data("tekscan/iscan_test.csv");
     if (!path)

@@ -53,7 +53,7 @@ TEST_CASE("bonded_layer: however thin and incompressible, pressing never raises 
         }
 }
 
-TEST_CASE("bonded_layer: a row of waves sinks as the compliance of its length says") {
+TEST_CASE("bonded_layer: a periodic load sinks by the compliance of its wavelength") {
     // Pressure cos(k x) even over each cell: Σ over the waves k + 2πn that have the same values in the middle
     // of the cells, each with its share sinc and its own compliance.
     for (const double poisson : {0.0, 0.3, 0.5})

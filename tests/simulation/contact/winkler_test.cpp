@@ -123,7 +123,7 @@ TEST_CASE("winkler: nothing to press, or nothing that presses") {
     check_nothing(ball, pressing::to_depth(std::numeric_limits<double>::infinity()), false);
 }
 
-TEST_CASE("winkler: what is no modulus is that of a rigid object") {
+TEST_CASE("winkler: an impossible modulus makes a rigid object") {
     const map ball = heights_of<size>(cell, support::sphere(0.02));
     const double depth = press(foam, cell, ball, pressing::to_force(5)).report.depth;
     for (const double object : {0.0, -1e5, 1e-30, std::numeric_limits<double>::quiet_NaN()})

@@ -58,7 +58,7 @@ TEST_CASE("drawing: poses stay within their range, and their tilt has its deviat
     CHECK(std::sqrt(across / draws) == doctest::Approx(3e-3).epsilon(tolerance).scale(0));
 }
 
-TEST_CASE("drawing: the point of an object that is named lies where the object would") {
+TEST_CASE("drawing: a named point of an object lies where the object would") {
     const pose_range range{{1e-3, 2e-3}, {5e-3, 5e-3}};
     for (std::uint32_t i = 0; i < 20; ++i) {
         const random_stream where(1, random_purposes::touch, i, 1);
@@ -78,7 +78,7 @@ TEST_CASE("drawing: an object that deforms is pressed like any other") {
     CHECK(press.object_thickness == 8 * mm);
 }
 
-TEST_CASE("drawing: counts reach both of their ends, and chance is as likely as it says") {
+TEST_CASE("drawing: counts reach both of their ends, and chance has its probability") {
     drawing draw(shapes, poses, forces);
     std::array<std::size_t, 6> seen{};
     std::size_t yes = 0, left = 0;

@@ -1,3 +1,5 @@
+#include "witness.hpp"
+
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
@@ -5,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -27,7 +30,7 @@ tactnet::tensor<float, size> laid(const object& body, const pose& at) {
     return heights;
 }
 
-TEST_CASE("object: it lies where its pose says: x along the columns, y along the rows, turned from x to y") {
+TEST_CASE("object: its pose is x along the columns, y along the rows, turned from x to y") {
     const object ball{{rod::sphere({5e-3, 0}, 1.6e-3)}, {}};
     CHECK(laid(ball, {})(10, 20) == 0);
     CHECK(laid(ball, {.position = {2e-3, -3e-3}})(7, 22) == 0);
@@ -85,6 +88,28 @@ TEST_CASE("object: roughness stays within its amplitude, is continuous, and vari
         for (const point place : {point{1e-3, 0}, point{0, 1e-3}})
             CHECK(roughness{2e-4, no_wave, 7}.height(place) == 0);
     CHECK(roughness{2e-4, 3e-3, 8}.height({1e-3, 1e-3}) != bumps.height({1e-3, 1e-3}));
+}
+
+} // namespace
+
+namespace {
+
+using namespace support;
+
+TEST_CASE("simulate: a frame is that of the heights, the pressing and the moment") {
+    const touch ball{{{rod::sphere({}, 0.02)}, {}}, {.position = {4e-3, -2e-3}}, pressing::to_depth(5e-4)};
+    watched scene({}, {.number = 77});
+    watched::frames result, expected;
+    const moment now{.seed = 0xFEDC'BA98'7654'3210, .frame = 0xFFFF'FFFF};
+    simulate(scene, ball, now, result);
+    CHECK(said(result, 0) == 77);
+    CHECK(said(result, 1) == now.seed);
+    CHECK(said(result, 2) == now.frame);
+    tactnet::tensor<float, watched::surface> heights;
+    compute_heights<watched::surface>(ball.shape, ball.at, scene.cell(), heights.view());
+    scene.touch(heights.view(), ball.press, now, expected);
+    CHECK(std::ranges::equal(result.clean, expected.clean));
+    CHECK(result.contact.depth == doctest::Approx(5e-4).epsilon(1e-9).scale(0));
 }
 
 } // namespace

@@ -82,7 +82,7 @@ TEST_CASE("part: a round bar without a radius, or with one that is no number, is
     CHECK(rod{{0, 0}, {none, 0}, 0.004, 0.004}.height({0, 0}) == nothing);
 }
 
-TEST_CASE("part: a plate is flat inside its rim, and hollow where it says so") {
+TEST_CASE("part: a plate is flat inside its rim, and hollow if asked") {
     const plate box{.centre = {}, .half_length = 0.02, .half_width = 0.01, .corner = 0.002, .rim = 0.003};
     CHECK(box.height({0, 0}) == 0);
     CHECK(box.height({0.0165, 0}) == 0);

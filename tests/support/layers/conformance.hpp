@@ -11,8 +11,6 @@
 //    for something broken
 //  - in place where the layer says so; its output is not read where it does not say so
 //  - no heap in the second inference of a size
-//
-// Programs that use it link conformance.cpp, reference.cpp and allocations.cpp.
 
 #include <doctest/doctest.h>
 

@@ -2,11 +2,16 @@
 
 // What every layer computes, by plain loops in double over [channel][row][column] vectors: knows nothing of
 // the library's kernels, of lanes or of threads. Each number comes with the bound of the error that a
-// computation in a given precision may make, carried along through lists of layers (running error analysis).
+// computation in a given precision may make, carried along through lists of layers (running error analysis;
+// Higham, "Accuracy and stability of numerical algorithms", 2nd edition, chapter 3). The same layers give
+// what a batch computes, as it is trained, and what a deployed network makes of one frame, where batch norms
+// are folded into convolutions and the sum of a residual block is taken in its last one
+// (deployed_reference.hpp).
 
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <support/tolerance.hpp>
 #include <vector>
 
@@ -23,6 +28,11 @@ struct extents3 {
 using sample = std::vector<bounded>;
 using samples = std::vector<sample>;
 
+/// Outputs of one of Winograd's tiles; none where a convolution is computed by taps.
+struct tile_size {
+    std::size_t rows = 0, columns = 0;
+};
+
 /// What the reference must know of a call.
 struct reference_call {
     std::span<const double> values;  ///< learnable parameters
@@ -30,6 +40,10 @@ struct reference_call {
     bool training = false;           ///< moments of the batch instead of the running ones
     double epsilon = 1e-5;
     double roundoff = 0; ///< of the precision that the bounds are for
+    /// As a deployed network computes frames, in single precision.
+    bool deployed = false;
+    bool folded = true; ///< deployed: batch norms in convolutions, sums in the last of a block
+    std::span<const tile_size> tiles{}; ///< deployed: how each convolution is computed; none by taps
 };
 
 /// Gradients, and bounds of their errors, for exact inputs and gradients of the output.
@@ -45,6 +59,7 @@ public:
     extents3 input, output;
     std::size_t parameters = 0, statistics = 0;
     std::size_t multiply_adds = 0, multiply_adds_on_pixels = 0;
+    std::size_t convolutions = 0; ///< that a deployed network may compute by tiles
 
     [[nodiscard]] virtual samples forward(const reference_call& call, const samples& in) const = 0;
     /// Single layers only: lists are compared with the chain of their layers instead.
@@ -53,16 +68,16 @@ public:
                                                        const samples&) const {
         return {};
     }
+    /// One sample as one writes it first: in single precision, sums from the first term to the last, nothing
+    /// folded. A hard case has only layers that define it.
+    [[nodiscard]] virtual std::vector<float> plain(const reference_call&, std::vector<float>) const {
+        throw std::logic_error("reference: this layer has no plain form");
+    }
 };
 
 using reference_pointer = std::unique_ptr<reference_layer>;
 
 /// A window that slides over an image with `top` … `right` pixels around it.
-/// Outputs of one of Winograd's tiles; none where a convolution is computed by taps.
-struct tile_size {
-    std::size_t rows = 0, columns = 0;
-};
-
 struct reference_window {
     extents3 input;
     std::size_t kernel_rows, kernel_columns, stride_rows, stride_columns;

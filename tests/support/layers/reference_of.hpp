@@ -139,7 +139,8 @@ private:
 template <class Main, class Skip>
 struct reference_of<tactnet::residual<Main, Skip>> {
     static reference_pointer on(extents3 in) {
-        return reference_residual(reference_of<Main>::on(in), reference_of<Skip>::on(in));
+        return reference_residual(reference_of<tactnet::as_sequence<Main>>::on(in),
+                                  reference_of<tactnet::as_sequence<Skip>>::on(in));
     }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Magnitudes of the terms that go through Winograd's tiles, for bounds of the errors of what is computed by
-// them (deployment_bound.hpp says how). In double precision and by plain loops.
+// them (deployed_reference.hpp says how). In double precision and by plain loops.
 
 #include <algorithm>
 #include <array>
@@ -137,7 +137,7 @@ private:
 
 /// By how much the deviation of a tile's errors exceeds that of the same sums by taps, where numbers are
 /// independent and alike: of the output that fares worst, the squares of all factors on its way beside those
-/// of the taps, and the roundings that a term passes (deployment_bound.hpp).
+/// of the taps, and the roundings that a term passes (deployed_reference.hpp).
 [[nodiscard]] inline double tile_deviation(std::size_t channels, std::size_t kernel, tile_size outputs) {
     const auto gain = [&](std::size_t count) {
         const tile_line line(count, kernel);

@@ -2,7 +2,8 @@
 
 #include <tactnet/tensor/shape.hpp>
 
-#include <support/layers/reference.hpp>
+#include <support/layers/deployed_reference.hpp>
+#include <utility>
 
 namespace support {
 
@@ -17,6 +18,31 @@ inline reference_window window_of(const tactnet::sliding_window& w) {
             w.bottom,
             w.left,
             w.right};
+}
+/// A pool of windows side by side that gives rows × columns; the last ones may reach beyond the map.
+inline reference_window pool_window(extents3 map, tactnet::extent2d pool, std::size_t rows,
+                                    std::size_t columns) {
+    const auto beyond = [](std::size_t end, std::size_t size) { return end > size ? end - size : 0; };
+    return {map,
+            pool.rows,
+            pool.columns,
+            pool.rows,
+            pool.columns,
+            0,
+            beyond(rows * pool.rows, map.rows),
+            0,
+            beyond(columns * pool.columns, map.columns)};
+}
+/// What a convolution of a deployed network makes of its sums: the largest of each window of its pool, and
+/// ReLU.
+template <class Convolution>
+sample pooled_and_rectified(const Convolution& c, sample sums) {
+    const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
+    if (c.pool != tactnet::extent2d(1))
+        sums = bounded_max_pool(pool_window({sums.size() / (rows * columns), rows, columns}, c.pool,
+                                            c.output_rows(), c.output_columns()),
+                                sums);
+    return c.rectified ? bounded_relu(std::move(sums)) : sums;
 }
 
 } // namespace support

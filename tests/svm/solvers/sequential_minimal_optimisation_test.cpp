@@ -153,7 +153,7 @@ TEST_CASE("sequential_minimal_optimisation: shrinking, a small cache and rows fo
     CHECK(solve(s, problem, 0.3, {}, true).coefficients == solve(s, problem, 0.3, {}, false).coefficients);
 }
 
-TEST_CASE("sequential_minimal_optimisation: two points are told apart half way") {
+TEST_CASE("sequential_minimal_optimisation: two points are separated half way") {
     const support::samples s{1, {-1, 3}, {0, 1}};
     const binary_solution solution = solve(s, two_sides(s, 100), 0.05, {});
     const double k = std::exp(-0.05 * 16);

@@ -18,7 +18,7 @@ using namespace tactnet;
 using namespace tactnet::kernels;
 
 // Against plain loops in double precision, each output within the bound of its error that
-// support/layers/deployment_bound.hpp derives.
+// support/layers/deployed_reference.hpp derives.
 
 namespace {
 

@@ -29,7 +29,7 @@ TEST_CASE("crosstalk: one tactel shows on its four neighbours along the lines, a
         }
     }
 }
-TEST_CASE("crosstalk: none is none; never NaN") {
+TEST_CASE("crosstalk: zero strength changes no bit, and finite readings never give NaN") {
     constexpr shape size{5, 7};
     const double nan = std::numeric_limits<double>::quiet_NaN();
     support::check_changes_no_bit<size>(crosstalk{0, 0});

@@ -31,7 +31,7 @@ TEST_CASE("dead_tactels: the ones that are given, and no others") {
             CHECK(result(row, column) == (dead ? 0 : 1));
         }
 }
-TEST_CASE("dead_tactels: as many by chance as asked for, the same ones on the same sensor") {
+TEST_CASE("dead_tactels: as many as the probability, the same ones on the same sensor") {
     constexpr std::uint64_t sensors = 200;
     double tactels = 0, rows = 0, columns = 0;
     for (std::uint64_t sensor = 0; sensor < sensors; ++sensor) {
@@ -69,7 +69,8 @@ TEST_CASE("dead_tactels: what is dead stays dead at a greater probability") {
     for (const float value : read({.single = 1}))
         CHECK(value == 0);
 }
-TEST_CASE("dead_tactels: none is none; never NaN; none outside of the array") {
+TEST_CASE(
+    "dead_tactels: zero probability changes no bit, no NaN, tactels outside of the array are rejected") {
     support::check_changes_no_bit<size>(dead_tactels{.single = 0});
     support::check_changes_no_bit<size>(
         dead_tactels{.single = -1, .row = std::numeric_limits<double>::quiet_NaN()});

@@ -18,7 +18,7 @@ constexpr shape size{28, 50};
 
 } // namespace
 
-TEST_CASE("noise: mean and deviation as asked for") {
+TEST_CASE("noise: has the mean and deviation of its parameters") {
     const auto check = [](const noise& effect, double pressure, double deviation) {
         constexpr std::uint32_t frames = 50;
         double sum = 0, squares = 0;
@@ -62,7 +62,7 @@ TEST_CASE("noise: the same bits with every instruction set") {
         hash = (hash ^ std::bit_cast<std::uint32_t>(reading)) * 0x100000001b3;
     CHECK(hash == 907740452739619058u);
 }
-TEST_CASE("noise: none is none; a deviation that is no deviation is none; never NaN") {
+TEST_CASE("noise: zero and impossible deviations change no bit, and finite readings never give NaN") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     support::check_changes_no_bit<size>(noise{.additive = 0, .relative = 0});
     support::check_changes_no_bit<size>(noise{.additive = -1, .relative = nan});

@@ -117,7 +117,7 @@ TEST_CASE("resistive_network: three corners of a rectangle show a ghost at the f
         ghost = static_cast<double>(read(2, 3));
     }
 }
-TEST_CASE("resistive_network: grounded lines are none; never NaN; pressures below zero conduct nothing") {
+TEST_CASE("resistive_network: grounded lines change nothing, no NaN, pressures below zero conduct nothing") {
     constexpr shape size{9, 11};
     support::check_changes_no_bit<size>(resistive_network{.grounding = infinity});
     support::check_changes_no_bit<size>(resistive_network{.sensitivity = 0});

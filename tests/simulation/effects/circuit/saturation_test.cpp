@@ -21,7 +21,8 @@ TEST_CASE("saturation: nothing above the limit, and nothing else changed") {
     }
     CHECK(above > 100);
 }
-TEST_CASE("saturation: none is none; never NaN, and NaN is not hidden") {
+TEST_CASE(
+    "saturation: an infinite limit changes no bit, finite readings never give NaN, and NaN is not hidden") {
     constexpr shape size{5, 7};
     support::check_changes_no_bit<size>(saturation{.limit = std::numeric_limits<double>::infinity()});
     support::check_no_nan<size>(saturation{});

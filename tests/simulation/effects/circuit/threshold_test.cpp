@@ -22,7 +22,7 @@ TEST_CASE("threshold: what is below it is zero, what is not stays") {
     for (std::size_t i = 0; i < size.size(); ++i)
         CHECK(result.data()[i] == expected[i]);
 }
-TEST_CASE("threshold: none is none; never NaN") {
+TEST_CASE("threshold: zero and impossible thresholds change no bit, and finite readings never give NaN") {
     constexpr shape size{5, 7};
     support::check_changes_no_bit<size>(threshold{0});
     support::check_changes_no_bit<size>(threshold{-1});

@@ -27,7 +27,7 @@ TEST_CASE("creep: the same share with every decade of time") {
         CHECK(reading(effect, 999 * time) == doctest::Approx(1150).epsilon(1e-6));
     }
 }
-TEST_CASE("creep: none is none; never NaN, never below zero") {
+TEST_CASE("creep: zero strength changes no bit, and finite readings never give NaN or fall below zero") {
     constexpr shape size{5, 7};
     support::check_changes_no_bit<size>(creep{.rate = 0});
     support::check_changes_no_bit<size>(creep{.time = 0});

@@ -20,7 +20,7 @@ double rate_of(std::uint64_t sensor, double deviation) {
 
 } // namespace
 
-TEST_CASE("drift: rates of sensors are normal with the deviation asked for") {
+TEST_CASE("drift: rates of sensors are normal with the given deviation") {
     constexpr int n = 20000;
     double sum = 0, squares = 0;
     for (std::uint64_t sensor = 0; sensor < n; ++sensor) {
@@ -41,7 +41,7 @@ TEST_CASE("drift: even with time, from the touch on") {
     }
     REQUIRE(rate_of(4, 1) != 0);
 }
-TEST_CASE("drift: none is none; never NaN") {
+TEST_CASE("drift: zero and impossible strength changes no bit, and finite readings never give NaN") {
     constexpr shape size{5, 7};
     support::check_changes_no_bit<size>(drift{0});
     support::check_changes_no_bit<size>(drift{-1});

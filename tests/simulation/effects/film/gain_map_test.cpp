@@ -24,7 +24,7 @@ support::frame<size> gains_of(std::uint64_t sensor, double deviation = 0.3) {
 
 } // namespace
 
-TEST_CASE("gain_map: mean one, the deviation asked for, skewed as the paper's sensor") {
+TEST_CASE("gain_map: mean one, the given deviation, skewed as the paper's sensor") {
     constexpr std::uint64_t sensors = 100;
     constexpr double n = size.size() * sensors;
     std::vector<double> gains;
@@ -50,7 +50,7 @@ TEST_CASE("gain_map: mean one, the deviation asked for, skewed as the paper's se
     for (const auto& [share, gain] : measured)
         CHECK(std::abs(gains[static_cast<std::size_t>(share * n)] - 1 - gain) < 0.1);
 }
-TEST_CASE("gain_map: multiplies every tactel by its gain, and nothing behind the last") {
+TEST_CASE("gain_map: multiplies every tactel by its gain, and nothing past the last") {
     const gain_map::bound<size> bound({}, {.unit = {1}});
     std::vector<float> values(size.size() + 1, 2.0F);
     bound.apply(tensor_view<float, size>(std::span<float, size.size()>(values.data(), size.size())), {});
@@ -70,7 +70,7 @@ TEST_CASE("gain_map: stays with the sensor, frame after frame") {
             CHECK(values.data()[i] == 2 * gains_of(1).data()[i]);
     }
 }
-TEST_CASE("gain_map: none is none; never NaN") {
+TEST_CASE("gain_map: zero and impossible deviations change no bit, and finite readings never give NaN") {
     support::check_changes_no_bit<size>(gain_map{0});
     support::check_changes_no_bit<size>(gain_map{-1});
     support::check_changes_no_bit<size>(gain_map{std::numeric_limits<double>::quiet_NaN()});

@@ -77,7 +77,7 @@ TEST_CASE("hysteresis: rest is as new, and every tactel remembers for itself") {
     CHECK(values.data()[0] > 10e3f);
     CHECK(values.data()[1] < 10e3f);
 }
-TEST_CASE("hysteresis: none is none; never NaN, and one that came is forgotten") {
+TEST_CASE("hysteresis: zero weights change no bit, finite readings never give NaN, and a NaN is forgotten") {
     constexpr shape size{5, 7};
     const double nan = std::numeric_limits<double>::quiet_NaN();
     support::check_changes_no_bit<size>(hysteresis{{{{1e3, 0}, {2e3, -1}, {3e3, nan}, {4e3, 0}}}});

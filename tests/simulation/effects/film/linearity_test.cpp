@@ -36,7 +36,7 @@ TEST_CASE("linearity: right at both ends, and at most so far from the straight l
     CHECK(support::after<shape{1, 1}>(linearity{0.1, full}, support::filled<shape{1, 1}>(5e3f)).data()[0] ==
           doctest::Approx(5e3).epsilon(1e-6));
 }
-TEST_CASE("linearity: every tactel, the first too, and none beyond full scale") {
+TEST_CASE("linearity: every tactel follows the curve, and none beyond full scale") {
     constexpr shape one{1, 1};
     const auto bent = [&](double error, float pressure) {
         return static_cast<double>(
@@ -50,7 +50,7 @@ TEST_CASE("linearity: every tactel, the first too, and none beyond full scale") 
     CHECK(bent(-0.95, 500) == bent(-0.9, 500));
     CHECK(bent(0.9, 500) != bent(0.89, 500));
 }
-TEST_CASE("linearity: none is none; never NaN") {
+TEST_CASE("linearity: zero error changes no bit, and finite readings never give NaN") {
     constexpr shape size{5, 7};
     const double nan = std::numeric_limits<double>::quiet_NaN();
     support::check_changes_no_bit<size>(linearity{0, 34e3});

@@ -24,7 +24,7 @@ TEST_CASE("temperature: the same share with every kelvin") {
     CHECK(reading(-5) == doctest::Approx(900).epsilon(1e-6));
     CHECK(reading(-400) == 0);
 }
-TEST_CASE("temperature: none is none; never NaN") {
+TEST_CASE("temperature: zero sensitivity changes no bit, and finite readings never give NaN") {
     constexpr shape size{5, 7};
     support::check_changes_no_bit<size>(temperature{.sensitivity = 0});
     support::check_changes_no_bit<size>(temperature{.calibrated = 60}); // the trial's own temperature

@@ -1,4 +1,4 @@
-#include "deployed_network.hpp"
+#include "../deployed_network.hpp"
 
 #include <doctest/doctest.h>
 

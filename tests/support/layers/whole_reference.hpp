@@ -1,8 +1,9 @@
 #pragma once
 
 // What a network in 8 bits must give, from its folded numbers by the rules that are written in the headers of
-// deployment/eight_bit: plain loops in whole numbers of 64 bits. Of the library it takes the types of the
-// steps, for what they say of sizes, and none of its kernels nor of its packing.
+// deployment/eight_bit: the reference in whole numbers of 64 bits, with the windows of the one in double
+// (reference.hpp). Of the library it uses the types of the steps, for their sizes, and none of its kernels
+// nor of its packing.
 
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
@@ -11,8 +12,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <stdexcept>
+#include <support/layers/window_of.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -33,6 +36,15 @@ struct whole_map {
           floats(whole.size()) {}
     [[nodiscard]] std::size_t at(std::size_t y, std::size_t x, std::size_t c) const {
         return (y * columns + x) * channels + c;
+    }
+    /// With `value` in the padding of a window.
+    [[nodiscard]] whole_map padded(const reference_window& w, std::int64_t value) const {
+        whole_map all(tactnet::shape{rows + w.top + w.bottom, columns + w.left + w.right, channels});
+        std::fill(all.whole.begin(), all.whole.end(), value);
+        for (std::size_t y = 0; y < rows; ++y)
+            std::copy_n(whole.data() + at(y, 0, 0), columns * channels,
+                        all.whole.data() + all.at(y + w.top, w.left, 0));
+        return all;
     }
 };
 
@@ -111,61 +123,53 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
     const reference_range added = C.adds ? reference_range::next(at) : reference_range{};
     const reference_range output = WritesBytes ? reference_range::next(at) : reference_range{};
 
+    // Padding holds the zero of the map.
+    reference_window window = window_of(w);
+    const whole_map all = in.padded(window, input.zero);
+    window.input = {in_group, all.rows, all.columns};
+    window.top = window.bottom = window.left = window.right = 0;
     const std::size_t pooled_rows = C.pooled_rows > 0 ? C.pooled_rows : w.output_rows(),
-                      pooled_columns = C.pooled_columns > 0 ? C.pooled_columns : w.output_columns();
+                      pooled_columns = C.pooled_columns > 0 ? C.pooled_columns : w.output_columns(),
+                      taps = w.kernel.rows * w.kernel.columns, area = w.output_rows() * w.output_columns();
+    const reference_window pool =
+        pool_window({1, w.output_rows(), w.output_columns()}, C.pool, pooled_rows, pooled_columns);
     whole_map result(tactnet::shape{pooled_rows, pooled_columns, C.filters});
     for (std::size_t f = 0; f < C.filters; ++f) {
         const reference_filter filter(folded + f * of_one, of_one, static_cast<double>(biases[f]),
                                       static_cast<double>(steps[f]), input, C.adds ? &added : nullptr,
                                       ReadsWords ? 32768 : 255);
         const std::size_t first = f / (C.filters / C.groups) * in_group;
-        const auto factor = static_cast<float>(WritesBytes ? filter.unit / output.scale : filter.unit);
-        const auto sum_at = [&](std::size_t y, std::size_t x) {
-            std::int64_t sum = filter.bias, of_pair = 0;
-            const std::int64_t* weight = filter.weights.data();
-            for (std::size_t c = 0; c < in_group; ++c)
-                for (std::size_t r = 0; r < w.kernel.rows; ++r)
-                    for (std::size_t k = 0; k < w.kernel.columns; ++k, ++weight) {
-                        const std::size_t row = y * w.stride.rows + r, column = x * w.stride.columns + k;
-                        const bool padded = row < w.top || row - w.top >= in.rows || column < w.left ||
-                                            column - w.left >= in.columns;
-                        // Padding holds the zero of the map.
-                        const std::int64_t value =
-                            padded ? input.zero : in.whole[in.at(row - w.top, column - w.left, first + c)];
-                        sum += *weight * (value - input.zero);
-                        if constexpr (Products::of_pairs_saturate && !ReadsWords) {
-                            // What a pair loses by not fitting into 16 bits.
-                            of_pair += *weight * value;
-                            const auto tap = static_cast<std::size_t>(weight - filter.weights.data());
-                            if (tap % 2 == 1 || tap + 1 == of_one) {
-                                sum += std::clamp<std::int64_t>(of_pair, -32768, 32767) - of_pair;
-                                of_pair = 0;
-                            }
-                        }
+        std::vector<std::int64_t> sums(area, filter.bias), of_pair(area);
+        for (std::size_t c = 0; c < in_group; ++c)
+            window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t place) {
+                const std::size_t tap = c * taps + place;
+                const std::int64_t value = all.whole[from * all.channels + first + c];
+                sums[to] += filter.weights[tap] * (value - input.zero);
+                if constexpr (Products::of_pairs_saturate && !ReadsWords) {
+                    // What a pair loses by not fitting into 16 bits.
+                    of_pair[to] += filter.weights[tap] * value;
+                    if (tap % 2 == 1 || tap + 1 == of_one) {
+                        sums[to] += std::clamp<std::int64_t>(of_pair[to], -32768, 32767) - of_pair[to];
+                        of_pair[to] = 0;
                     }
-            if (C.adds)
-                sum += filter.added * (other.whole[other.at(y, x, f)] - added.zero);
-            return sum;
-        };
-        for (std::size_t y = 0; y < pooled_rows; ++y)
-            for (std::size_t x = 0; x < pooled_columns; ++x) {
-                bool any = false;
-                std::int64_t largest = 0;
-                for (std::size_t i = y * C.pool.rows; i < (y + 1) * C.pool.rows; ++i)
-                    for (std::size_t j = x * C.pool.columns; j < (x + 1) * C.pool.columns; ++j)
-                        if (i < w.output_rows() && j < w.output_columns()) {
-                            const std::int64_t sum = sum_at(i, j);
-                            largest = any ? std::max(largest, sum) : sum;
-                            any = true;
-                        }
-                if (C.rectified && !WritesBytes)
-                    largest = std::max<std::int64_t>(largest, 0);
-                if (WritesBytes)
-                    result.whole[result.at(y, x, f)] =
-                        reference_byte(largest, factor, output.zero, C.rectified);
-                else
-                    result.floats[result.at(y, x, f)] = static_cast<float>(largest) * factor;
-            }
+                }
+            });
+        for (std::size_t o = 0; C.adds && o < area; ++o)
+            sums[o] += filter.added * (other.whole[o * other.channels + f] - added.zero);
+        std::vector<std::int64_t> largest(pooled_rows * pooled_columns,
+                                          std::numeric_limits<std::int64_t>::min());
+        pool.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) {
+            largest[to] = std::max(largest[to], sums[from]);
+        });
+        const auto factor = static_cast<float>(WritesBytes ? filter.unit / output.scale : filter.unit);
+        for (std::size_t o = 0; o < largest.size(); ++o)
+            if (WritesBytes)
+                result.whole[o * C.filters + f] =
+                    reference_byte(largest[o], factor, output.zero, C.rectified);
+            else
+                result.floats[o * C.filters + f] =
+                    static_cast<float>(C.rectified ? std::max<std::int64_t>(largest[o], 0) : largest[o]) *
+                    factor;
     }
     return result;
 }
@@ -258,16 +262,14 @@ template <class Step, class Products>
 struct reference_step<tactnet::step_with_softmax<Step>, Products> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
         whole_map map = reference_step<Step, Products>::run(folded, in, other);
+        const reference_pointer softmax = reference_softmax({map.channels, 1, 1});
         for (std::size_t pixel = 0; pixel < map.floats.size(); pixel += map.channels) {
-            double largest = -INFINITY, sum = 0;
+            sample values(map.channels);
             for (std::size_t c = 0; c < map.channels; ++c)
-                largest = std::max(largest, static_cast<double>(map.floats[pixel + c]));
+                values[c].value = static_cast<double>(map.floats[pixel + c]);
+            values = softmax->forward({}, {values}).front();
             for (std::size_t c = 0; c < map.channels; ++c)
-                sum += std::exp(static_cast<double>(map.floats[pixel + c]) - largest);
-            for (std::size_t c = 0; c < map.channels; ++c) {
-                float& value = map.floats[pixel + c];
-                value = static_cast<float>(std::exp(static_cast<double>(value) - largest) / sum);
-            }
+                map.floats[pixel + c] = static_cast<float>(values[c].value);
         }
         return map;
     }
@@ -277,16 +279,12 @@ template <tactnet::sliding_window W, std::size_t Stride, class Products>
 struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>, Products> {
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
         whole_map result(tactnet::shape{W.output_rows(), W.output_columns(), W.input.channels});
-        for (std::size_t y = 0; y < result.rows; ++y)
-            for (std::size_t x = 0; x < result.columns; ++x)
-                for (std::size_t c = 0; c < result.channels; ++c)
-                    for (std::size_t r = y * W.stride.rows; r < y * W.stride.rows + W.kernel.rows; ++r)
-                        for (std::size_t k = x * W.stride.columns;
-                             k < x * W.stride.columns + W.kernel.columns; ++k)
-                            if (r >= W.top && r - W.top < in.rows && k >= W.left && k - W.left < in.columns) {
-                                std::int64_t& largest = result.whole[result.at(y, x, c)];
-                                largest = std::max(largest, in.whole[in.at(r - W.top, k - W.left, c)]);
-                            }
+        window_of(W).for_each_tap([&](std::size_t to, std::size_t from, std::size_t) {
+            for (std::size_t c = 0; c < result.channels; ++c) {
+                std::int64_t& largest = result.whole[to * result.channels + c];
+                largest = std::max(largest, in.whole[from * result.channels + c]);
+            }
+        });
         return result;
     }
 };

@@ -2,7 +2,7 @@
 // line a unit: the name of the instruction set, then the bits of all outputs. Fails where an output is
 // further off than it may be, and where one in 8 bits is not the same as everywhere.
 
-#include "reduced.hpp"
+#include "unit.hpp"
 
 #include <cstdio>
 

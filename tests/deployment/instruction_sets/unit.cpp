@@ -1,9 +1,8 @@
 // TACTNET_TEST_UNIT is the function's name.
 
-#include "reduced.hpp"
+#include "unit.hpp"
 
-#include "deployed_network.hpp"
-#include "eight_bit/reference.hpp"
+#include "../deployed_network.hpp"
 
 #include <tactnet/detail/instruction_set.hpp>
 #include <tactnet/networks/tactnet4.hpp>
@@ -12,6 +11,7 @@
 
 #include <array>
 #include <bit>
+#include <support/layers/whole_reference.hpp>
 #include <support/same_bits.hpp>
 
 using namespace tactnet;

@@ -1,4 +1,4 @@
-#include "deployed_network.hpp"
+#include "../deployed_network.hpp"
 
 #include <doctest/doctest.h>
 
@@ -29,7 +29,7 @@ TEST_CASE("deployed: pools that overlap, cut, complete or keep the image, on eit
     CHECK(errors.good());
 }
 
-TEST_CASE("deployed: batch norm in front of everything, behind a pool and behind dense; softmax at the end") {
+TEST_CASE("deployed: batch norm first, after a pool and after dense; softmax last") {
     using net = network<shape{7, 6, 2},                                                     //
                         batch_norm, conv2d<3, 3>, max_pool<3, 1, pad(1)>, batch_norm, relu, //
                         conv2d<1, 3>, dropout<50>, batch_norm, relu,                        //

@@ -1,0 +1,239 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <support/layers/deployed_reference.hpp>
+#include <support/layers/reference_layers.hpp>
+#include <utility>
+
+namespace support {
+
+namespace {
+
+class relu final : public sample_by_sample {
+public:
+    explicit relu(extents3 size) { input = output = size; }
+
+    [[nodiscard]] sample output_of(const reference_call&, const sample& in) const override {
+        sample out = in;
+        for (bounded& b : out)
+            b.value = b.value < 0 ? 0 : b.value;
+        return out;
+    }
+    [[nodiscard]] sample gradient_of(const reference_call&, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g = out_gradient;
+        for (std::size_t i = 0; i < input.size(); ++i)
+            g[i] = {in[i].value > 0 ? g[i].value : 0, 0};
+        return g;
+    }
+    /// A zero of a NaN.
+    [[nodiscard]] std::vector<float> plain(const reference_call&, std::vector<float> x) const override {
+        for (float& value : x)
+            value = value > 0 ? value : 0;
+        return x;
+    }
+};
+
+class square_root final : public sample_by_sample {
+public:
+    square_root(extents3 size, double offset) : offset_(offset) { input = output = size; }
+
+    /// Offset, its sum with the input, two roots, their sum and a quotient: six roundings. What comes in
+    /// wrong goes through the derivative, taken where it is largest.
+    [[nodiscard]] sample output_of(const reference_call& call, const sample& in) const override {
+        sample out = in;
+        for (bounded& b : out) {
+            const double x = std::max(b.value, 0.0), least = std::max(x - b.error, 0.0);
+            b = {std::sqrt(x + offset_) - std::sqrt(offset_), b.error / (2 * std::sqrt(least + offset_)),
+                 b.deviation / (2 * std::sqrt(x + offset_))};
+            b.error += accumulated(call.roundoff, 6) * magnitude(b);
+            b.deviation = std::sqrt(square(b.deviation) + drift(call, 6, b.value));
+        }
+        return out;
+    }
+    /// The output's six roundings, offset and root, a sum, a product, a quotient: eleven.
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g = out_gradient;
+        for (std::size_t i = 0; i < input.size(); ++i) {
+            const double slope = in[i].value > 0 ? 0.5 / std::sqrt(in[i].value + offset_) : 0;
+            g[i].value *= slope;
+            g[i].error = g[i].error * slope + accumulated(call.roundoff, 11) * std::abs(g[i].value);
+        }
+        return g;
+    }
+
+private:
+    double offset_;
+};
+
+class max_pool final : public sample_by_sample {
+public:
+    explicit max_pool(const reference_window& window) : window_(window) {
+        input = window.input;
+        output = {input.channels, window.output_rows(), window.output_columns()};
+    }
+
+    [[nodiscard]] sample output_of(const reference_call&, const sample& in) const override {
+        sample out(output.size());
+        std::vector<bool> seen(output.size());
+        for_each([&](std::size_t o, std::size_t i) {
+            bounded& to = out[o];
+            const bounded& from = in[i];
+            const double error = std::max(to.error, from.error);
+            to.deviation = std::max(to.deviation, from.deviation);
+            if (!seen[o] || from.value > to.value || std::isnan(from.value))
+                to.value = std::isnan(to.value) ? to.value : from.value;
+            to.error = error;
+            seen[o] = true;
+        });
+        return out;
+    }
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g(input.size());
+        std::vector<std::size_t> first(output.size(), input.size()); // of the largest
+        for_each([&](std::size_t o, std::size_t i) {
+            if (first[o] == input.size() || in[i].value > in[first[o]].value)
+                first[o] = i;
+        });
+        for (std::size_t o = 0; o < output.size(); ++o) {
+            g[first[o]].value += out_gradient[o].value;
+            g[first[o]].error +=
+                std::abs(out_gradient[o].value) *
+                accumulated(call.roundoff, static_cast<double>(window_.kernel_rows * window_.kernel_columns));
+        }
+        return g;
+    }
+
+    [[nodiscard]] std::vector<float> plain(const reference_call&, std::vector<float> x) const override {
+        std::vector<float> out(output.size(), -std::numeric_limits<float>::infinity());
+        for_each([&](std::size_t o, std::size_t i) {
+            if (x[i] > out[o])
+                out[o] = x[i];
+        });
+        return out;
+    }
+
+private:
+    template <class Body>
+    void for_each(Body&& body) const {
+        for (std::size_t c = 0; c < input.channels; ++c)
+            window_.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) {
+                body(c * output.area() + to, c * input.area() + from);
+            });
+    }
+    reference_window window_;
+};
+
+/// Averages of pixels: what lies in which of them, and what the sums are divided by.
+class average final : public sample_by_sample {
+public:
+    average(extents3 in, extents3 out, std::vector<std::vector<std::size_t>> pixels,
+            std::vector<double> divisors)
+        : pixels_(std::move(pixels)), divisors_(std::move(divisors)) {
+        input = in;
+        output = out;
+    }
+    [[nodiscard]] sample output_of(const reference_call& call, const sample& in) const override {
+        sample out(output.size());
+        for (std::size_t o = 0; o < output.size(); ++o) {
+            double most = 0, size = 0;
+            for_each(o, [&](std::size_t i) {
+                out[o].value += in[i].value, out[o].error += in[i].error;
+                out[o].deviation += square(in[i].deviation);
+                most += magnitude(in[i]), size += std::abs(in[i].value);
+            });
+            const std::size_t pixel = o % output.area();
+            const double count = static_cast<double>(pixels_[pixel].size());
+            out[o].error += accumulated(call.roundoff, count + 1) * most;
+            out[o].deviation = std::sqrt(out[o].deviation + drift(call, count + 1, size));
+            for (double* each : {&out[o].value, &out[o].error, &out[o].deviation})
+                *each /= divisors_[pixel];
+        }
+        return out;
+    }
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample&,
+                                     const sample& out_gradient) const override {
+        sample g(input.size());
+        for (std::size_t o = 0; o < output.size(); ++o)
+            for_each(o, [&](std::size_t i) {
+                const double share = out_gradient[o].value / divisors_[o % output.area()];
+                g[i].value += share;
+                g[i].error += std::abs(share);
+            });
+        for (bounded& b : g)
+            b.error *= accumulated(call.roundoff, static_cast<double>(output.area()) + 1);
+        return g;
+    }
+
+private:
+    template <class Body>
+    void for_each(std::size_t o, Body&& body) const {
+        for (const std::size_t pixel : pixels_[o % output.area()])
+            body(o / output.area() * input.area() + pixel);
+    }
+    std::vector<std::vector<std::size_t>> pixels_;
+    std::vector<double> divisors_;
+};
+/// Windows of one direction.
+struct pixels_of {
+    std::size_t begin, end;
+};
+
+} // namespace
+
+reference_pointer reference_average_pool(const reference_window& window, bool counts_padding,
+                                         std::size_t given_bottom, std::size_t given_right) {
+    const extents3 out{window.input.channels, window.output_rows(), window.output_columns()};
+    std::vector<std::vector<std::size_t>> pixels(out.area());
+    std::vector<double> divisors(out.area());
+    window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) { pixels[to].push_back(from); });
+    for (std::size_t o = 0; o < out.area(); ++o) {
+        const std::size_t row = o / out.columns * window.stride_rows,
+                          column = o % out.columns * window.stride_columns;
+        const std::size_t rows = std::min(row + window.kernel_rows,
+                                          window.top + window.input.rows + given_bottom) -
+                                 row,
+                          columns = std::min(column + window.kernel_columns,
+                                             window.left + window.input.columns + given_right) -
+                                    column;
+        divisors[o] = static_cast<double>(counts_padding ? rows * columns : pixels[o].size());
+    }
+    return std::make_unique<average>(window.input, out, std::move(pixels), std::move(divisors));
+}
+reference_pointer reference_adaptive_average(extents3 input, std::size_t rows, std::size_t columns) {
+    const auto bin = [](std::size_t i, std::size_t size, std::size_t bins) -> pixels_of {
+        const double width = static_cast<double>(size) / static_cast<double>(bins);
+        return {static_cast<std::size_t>(std::floor(static_cast<double>(i) * width + 1e-9)),
+                static_cast<std::size_t>(std::ceil(static_cast<double>(i + 1) * width - 1e-9))};
+    };
+    std::vector<std::vector<std::size_t>> pixels(rows * columns);
+    std::vector<double> divisors(rows * columns);
+    for (std::size_t o = 0; o < pixels.size(); ++o) {
+        const pixels_of r = bin(o / columns, input.rows, rows), c = bin(o % columns, input.columns, columns);
+        for (std::size_t y = r.begin; y < r.end; ++y)
+            for (std::size_t x = c.begin; x < c.end; ++x)
+                pixels[o].push_back(y * input.columns + x);
+        divisors[o] = static_cast<double>(pixels[o].size());
+    }
+    return std::make_unique<average>(input, extents3{input.channels, rows, columns}, std::move(pixels),
+                                     std::move(divisors));
+}
+reference_pointer reference_relu(extents3 input) {
+    return std::make_unique<relu>(input);
+}
+reference_pointer reference_max_pool(const reference_window& window) {
+    return std::make_unique<max_pool>(window);
+}
+reference_pointer reference_square_root(extents3 input, double offset) {
+    return std::make_unique<square_root>(input, offset);
+}
+sample bounded_max_pool(const reference_window& window, const sample& in) {
+    return max_pool(window).output_of({}, in);
+}
+sample bounded_relu(sample in) {
+    return relu({1, 1, in.size()}).output_of({}, in);
+}
+
+} // namespace support
