@@ -1,7 +1,9 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/tensor/shape.hpp>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -57,6 +59,21 @@ struct method_list {
         (one(std::type_identity<Methods>{}), ...);
     }
 };
+
+/// Packs weights in the order of use: blocks of `block` filters, then [channel][kernel row][kernel column]
+/// [filter of the block], with zeros for filters from `filters` to `padded`. `weight(filter, channel, row,
+/// column)`.
+template <class Weight, class T>
+[[gnu::always_inline]] constexpr void pack_taps(const Weight& weight, std::size_t filters, std::size_t padded,
+                                                std::size_t block, std::size_t channels, extent2d kernel,
+                                                T* to) {
+    for (std::size_t first = 0; first < padded; first += block)
+        for (std::size_t channel = 0; channel < channels; ++channel)
+            for (std::size_t row = 0; row < kernel.rows; ++row)
+                for (std::size_t column = 0; column < kernel.columns; ++column)
+                    for (std::size_t f = first; f < std::min(first + block, padded); ++f)
+                        *to++ = f < filters ? weight(f, channel, row, column) : T{};
+}
 
 } // namespace kernels
 } // namespace TACTNET_ARCH

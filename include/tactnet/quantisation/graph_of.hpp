@@ -166,8 +166,12 @@ private:
     template <class Step>
     [[gnu::cold]] std::size_t add_node(graph_node step, std::size_t output) {
         step.output = output, step.folded = folded_;
-        if constexpr (Step::folded_elements > 0)
+        if constexpr (requires { &Step::set_ranges; })
             step.set_ranges = &Step::set_ranges;
+        else if constexpr (requires { Step::arrays; })
+            step.set_ranges = [](float* to, const step_ranges& values) {
+                Step::arrays.write_ranges(to, values);
+            };
         push(step, Step::folded_elements);
         return output;
     }

@@ -5,6 +5,7 @@
 #include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -22,14 +23,11 @@ inline namespace TACTNET_ARCH {
 namespace detail {
 
 // Values as C++. They are not templates, so that each is compiled once for all steps of a network.
-[[nodiscard]] inline std::string text_of(bool value) {
-    return value ? "true" : "false";
-}
-[[nodiscard]] inline std::string text_of(std::size_t value) {
-    return std::to_string(value);
-}
-[[nodiscard]] inline std::string text_of(unsigned value) {
-    return std::to_string(value);
+[[nodiscard]] inline std::string text_of(std::unsigned_integral auto value) {
+    if constexpr (std::is_same_v<decltype(value), bool>)
+        return value ? "true" : "false";
+    else
+        return std::to_string(value);
 }
 [[nodiscard]] inline std::string text_of(const shape& s) {
     return "tactnet::shape{.rows = " + std::to_string(s.rows) + ", .columns = " + std::to_string(s.columns) +

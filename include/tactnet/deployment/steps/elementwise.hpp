@@ -2,7 +2,6 @@
 
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
-#include <tactnet/kernels/frame/local_response.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/layers/activation_function.hpp>

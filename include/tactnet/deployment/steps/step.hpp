@@ -18,7 +18,8 @@
 // and its functions:
 //   pack                    writes packed numbers from folded ones into zeros; constexpr
 //   run                     computes one map from another
-//   output_bound            the largest magnitude of an output if inputs have at most `input`
+//   output_bound            in single precision: the largest magnitude of an output if inputs have at most
+//                           `input`
 // Optional members:
 //   large                   whether to prefer layer-wise batching, and all threads for one frame
 //   fills_map               false if it writes only some channels of a map that other steps write to
@@ -76,10 +77,12 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
         Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
         } -> std::convertible_to<std::size_t>;
     Step::pack(folded, to);
-    { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
     { Step::run(packed, in, out, out) }
     noexcept;
-};
+}
+&&(!std::same_as<typename Step::format, single_precision> || requires(const float* folded) {
+    { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
+});
 
 /// The base of steps without parameters. A step whose outputs can exceed its inputs defines an output_bound
 /// of its own.

@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/batch/direct_convolution.hpp>
 #include <tactnet/kernels/batch/direct_gradient.hpp>
+#include <tactnet/kernels/method_list.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
@@ -55,10 +56,7 @@ struct depthwise_lane_method {
 
     template <class Weight>
     static void pack(const Weight& weight, T* to) {
-        for (std::size_t channel = 0; channel < C.output.channels; ++channel)
-            for (std::size_t row = 0; row < C.kernel.rows; ++row)
-                for (std::size_t column = 0; column < C.kernel.columns; ++column)
-                    *to++ = weight(channel, std::size_t{0}, row, column);
+        pack_taps(weight, C.output.channels, C.output.channels, 1, 1, C.kernel, to);
     }
     [[gnu::flatten]] static void run(const T* packed, const T* bias, const T* input, T* output, T*) {
         constexpr std::size_t width = lanes<T>;

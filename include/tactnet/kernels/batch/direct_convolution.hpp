@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/batch/batch_convolution.hpp>
+#include <tactnet/kernels/method_list.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
@@ -111,14 +112,8 @@ struct direct_lane_method {
     /// block]. `weight(output, input, row, column)` returns one weight.
     template <class Weight>
     static void pack(const Weight& weight, T* to) {
-        for (std::size_t first = 0; first < C.output.channels; first += block_channels) {
-            const std::size_t count = std::min(block_channels, C.output.channels - first);
-            for (std::size_t input = 0; input < C.input.channels; ++input)
-                for (std::size_t row = 0; row < C.kernel.rows; ++row)
-                    for (std::size_t column = 0; column < C.kernel.columns; ++column)
-                        for (std::size_t channel = 0; channel < count; ++channel)
-                            *to++ = weight(first + channel, input, row, column);
-        }
+        pack_taps(weight, C.output.channels, C.output.channels, block_channels, C.input.channels, C.kernel,
+                  to);
     }
 
     /// output = bias + convolution of the input. `bias` may be null.

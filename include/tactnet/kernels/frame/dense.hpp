@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
+#include <tactnet/kernels/method_list.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -121,13 +122,11 @@ struct direct_dense_method {
     template <class Weight>
     static constexpr void pack(const Weight& weight, const float* biases, float* to) {
         std::copy_n(biases, D.outputs, to + packed_weights);
-        const std::size_t block = D.block_vectors() * D.width();
-        for (std::size_t first = 0; first < D.output_stride(); first += block)
-            for (std::size_t input = 0; input < D.inputs(); ++input)
-                for (std::size_t o = first; o < std::min(first + block, D.output_stride()); ++o)
-                    *to++ = o < D.outputs && input % D.input_stride < D.input.channels
-                                ? weight(o, input % D.input_stride, input / D.input_stride)
-                                : 0.0f;
+        const auto of_input = [&](std::size_t o, std::size_t input, std::size_t, std::size_t) {
+            const std::size_t channel = input % D.input_stride;
+            return channel < D.input.channels ? weight(o, channel, input / D.input_stride) : 0.0f;
+        };
+        pack_taps(of_input, D.outputs, D.output_stride(), D.block_vectors() * D.width(), D.inputs(), 1, to);
     }
     static void run(const float* packed, const float* in, float* out, float*) noexcept {
         multiply_frames<D>(in, 0, packed, packed + packed_weights, out, 0);

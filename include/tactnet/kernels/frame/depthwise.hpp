@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/direct.hpp>
+#include <tactnet/kernels/method_list.hpp>
 
 #include <algorithm>
 #include <array>
@@ -133,11 +134,7 @@ struct depthwise_method : frame_method {
     template <class Weight>
     static constexpr void pack(const Weight& weight, const float* biases, float* to) {
         std::copy_n(biases, C.filters, to + packed_weights);
-        for (std::size_t first = 0; first < C.padded_filters(); first += C.width())
-            for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
-                for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-                    for (std::size_t f = first; f < first + C.width(); ++f)
-                        *to++ = f < C.filters ? weight(f, 0, row, column) : 0.0f;
+        pack_taps(weight, C.filters, C.padded_filters(), C.width(), 1, C.window.kernel, to);
     }
     static void run(const float* packed, const float* in, float* out,
                     [[maybe_unused]] float* workspace) noexcept {

@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
+#include <tactnet/kernels/method_list.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
@@ -192,15 +193,8 @@ struct direct_method : frame_method {
     template <class Weight>
     static constexpr void pack(const Weight& weight, const float* biases, float* to) {
         std::copy_n(biases, C.filters, to + packed_weights);
-        const std::size_t block = C.block_vectors() * C.width();
-        for (std::size_t first = 0; first < C.padded_filters(); first += block) {
-            const std::size_t count = std::min(block, C.padded_filters() - first);
-            for (std::size_t channel = 0; channel < C.window.input.channels; ++channel)
-                for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
-                    for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-                        for (std::size_t f = first; f < first + count; ++f)
-                            *to++ = f < C.filters ? weight(f, channel, row, column) : 0.0f;
-        }
+        pack_taps(weight, C.filters, C.padded_filters(), C.block_vectors() * C.width(),
+                  C.window.input.channels, C.window.kernel, to);
     }
     static void run(const float* packed, const float* in, float* out, float*) noexcept {
         static_assert(!C.adds || C.pool == extent2d(1), "direct_method: a sum is not pooled");

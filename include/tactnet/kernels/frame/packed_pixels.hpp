@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
+#include <tactnet/kernels/method_list.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -152,12 +153,12 @@ struct packed_pixels_method : frame_method {
     static constexpr void pack(const Weight& weight, const float* biases, float* to) {
         for (std::size_t pixel = 0; pixel < plan::pixels; ++pixel)
             std::copy_n(biases, C.filters, to + packed_weights + pixel * plan::width);
-        for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
-            for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-                for (std::size_t lane = 0; lane < plan::pixels * plan::width; ++lane) {
-                    const std::size_t f = lane % plan::width;
-                    *to++ = f < C.filters ? weight(f, 0, row, column) : 0.0f;
-                }
+        const auto of_lane = [&](std::size_t lane, std::size_t channel, std::size_t row, std::size_t column) {
+            const std::size_t f = lane % plan::width;
+            return f < C.filters ? weight(f, channel, row, column) : 0.0f;
+        };
+        constexpr std::size_t all = plan::pixels * plan::width;
+        pack_taps(of_lane, all, all, all, 1, C.window.kernel, to);
     }
     static void run(const float* packed, const float* input, float* output, float* workspace) noexcept {
         constexpr std::size_t height = C.window.input.rows;

@@ -168,10 +168,8 @@ struct winograd_method : frame_method {
     static constexpr extent2d tile = Outputs;
     /// The least cost for which tile_costs::to_replace(another cost) is larger than the cost of the tiles.
     static constexpr std::uint64_t cost = (cost_by_tiles(C, Outputs) * 21 / 20 + 1) * waiting(C);
-    static constexpr std::size_t packed_weights = [] {
-        return whole_lines(winograd_tiles<C, Outputs>::elements * C.window.input.channels *
-                           C.padded_filters());
-    }();
+    static constexpr std::size_t packed_weights =
+        whole_lines(winograd_tiles<C, Outputs>::elements * C.window.input.channels * C.padded_filters());
     static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
     static constexpr std::size_t workspace_elements = winograd_tiles<C, Outputs>::workspace;
     /// One list of tiles only while the transformed numbers stay in the nearest levels: with an eighth of the

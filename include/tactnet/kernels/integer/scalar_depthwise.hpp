@@ -2,6 +2,7 @@
 
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/kernels/method_list.hpp>
 
 #include <algorithm>
 #include <array>
@@ -29,10 +30,7 @@ struct scalar_depthwise_method {
 
     template <class Weight>
     static constexpr void pack(const Weight& weight, std::int8_t* to) {
-        for (std::size_t row = 0; row < C.window.kernel.rows; ++row)
-            for (std::size_t column = 0; column < C.window.kernel.columns; ++column)
-                for (std::size_t filter = 0; filter < C.filters; ++filter)
-                    *to++ = weight(filter, std::size_t{0}, row, column);
+        pack_taps(weight, C.filters, C.filters, C.filters, 1, C.window.kernel, to);
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const std::uint8_t* input,

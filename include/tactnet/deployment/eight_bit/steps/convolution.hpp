@@ -95,9 +95,6 @@ public:
         detail::store_byte(to + bytes + zero, zero_byte);
         detail::store_byte(to + bytes + padding, static_cast<double>(maps.input.zero));
     }
-    static double output_bound(const float* from, double input) {
-        return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
-    }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t* memory) noexcept {
         const auto byte = [&](std::size_t which) { return detail::load_byte(packed_values + bytes + which); };

@@ -24,9 +24,6 @@ struct activation_step<eight_bit, Function, Map, Stride> : eight_bit_step<Map, S
     static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
     static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(clamps ? 1 : 256);
 
-    static constexpr void set_ranges(float* to, const step_ranges& values) {
-        arrays.write_ranges(to, values);
-    }
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
         if constexpr (clamps) {
@@ -43,9 +40,6 @@ struct activation_step<eight_bit, Function, Map, Stride> : eight_bit_step<Map, S
                                                          0.0, 255.0));
             }
         }
-    }
-    static double output_bound(const float*, double input) {
-        return activation_step<single_precision, Function, Map, Stride>::output_bound(nullptr, input);
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
@@ -80,9 +74,6 @@ private:
 public:
     static constexpr std::size_t packed_elements = bytes + whole_lines<std::int8_t>(2);
 
-    static constexpr void set_ranges(float* to, const step_ranges& values) {
-        arrays.write_ranges(to, values);
-    }
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
         for (std::size_t c = 0; c < Map.channels; ++c) {
@@ -100,9 +91,6 @@ public:
         const auto zero_byte = static_cast<double>(result.zero);
         detail::store_byte(to + bytes + lowest, Rectified ? zero_byte : 0);
         detail::store_byte(to + bytes + zero, zero_byte);
-    }
-    static double output_bound(const float* from, double input) {
-        return detail::largest_sum(from, Map.channels, 1, input);
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
@@ -136,9 +124,6 @@ private:
 public:
     static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(bytes + 2);
 
-    static constexpr void set_ranges(float* to, const step_ranges& values) {
-        arrays.write_ranges(to, values);
-    }
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
         detail::store_number(to + of_offset, static_cast<float>(offset / static_cast<double>(input.scale)));
@@ -148,7 +133,6 @@ public:
         detail::store_byte(to + bytes, static_cast<double>(input.zero));
         detail::store_byte(to + bytes + 1, static_cast<double>(result.zero));
     }
-    static double output_bound(const float*, double input) { return std::max(input, 1.0) + offset; }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
         const std::uint8_t input_zero = detail::load_byte(packed_values + bytes),

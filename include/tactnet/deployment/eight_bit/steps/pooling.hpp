@@ -40,9 +40,6 @@ private:
 public:
     static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(zero + 1);
 
-    static constexpr void set_ranges(float* to, const step_ranges& values) {
-        arrays.write_ranges(to, values);
-    }
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
         detail::store_number(
@@ -50,7 +47,6 @@ public:
         detail::store_byte(to + input_zero, static_cast<double>(input.zero));
         detail::store_byte(to + zero, static_cast<double>(result.zero));
     }
-    static double output_bound(const float*, double input) { return input; }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
         const auto factor = kernels::load_any<float>(packed_values);
