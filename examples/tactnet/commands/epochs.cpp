@@ -3,7 +3,7 @@
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
 #include "data/regular_file.hpp"
-#include "reports/report.hpp"
+#include "files/output_files.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/checkpoint.hpp>

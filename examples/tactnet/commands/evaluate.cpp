@@ -6,12 +6,13 @@
 #include "commands/commands.hpp"
 #include "console/standard_streams.hpp"
 #include "evaluation/candidates.hpp"
-#include "evaluation/table.hpp"
-#include "files/places.hpp"
-#include "files/same_file.hpp"
+#include "files/output_files.hpp"
+#include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
-#include "reports/report.hpp"
+#include "reports/pictures.hpp"
+#include "study/page.hpp"
+#include "study/pictures.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/write_file.hpp>
@@ -21,9 +22,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <interrupt.hpp>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <printable.hpp>
 #include <set>
@@ -55,14 +56,10 @@ std::vector<tactnet::split_rule> rules_of(const evaluate_options& o) {
     return {split_rule_of(o.split)};
 }
 
-/// What each candidate is told in: single precision, and 8 bits if asked for.
-std::vector<std::size_t> bits_of(const evaluate_options& o) {
-    return o.training.bits == 8 ? std::vector<std::size_t>{32, 8} : std::vector<std::size_t>{32};
-}
-
-std::filesystem::path confusion_stem(const evaluate_options& o, const method& what, std::size_t bits) {
+std::filesystem::path confusion_stem(const evaluate_options& o, const std::string& method, std::size_t rows,
+                                     std::size_t columns, std::size_t bits) {
     return std::filesystem::path(o.results) /
-           fmt::format("confusion_{}_{}x{}{}", what.name, what.rows, what.columns, bits == 8 ? "_8bit" : "");
+           fmt::format("confusion_{}_{}x{}{}", method, rows, columns, bits == 8 ? "_8bit" : "");
 }
 
 std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<candidate>& chosen) {
@@ -70,17 +67,14 @@ std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<
     std::vector<named_file> files;
     for (const char* name : {"evaluation.jsonl", "table.jsonl", "table.csv"})
         files.push_back({"--results", folder / name});
-    std::set<std::filesystem::path> stems{folder / "accuracy_and_cost"}; // a method may be named twice
-    for (const candidate& c : chosen)
-        for (const std::size_t bits : bits_of(o))
-            stems.insert(confusion_stem(o, *c.what, bits));
+    std::set<std::filesystem::path> stems{folder / "accuracy_and_time", folder / "accuracy_and_tactels",
+                                          folder / "learning_curves"};
+    for (const candidate& c : chosen) // a method may be named twice
+        for (const std::size_t bits : bits_of(c))
+            stems.insert(confusion_stem(o, c.what->name, c.what->rows, c.what->columns, bits));
     for (const std::filesystem::path& stem : stems)
         std::ranges::move(picture_files("--results", stem), std::back_inserter(files));
     return files;
-}
-
-std::filesystem::path features_of(const evaluate_options& o) {
-    return std::filesystem::path(o.results) / "features";
 }
 
 /// All that was asked for. Throws usage_error.
@@ -109,72 +103,24 @@ void check(const evaluate_options& o, const split_plan& plan, const std::vector<
         throw usage_error(
             "--test: expected a share above 0, since accuracy is measured on these images, found 0");
     const std::vector<named_file> outputs = outputs_of(o, chosen);
-    check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
+    check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
     tidy_folders_of(outputs);
     if (std::ranges::any_of(chosen, [](const candidate& c) { return c.what->keeps_features(); }))
-        check_outside_classes(o.data, {{"--results", features_of(o) / "any"}});
+        check_outside_classes(o.data, {{"--results", std::filesystem::path(o.results) / "features" / "any"}});
 }
 
-evaluation_row row_of(const candidate& c, std::size_t bits, const evaluate_options& o,
-                      const std::vector<task>& all, const result_list& results) {
-    const std::size_t classes = c.data->images.classes.size();
-    evaluation_row row{c.what,
-                       std::string(recipe_for(*c.what, c.training).name),
-                       c.what->costs(classes),
-                       time_frames(*c.what, bits),
-                       {},
-                       {},
-                       tactnet::confusion_matrix(classes),
-                       o.splits,
-                       bits};
-    if (bits == 8)
-        row.costs.parameter_bytes = c.what->eight_bit_bytes(classes);
-    std::vector<double> seconds;
-    for (const tactnet::split_rule rule : rules_of(o)) {
-        std::vector<double> accuracies;
-        for (const task& t : all) {
-            if (t.of != &c || t.rule != rule)
-                continue;
-            const auto settings = bits == 8 ? t.settings : in_single_precision(t.settings);
-            const training_result* const r = results.find(settings);
-            if (r == nullptr) // taken out by hand
-                throw tactnet::file_error(o.results, "", "results in 8 bits beside those in single precision",
-                                          "only the former; see --afresh");
-            accuracies.push_back(r->confusion.accuracy());
-            seconds.push_back(r->seconds);
-            row.confusion.add(r->confusion);
-        }
-        row.accuracies.push_back({rule, tactnet::mean_and_deviation::of(accuracies)});
-    }
-    row.seconds = tactnet::mean_and_deviation::of(seconds);
-    return row;
-}
-
-void report(const evaluate_options& o, const candidate_list& candidates, const std::vector<task>& all,
-            const result_list& results) {
+void report(const evaluate_options& o, const std::vector<study_row>& rows) {
     const std::filesystem::path folder = o.results;
-    std::string splits;
-    for (const tactnet::split_rule rule : rules_of(o))
-        splits += fmt::format("{}{} {}", splits.empty() ? "" : " and ", o.splits, name_of(rule));
-    std::vector<evaluation_row> rows;
-    std::vector<cost_point> points;
-    for (const candidate& c : candidates)
-        for (const std::size_t bits : bits_of(o)) {
-            const evaluation_row& row = rows.emplace_back(row_of(c, bits, o, all, results));
-            const auto name = fmt::format("{} {}x{}{}", c.what->name, c.what->rows, c.what->columns,
-                                          bits == 8 ? " in 8 bits" : "");
-            points.push_back(
-                {name, static_cast<double>(row.costs.multiply_adds), row.times.alone, row.accuracies});
-            plot_confusion(confusion_stem(o, *c.what, bits), fmt::format("{}, {} splits", name, splits),
-                           row.confusion, c.data->images.classes);
-        }
-    tactnet::write_file(folder / "table.jsonl", json_lines_of(rows));
-    tactnet::write_file(folder / "table.csv", csv_of(rows));
-    plot_costs(folder / "accuracy_and_cost", points);
-    print(table_of(rows));
-    print(fmt::format(
-        "accuracy: test images, mean ± standard deviation of {} splits each; µs: this machine, one thread\n",
-        o.splits));
+    for (const study_row& row : rows)
+        plot_confusion(confusion_stem(o, row.method, row.rows, row.columns, row.bits),
+                       fmt::format("{}, {} {} splits", title_of(row), o.splits, name_of(shown_rule(rows))),
+                       row.confusion, row.classes);
+    tactnet::write_file(folder / "table.jsonl", study_json_lines(rows));
+    tactnet::write_file(folder / "table.csv", study_csv(rows));
+    draw_study_pictures(study_pictures(rows), folder);
+    for (const study_table& t : {methods_table(rows), details_table(rows)})
+        print(table(without_empty_columns(t.cells)) + t.notes + '\n');
+    print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
 }
 
 int evaluate(const evaluate_options& o) {
@@ -195,12 +141,19 @@ int evaluate(const evaluate_options& o) {
     tell("{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
          printable(list.string()));
     catch_interrupts();
-    if (!to_do.empty() &&
-        !(prepare_features(to_do, features_of(o), o.jobs) && run_all(to_do, o.jobs, results))) {
+    if (!train_all(to_do, o.jobs, results)) {
         tell("stopped; the same command goes on with what is left\n");
         return interrupted_by_user;
     }
-    report(o, candidates, all, results);
+    const pinned here;
+    const std::string here_by(program_instruction_set());
+    report(o, rows_of(
+                  candidates, plan, all, results,
+                  [&](const method& what, std::size_t bits) {
+                      const auto time = measure_latency(what.make_work(bits), what.frames_together());
+                      return std::map<std::string, frame_latency>{{here_by, time}};
+                  },
+                  here_by));
     return success;
 }
 

@@ -4,11 +4,11 @@
 #include "commands/evaluate.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
-#include "evaluation/frame_times.hpp"
 #include "evaluation/stored_split.hpp"
-#include "files/places.hpp"
-#include "reports/plot.hpp"
+#include "files/output_files.hpp"
+#include "reports/pictures.hpp"
 #include "reports/report.hpp"
+#include "study/timings.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/text/quoting.hpp>
@@ -47,7 +47,7 @@ int evaluate_weights(const evaluate_options& o) {
         std::filesystem::path(o.results) /
         ("confusion_" + std::filesystem::path(o.weights.weights).stem().string());
     const std::vector<named_file> outputs = picture_files("--results", stem);
-    check_places({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
+    check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     tidy_folders_of(outputs);
     const loaded_weights weights = load_weights(o.weights);
     const method& what = *weights.what;
@@ -68,7 +68,8 @@ int evaluate_weights(const evaluate_options& o) {
     method_costs costs = what.costs(classes.size());
     if (bits == 8)
         costs.parameter_bytes = what.eight_bit_bytes(classes.size());
-    const frame_times times = time_frames(what, bits);
+    const pinned here;
+    const frame_latency times = measure_latency(what.make_work(bits), what.frames_together());
     plot_confusion(stem, o.weights.weights, result.confusion, classes);
     print(table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
                   "on pixels", "bytes", "µs/frame", "µs in batch"},
@@ -78,6 +79,6 @@ int evaluate_weights(const evaluate_options& o) {
                   std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss),
                   grouped(costs.parameters), grouped(costs.multiply_adds),
                   grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
-                  fmt::format("{:.1f}", times.alone), fmt::format("{:.1f}", times.in_batch)}}));
+                  fmt::format("{:.1f}", times.median), fmt::format("{:.1f}", times.in_batch)}}));
     return success;
 }

@@ -5,9 +5,8 @@
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
 #include "evaluation/stored_split.hpp"
-#include "files/places.hpp"
+#include "files/output_files.hpp"
 #include "methods/weights.hpp"
-#include "reports/report.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/write_file.hpp>
@@ -98,7 +97,7 @@ tactnet::file_metadata metadata_in_bytes(const loaded_weights& weights) {
 int export_network(const export_options& o) {
     check(o);
     const std::vector<named_file> outputs{{"--output", o.output}};
-    check_places({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
+    check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     tidy_folders_of(outputs);
     const loaded_weights weights = load_weights(o.weights);
     const auto* network = dynamic_cast<const trained_network*>(weights.trained.get());

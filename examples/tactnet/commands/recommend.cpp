@@ -48,7 +48,7 @@ std::optional<studied_network> network_of(const nlohmann::json& line, const std:
                            line.at("declaration"),
                            line.at("rows"),
                            line.at("columns"),
-                           line.value("bits", std::size_t{32}), // of which earlier versions say nothing
+                           line.at("bits"),
                            line.at(split + "_splits"),
                            line.at("bytes"),
                            accuracy,
@@ -62,12 +62,10 @@ std::vector<studied_network> networks_in(const std::filesystem::path& path, cons
     std::size_t read = 0, all = 0;
     line_file(path).read_on("a row of tactnet study", [&](const std::string& text) {
         const auto line = nlohmann::json::parse(text);
-        if (line.contains("lines")) { // rows of earlier versions do not say how many they are
-            const std::size_t place = line.at("line");
-            all = line.at("lines");
-            if (place != read + 1)
-                throw std::runtime_error(fmt::format("the row that was line {} of {}", place, all));
-        }
+        const std::size_t place = line.at("line");
+        all = line.at("lines");
+        if (place != read + 1)
+            throw std::runtime_error(fmt::format("the row that was line {} of {}", place, all));
         ++read;
         if (auto network = network_of(line, split))
             found.push_back(std::move(*network));

@@ -6,7 +6,7 @@
 #include "console/standard_streams.hpp"
 #include "data/regular_file.hpp"
 #include "number_options.hpp"
-#include "reports/report.hpp"
+#include "files/output_files.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/partial_file.hpp>

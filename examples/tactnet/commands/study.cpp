@@ -5,16 +5,13 @@
 #include "console/standard_streams.hpp"
 #include "console/waiting.hpp"
 #include "evaluation/candidates.hpp"
-#include "evaluation/claims.hpp"
-#include "files/places.hpp"
-#include "files/same_file.hpp"
+#include "files/claims.hpp"
+#include "files/output_files.hpp"
 #include "methods/registry.hpp"
 #include "methods/training_settings.hpp"
 #include "number_options.hpp"
-#include "reports/report.hpp"
-#include "study/page/markdown.hpp"
-#include "study/page/page.hpp"
-#include "study/page/pictures.hpp"
+#include "study/page.hpp"
+#include "study/pictures.hpp"
 #include "study/plan.hpp"
 #include "usage_error.hpp"
 
@@ -26,9 +23,11 @@
 #include <algorithm>
 #include <interrupt.hpp>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <printable.hpp>
 #include <processor.hpp>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -99,7 +98,39 @@ std::vector<timed_form> forms_of(const candidate_list& candidates) {
     return forms;
 }
 
-/// What a report that trains and times nothing has, and has not.
+/// For a report that trains nothing: trainings of other versions and instruction sets take the place of those
+/// that this program has not made. Returns what they are, a sentence for each.
+std::string take_from_elsewhere(std::vector<task>& tasks, const result_list& results) {
+    std::map<std::string, std::size_t> counts;
+    for (task& t : tasks) {
+        if (results.find(t.settings) != nullptr)
+            continue;
+        const training_result* found = results.find_elsewhere(t.settings);
+        if (found == nullptr) // in 8 bits it was not
+            found = results.find_elsewhere(in_single_precision(t.settings));
+        if (found == nullptr)
+            continue;
+        for (const char* key : {"library", "instruction_set"})
+            t.settings[key] = found->settings.at(key);
+        ++counts[fmt::format("tactnet {} for {}", t.settings["library"], t.settings["instruction_set"])];
+    }
+    std::string sentences;
+    for (const auto& [program, count] : counts)
+        sentences += fmt::format("{}{} of {} trainings are by {}", sentences.empty() ? "" : "; ", count,
+                                 tasks.size(), program);
+    return sentences;
+}
+
+std::string text_of(const tactnet::file_metadata& program) {
+    const auto part = [&](const char* key) {
+        const auto found = program.find(key);
+        return found == program.end() ? "unknown" : found->second;
+    };
+    return fmt::format("{}, {}, {}; tactnet {}", part("processor"), part("compiler"), part("instruction_set"),
+                       part("library"));
+}
+
+/// Says what a report that trains and times nothing has, and lacks.
 void tell_found(const candidate_list& candidates, const std::vector<task>& all, const result_list& results,
                 const timing_list& timings) {
     const auto forms = forms_of(candidates);
@@ -115,12 +146,9 @@ void tell_found(const candidate_list& candidates, const std::vector<task>& all, 
 
 /// False if interrupted.
 bool time_all(const candidate_list& candidates, timing_list& timings, const std::filesystem::path& folder) {
-    training_claims claims(folder / ".timings.lock"); // methods that are timed at once disturb each other
-    if (!wait_until(
-            [&] {
-                return claims.take({{"timings", "all"}});
-            },
-            "waiting for another program that times methods for this folder"))
+    claims alone; // methods that are timed at once disturb each other
+    if (!wait_until([&] { return alone.take(folder / "timings"); },
+                    "waiting for another program that times methods for this folder"))
         return false;
     timings.read_on();
     const pinned here;
@@ -146,16 +174,28 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
 }
 
 void report(const std::filesystem::path& folder, const std::vector<study_row>& rows,
-            const std::vector<peer_time>& peers, const std::string& images) {
+            const std::vector<peer_time>& peers, const report_subject& of) {
     tactnet::write_file(folder / "study.jsonl", study_json_lines(rows));
     tactnet::write_file(folder / "study.csv", study_csv(rows));
-    std::vector<drawn_study_picture> drawn;
-    for (const study_picture& picture : study_pictures(rows, peers))
-        drawn.push_back({picture.caption, draw_study_picture(picture, folder)});
-    tactnet::write_file(folder / "study.md", study_markdown(rows, images));
-    tactnet::write_file(folder / "study.html", study_page(rows, drawn, images));
-    print(study_table(rows));
+    const auto drawn = draw_study_pictures(study_pictures(rows, peers), folder);
+    tactnet::write_file(folder / "study.md", study_markdown(rows, of));
+    tactnet::write_file(folder / "study.html", study_page(rows, drawn, of));
+    const study_table methods = methods_table(rows);
+    print(table(without_empty_columns(methods.cells)) + methods.notes);
     tell("the page: {}\n", printable((folder / "study.html").string()));
+}
+
+std::vector<peer_time> peer_times(const study_options& o) {
+    std::vector<peer_time> peers;
+    for (const std::string& file : o.peers)
+        std::ranges::move(read_peer_times(file), std::back_inserter(peers));
+    const auto other = std::ranges::find_if(peers, [](const peer_time& time) {
+        return !time.processor.empty() && time.processor != processor_name();
+    });
+    if (other != peers.end())
+        tell("warning: --peers: times of {} were measured on {}, not on this {}\n", printable(other->peer),
+             printable(other->processor), processor_name());
+    return peers;
 }
 
 /// Throws usage_error.
@@ -163,9 +203,10 @@ void check(const study_options& o, const study_plan& plan) {
     const std::filesystem::path folder = o.results;
     std::vector<named_file> outputs;
     for (const char* name :
-         {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html",
-          "accuracy_and_time.png", "accuracy_and_tactels.png", "learning_curves.png"})
+         {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html"})
         outputs.push_back({"--results", folder / name});
+    for (const char* picture : {"accuracy_and_time", "accuracy_and_tactels", "learning_curves"})
+        std::ranges::move(picture_files("--results", folder / picture), std::back_inserter(outputs));
     std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))
         inputs.push_back({"--pretrained", file});
@@ -173,7 +214,7 @@ void check(const study_options& o, const study_plan& plan) {
         inputs.push_back({"--peers", file});
     if (!o.code_bytes.empty())
         inputs.push_back({"--code-bytes", o.code_bytes});
-    check_places(inputs, outputs, o.data);
+    check_outputs(inputs, outputs, o.data);
     tidy_folders_of(outputs);
     if (std::ranges::any_of(plan.candidates, [](const candidate& c) { return c.what->keeps_features(); }))
         check_outside_classes(o.data, {{"--results", folder / "features" / "any"}});
@@ -190,17 +231,7 @@ int study(const study_options& o) {
         throw usage_error("--report-only, --shard: expected one of them, found both; a part has no report");
     study_plan plan = plan_of(o);
     check(o, plan);
-    std::vector<peer_time> peers;
-    for (const std::string& file : o.peers)
-        std::ranges::move(read_peer_times(file), std::back_inserter(peers));
-    if (const auto other = std::ranges::find_if(peers,
-                                                [](const peer_time& time) {
-                                                    return !time.processor.empty() &&
-                                                           time.processor != processor_name();
-                                                });
-        other != peers.end())
-        tell("warning: --peers: times of {} were measured on {}, not on this {}\n", printable(other->peer),
-             printable(other->processor), processor_name());
+    const std::vector<peer_time> peers = peer_times(o);
     const std::vector<code_size> code =
         o.code_bytes.empty() ? std::vector<code_size>{} : read_code_bytes(o.code_bytes);
     const split_plan splits = splits_of(o);
@@ -219,10 +250,7 @@ int study(const study_options& o) {
     result_list results(folder / "evaluation.jsonl");
     merge(o, results);
     std::vector<task> all = tasks_of(candidates, splits);
-    if (!o.trained_by.empty())
-        for (task& t : all)
-            if (results.find(t.settings) == nullptr)
-                t.settings["library"] = o.trained_by;
+    const std::string elsewhere = o.report_only ? take_from_elsewhere(all, results) : "";
     std::vector<task> to_do;
     for (std::size_t i = 0; i < all.size(); ++i)
         if (!o.report_only && part.has(i, splits, count) && results.find(all[i].settings) == nullptr)
@@ -231,8 +259,7 @@ int study(const study_options& o) {
         tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
              printable((folder / "evaluation.jsonl").string()));
     std::vector<std::string> diverged;
-    if (!to_do.empty() &&
-        !(prepare_features(to_do, folder / "features", o.jobs) && run_all(to_do, o.jobs, results, &diverged)))
+    if (!train_all(to_do, o.jobs, results, &diverged))
         return stopped();
     for (const std::string& what : diverged)
         tell("{}\n", printable(what));
@@ -244,21 +271,34 @@ int study(const study_options& o) {
     }
     make_folder_of(folder / "timings.jsonl");
     timing_list timings(folder / "timings.jsonl");
-    if (o.report_only)
+    if (o.report_only) {
+        const auto forms = forms_of(candidates);
+        if (std::ranges::none_of(forms, [&](const timed_form& form) {
+                return timings.find(*form.first, form.second) != nullptr;
+            }))
+            timings.show_others();
         tell_found(candidates, all, results, timings);
-    else if (!time_all(candidates, timings, folder))
+        if (!elsewhere.empty())
+            tell("warning: {}, not by this program\n", printable(elsewhere));
+        if (timings.others())
+            tell("warning: times are by another program: {}\n", printable(text_of(timings.shown())));
+    } else if (!time_all(candidates, timings, folder))
         return stopped();
-    std::vector<study_row> rows = rows_of(candidates, splits, all, results, timings, code);
+    std::vector<study_row> rows = rows_of(
+        candidates, splits, all, results,
+        [&](const method& what, std::size_t bits) { return timings.by_instruction_set(what, bits); },
+        timings.shown().at("instruction_set"), code);
+    std::ranges::move(plan.missing, std::back_inserter(rows));
     if (o.only_trained)
         std::erase_if(rows, [](const study_row& row) { return row.accuracies.empty(); });
-    std::ranges::move(plan.missing, std::back_inserter(rows));
+    std::ranges::move(plan.not_built, std::back_inserter(rows));
     const image_data& data = *candidates.begin()->data;
-    report(
-        folder, rows, peers,
-        fmt::format("{} images of {} classes in {}; {} {} splits{}", data.images.size(),
-                    data.images.classes.size(), printable(o.data), o.splits,
-                    o.split == "both" ? "random and as many blocked" : o.split,
-                    o.trained_by.empty() ? "" : "; trained by this version or " + printable(o.trained_by)));
+    report(folder, rows, peers,
+           {fmt::format("{} images of {} classes in {}; {} {} splits{}", data.images.size(),
+                        data.images.classes.size(), printable(o.data), o.splits,
+                        o.split == "both" ? "random and as many blocked" : o.split,
+                        elsewhere.empty() ? "" : "; " + printable(elsewhere)),
+            text_of(timings.shown())});
     return status;
 }
 
@@ -276,12 +316,17 @@ command add_study(CLI::App& program) {
                     "Folder for results; what is found there is not done again, by any number of programs")
         ->type_name("FOLDER")
         ->capture_default_str();
-    app->add_option("--methods", o->methods, "Some of " + method_names() + " (default: all)")
-        ->type_name("NAME,...")
-        ->delimiter(',');
-    app->add_option("--sizes", o->sizes, "Some sizes, such as 28x50,14x25 (default: all)")
-        ->type_name("SIZE,...")
-        ->delimiter(',');
+    std::set<std::string> names, sizes;
+    for (const auto& m : all_methods()) {
+        names.insert(m->name);
+        sizes.insert(fmt::format("{}x{}", m->rows, m->columns));
+    }
+    app->add_option("--methods", o->methods, "Some of the methods (default: all)")
+        ->delimiter(',')
+        ->check(CLI::IsMember(names));
+    app->add_option("--sizes", o->sizes, "Some of the sizes that were compiled in (default: all)")
+        ->delimiter(',')
+        ->check(CLI::IsMember(sizes));
     app->add_option("--recipes", o->recipes, "Some of 'default', 'thorough' and 'published'")
         ->delimiter(',')
         ->check(CLI::IsMember(recipe_names()))
@@ -320,14 +365,11 @@ command add_study(CLI::App& program) {
     app->add_option("--merge", o->merged, "Folders of other parts, whose trainings are taken over")
         ->type_name("FOLDER,...")
         ->delimiter(',');
-    app->add_flag("--report-only", o->report_only, "Train and time nothing; write what is there");
-    app->add_option("--trained-by", o->trained_by,
-                    "With --report-only: trainings of this version of tactnet where there are none of the "
-                    "program's own")
-        ->type_name("VERSION")
-        ->needs("--report-only");
+    app->add_flag("--report-only", o->report_only,
+                  "Train and time nothing; write what is there, by other versions and instruction sets too");
     app->add_flag("--only-trained", o->only_trained,
-                  "Leave out of the report what no training is there of; what cannot be had stays");
+                  "Leave out of the report methods without a training; those of the paper that were not "
+                  "compiled in stay");
     app->add_flag("--times-only", o->times_only,
                   "Train nothing and write no page; time the methods, for programs compiled for other "
                   "instruction sets")

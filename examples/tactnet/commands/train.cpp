@@ -4,13 +4,13 @@
 #include "commands/epochs.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
-#include "files/output_claim.hpp"
-#include "files/places.hpp"
+#include "files/claims.hpp"
+#include "files/output_files.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
 #include "number_options.hpp"
-#include "reports/plot.hpp"
+#include "reports/pictures.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
@@ -74,7 +74,7 @@ void run_once(training_run& training, const std::string& data) {
 struct output_files {
     std::filesystem::path weights, checkpoint, features;
     std::filesystem::path reports; ///< how their names begin
-    std::unique_ptr<output_claim> claim{};
+    std::unique_ptr<claims> claimed{};
 };
 
 /// Throws usage_error where they cannot be written, or should not.
@@ -102,14 +102,20 @@ output_files files_for(const method& what, const train_options& o) {
     if (what.keeps_features())
         outputs.push_back({"--output", files.features});
     check_regular(outputs);
-    check_places({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
-    std::vector<named_file> claimed{{"--output", files.weights},
+    check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
+    std::vector<named_file> written{{"--output", files.weights},
                                     {reports, files.reports.string() + ".confusion"}};
     if (what.is_network())
-        claimed.push_back({"--checkpoint", files.checkpoint});
+        written.push_back({"--checkpoint", files.checkpoint});
     if (what.keeps_features())
-        claimed.push_back({"--output", files.features});
-    files.claim = std::make_unique<output_claim>(claimed);
+        written.push_back({"--output", files.features});
+    files.claimed = std::make_unique<claims>();
+    for (const auto& [option, path] : written)
+        if (!files.claimed->take(path))
+            throw usage_error(
+                fmt::format("{}: expected a file that no other program is about to write, found "
+                            "another training at work on {}",
+                            option, printable(path.string())));
     if (what.is_network() && o.afresh)
         check_given_up(files.checkpoint);
     else if (what.is_network() && !o.resume)
@@ -127,8 +133,9 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
     if (training != nullptr) {
         tactnet::write_file(reports.string() + ".learning.jsonl",
                             learning_curve_json_lines(training->history()));
-        plot_learning_curve(reports.string() + ".learning", fmt::format("{}, {} recipe", title, recipe),
-                            training->history());
+        const std::vector<titled_curve> curves{
+            {fmt::format("{}, {} recipe", title, recipe), training->history()}};
+        plot_learning_curves(reports.string() + ".learning", curves);
     }
     if (test.total() > 0)
         plot_confusion(reports.string() + ".confusion",

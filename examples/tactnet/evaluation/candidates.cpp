@@ -62,16 +62,18 @@ std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& p
     return all;
 }
 
-bool prepare_features(const std::vector<task>& to_do, const std::filesystem::path& folder,
-                      std::size_t threads) {
-    std::set<const candidate*> candidates;
+bool train_all(const std::vector<task>& to_do, std::size_t jobs, result_list& results,
+               std::vector<std::string>* diverged) {
+    std::set<const candidate*> with_features;
     for (const task& t : to_do)
         if (t.of->pretrained)
-            candidates.insert(t.of);
-    if (candidates.empty())
-        return true;
-    tactnet::thread_pool pool(threads);
-    return std::ranges::all_of(candidates, [&](const candidate* c) {
-        return c->pretrained->prepare(*c->data, {folder, true}, pool);
-    });
+            with_features.insert(t.of);
+    if (!with_features.empty()) {
+        tactnet::thread_pool pool(jobs);
+        const auto folder = results.path().parent_path() / "features";
+        for (const candidate* c : with_features)
+            if (!c->pretrained->prepare(*c->data, {folder, true}, pool))
+                return false;
+    }
+    return to_do.empty() || run_all(to_do, jobs, results, diverged);
 }

@@ -43,7 +43,8 @@ private:
 /// All trainings of the plan, split by split, so that early results say something of every candidate.
 std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan);
 
-/// What pretrained networks make of the images, for those candidates that have trainings to do. It is kept
-/// in `folder`. False if interrupted.
-bool prepare_features(const std::vector<task>& to_do, const std::filesystem::path& folder,
-                      std::size_t threads);
+/// Does the trainings, `jobs` at a time, and first finds what pretrained networks make of the images for
+/// those that need it; this is kept beside the results. False if interrupted. Trainings that diverge are
+/// added to `diverged` and left out; without such a list the first one ends all.
+bool train_all(const std::vector<task>& to_do, std::size_t jobs, result_list& results,
+               std::vector<std::string>* diverged = nullptr);

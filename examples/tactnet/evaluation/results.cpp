@@ -36,7 +36,6 @@ std::string line_of(const training_result& r) {
     line["reflected_accuracy"] = number_or_null(r.reflected_accuracy);
     line["epochs"] = r.epochs;
     line["seconds"] = r.seconds;
-    line["images_per_second"] = r.images_per_second;
     line["classes"] = r.confusion.classes();
     line["confusion"] = counts;
     for (const tactnet::epoch_report& e : r.curve)
@@ -75,13 +74,10 @@ training_result result_of(const std::string& text) {
     training_result r;
     r.settings = line.at("settings").get<tactnet::file_metadata>();
     r.validation_accuracy = number_in(line.at("validation_accuracy"));
-    r.training_accuracy =
-        line.contains("training_accuracy") ? number_in(line["training_accuracy"]) : std::nan("");
-    r.reflected_accuracy =
-        line.contains("reflected_accuracy") ? number_in(line["reflected_accuracy"]) : std::nan("");
+    r.training_accuracy = number_in(line.at("training_accuracy"));
+    r.reflected_accuracy = number_in(line.at("reflected_accuracy"));
     r.epochs = count_in(line.at("epochs"));
     r.seconds = line.at("seconds");
-    r.images_per_second = line.at("images_per_second");
     const std::size_t classes = count_in(line.at("classes"));
     std::vector<std::size_t> counts;
     for (const json& count : line.at("confusion"))
@@ -96,6 +92,12 @@ training_result result_of(const std::string& text) {
     if (line.contains("curve"))
         r.curve = curve_in(line["curve"]);
     return r;
+}
+
+tactnet::file_metadata without_program(tactnet::file_metadata settings) {
+    settings.erase("library");
+    settings.erase("instruction_set");
+    return settings;
 }
 
 } // namespace
@@ -123,10 +125,6 @@ result_list::result_list(std::filesystem::path path) : file_(std::move(path)) {
     read_on();
 }
 
-std::filesystem::path result_list::claims_path() const {
-    return file_.path().parent_path() / ".evaluation.lock";
-}
-
 void result_list::read_on() {
     file_.read_on("a result of tactnet evaluate", [&](const std::string& line) {
         keep(result_of(line)); // one's own come back
@@ -138,6 +136,11 @@ const training_result* result_list::find(const tactnet::file_metadata& settings)
     return found == results_.end() ? nullptr : &found->second;
 }
 
+const training_result* result_list::find_elsewhere(const tactnet::file_metadata& settings) const {
+    const auto found = elsewhere_.find(without_program(settings));
+    return found == elsewhere_.end() ? nullptr : find(found->second);
+}
+
 void result_list::add(training_result result) {
     file_.add(line_of(result));
     keep(std::move(result));
@@ -145,5 +148,6 @@ void result_list::add(training_result result) {
 
 void result_list::keep(training_result result) {
     tactnet::file_metadata settings = result.settings;
+    elsewhere_.insert_or_assign(without_program(settings), settings);
     results_.try_emplace(std::move(settings), std::move(result));
 }

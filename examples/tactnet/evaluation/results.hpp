@@ -20,14 +20,12 @@ struct training_result {
     tactnet::file_metadata settings; ///< see describe_training
     tactnet::confusion_matrix confusion;
     double validation_accuracy = 0; ///< NaN without such images
-    double training_accuracy = 0;   ///< of images as they are; NaN in files made before
-    /// On test images, averaged over their reflections; NaN for what does not do that, and in files made
-    /// before.
+    double training_accuracy = 0;   ///< on images as they are
+    /// On test images, averaged over their reflections; NaN for methods that do not do that.
     double reflected_accuracy = std::numeric_limits<double>::quiet_NaN();
     double seconds = 0;
     std::size_t epochs = 0;
-    double images_per_second = 0;
-    /// See curve_of; without rates. Empty for what has no epochs, and in files made before.
+    /// See curve_of; without rates. Empty for methods without epochs.
     std::vector<tactnet::epoch_report> curve{};
 };
 
@@ -35,29 +33,31 @@ struct training_result {
 /// 1000.
 std::vector<tactnet::epoch_report> curve_of(std::span<const tactnet::epoch_report> history);
 
-/// The settings of the same training without what is said of 8 bits.
+/// The settings of the same training in single precision.
 tactnet::file_metadata in_single_precision(tactnet::file_metadata settings);
 
 class result_list {
 public:
-    /// Reads what there is; the beginning of a line that was never finished is passed over. Throws
-    /// tactnet::file_error.
+    /// Reads what there is. Throws tactnet::file_error.
     explicit result_list(std::filesystem::path path);
 
     /// The result of a training with just these settings, or nothing.
     const training_result* find(const tactnet::file_metadata& settings) const;
+    /// The result of the same training by another version or for another instruction set, or nothing.
+    const training_result* find_elsewhere(const tactnet::file_metadata& settings) const;
     const std::map<tactnet::file_metadata, training_result>& all() const { return results_; }
-    /// Takes over what other programs have added since. Throws tactnet::file_error.
+    /// Reads what other programs have added since. Throws tactnet::file_error.
     void read_on();
     /// Keeps a result, on the disk before anything else. Other programs may add to the same file.
     void add(training_result result);
 
-    /// The file that says who does which training.
-    std::filesystem::path claims_path() const;
+    const std::filesystem::path& path() const { return file_.path(); }
 
 private:
     void keep(training_result result);
 
     line_file file_;
     std::map<tactnet::file_metadata, training_result> results_; ///< by their settings
+    /// The settings without version and instruction set of each, and where it is in `results_`.
+    std::map<tactnet::file_metadata, tactnet::file_metadata> elsewhere_;
 };

@@ -2,7 +2,8 @@
 
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
-#include "evaluation/task_queue.hpp"
+#include "data/fingerprint.hpp"
+#include "files/claims.hpp"
 #include "methods/weights.hpp"
 
 #include <tactnet/training/loop.hpp>
@@ -14,7 +15,9 @@
 #include <chrono>
 #include <cstddef>
 #include <exception>
+#include <filesystem>
 #include <interrupt.hpp>
+#include <list>
 #include <mutex>
 #include <new>
 #include <span>
@@ -26,7 +29,7 @@
 
 namespace {
 
-/// What a trained method makes of the images of its split, among the results of its training.
+/// Tests a trained method on the images of its split.
 training_result result_of(const trained_method& trained, const image_data& data, const training_run& training,
                           tactnet::file_metadata settings) {
     tactnet::thread_pool alone;
@@ -43,7 +46,8 @@ training_result result_of(const trained_method& trained, const image_data& data,
     return result;
 }
 
-/// On one thread: of single precision, and of 8 bits if the task says so. Nothing if it was interrupted.
+/// Trains on one thread. Returns results in single precision, and in 8 bits if the task says so; nothing if
+/// it was interrupted.
 std::vector<training_result> run(const task& t) {
     const image_data& data = *t.of->data;
     const std::vector<std::string>& classes = data.images.classes;
@@ -66,14 +70,11 @@ std::vector<training_result> run(const task& t) {
         results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), data,
                                     *training, t.settings));
     const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
-    const std::size_t images =
-        by_epochs != nullptr ? by_epochs->images_per_epoch() : training->split().training.size();
     for (training_result& result : results) {
         result.seconds = seconds;
         result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
         if (by_epochs != nullptr)
             result.curve = curve_of(by_epochs->history());
-        result.images_per_second = static_cast<double>(images * result.epochs) / result.seconds;
     }
     return results;
 }
@@ -82,6 +83,57 @@ std::string title_of(const task& t) {
     return fmt::format("{} {}x{}, {} split {}", t.of->what->name, t.of->what->rows, t.of->what->columns,
                        name_of(t.rule), t.seed);
 }
+
+/// The trainings that are left, given out so that no two programs on one folder of results do the same.
+class task_queue {
+public:
+    task_queue(const std::vector<task>& tasks, result_list& results) : results_(results) {
+        for (const task& t : tasks)
+            left_.push_back(&t);
+    }
+
+    enum class answer { work, wait, nothing_left };
+    /// What to do next: `next` is then this program's until `done`. While other programs do all that is left
+    /// the answer is to wait: their results are read when they are there, and what a program that ended has
+    /// left undone is done here.
+    answer ask(const task*& next) {
+        for (auto t = left_.begin(); t != left_.end();) {
+            if (!claims_.take(name_for(**t))) {
+                ++t;
+                continue;
+            }
+            // Under the claim: another program may have finished it since the list was read.
+            results_.read_on();
+            next = *t;
+            t = left_.erase(t);
+            if (results_.find(next->settings) == nullptr)
+                return answer::work;
+            done(*next);
+            ++from_others_;
+        }
+        return left_.empty() ? answer::nothing_left : answer::wait;
+    }
+    void done(const task& finished) { claims_.release(name_for(finished)); }
+
+    std::size_t left() const { return left_.size(); }
+    /// How many results other programs have brought.
+    std::size_t from_others() const { return from_others_; }
+
+private:
+    std::filesystem::path name_for(const task& t) const {
+        fingerprint print;
+        for (const auto& [key, value] : t.settings) {
+            print.add(key);
+            print.add(value);
+        }
+        return results_.path().parent_path() / print.text();
+    }
+
+    std::list<const task*> left_;
+    result_list& results_;
+    claims claims_;
+    std::size_t from_others_ = 0;
+};
 
 /// What the workers share.
 class side_by_side {

@@ -22,6 +22,11 @@ struct candidate {
     std::shared_ptr<pretrained_weights> pretrained{};
 };
 
+/// The bits of a weight that a candidate is reported in: 32, and 8 if its trainings are.
+inline std::vector<std::size_t> bits_of(const candidate& c) {
+    return c.training.bits == 8 ? std::vector<std::size_t>{32, 8} : std::vector<std::size_t>{32};
+}
+
 /// One training to do.
 struct task {
     const candidate* of;
@@ -30,7 +35,8 @@ struct task {
     tactnet::file_metadata settings;
 };
 
-/// Runs the tasks side by side, each on one thread; results are kept as they come. False if interrupted.
-/// Trainings that diverge are told to `diverged` and passed over; where that is nothing, the first ends all.
+/// Runs the tasks side by side, each on one thread; results are kept as they come. Several programs on one
+/// file of results share the tasks. False if interrupted. Trainings that diverge are added to `diverged` and
+/// left out; without such a list the first one ends all.
 bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
              std::vector<std::string>* diverged = nullptr);

@@ -1,7 +1,7 @@
 #include "files/line_file.hpp"
 
 #include "data/regular_file.hpp"
-#include "reports/report.hpp"
+#include "files/output_files.hpp"
 
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
@@ -9,68 +9,37 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <cstddef>
 #include <exception>
 #include <fcntl.h>
+#include <stdexcept>
 #include <string_view>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
-#include <utility>
 
 namespace {
 
-/// A file that other programs may write to as well; while it is open, it is this one's alone.
-class locked_file {
-public:
-    /// Throws std::system_error, as all functions do.
-    explicit locked_file(const std::filesystem::path& path)
-        : descriptor_(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
-        check(descriptor_);
-        int locked = 0;
-        while ((locked = ::flock(descriptor_, LOCK_EX)) != 0 && errno == EINTR)
-            ;
-        if (locked != 0) {
-            const int error = errno;
-            ::close(descriptor_);
-            throw std::system_error(error, std::generic_category());
-        }
-    }
-    locked_file(const locked_file&) = delete;
-    locked_file& operator=(const locked_file&) = delete;
-    ~locked_file() { ::close(descriptor_); }
-
-    /// Appends a line that ends in a line feed, on the disk when this returns. The beginning of a line that
-    /// was never finished is cut off first: whoever wrote it has failed or is dead, or it would hold the
-    /// lock.
-    void add_line(std::string_view line) {
-        check(::ftruncate(descriptor_, end_of_last_line()));
-        const ssize_t written = ::write(descriptor_, line.data(), line.size());
-        check(written);
-        if (written != static_cast<ssize_t>(line.size())) // a full disk takes what it can
-            throw std::system_error(ENOSPC, std::generic_category());
-        check(::fsync(descriptor_));
-    }
-
-private:
-    static void check(ssize_t result) {
-        if (result < 0)
-            throw std::system_error(errno, std::generic_category());
-    }
-
-    off_t end_of_last_line() const {
-        struct stat status {};
-        check(::fstat(descriptor_, &status));
-        off_t end = status.st_size;
-        char last = 0;
-        while (end > 0 && ::pread(descriptor_, &last, 1, end - 1) == 1 && last != '\n')
-            --end;
-        return end;
-    }
-
-    int descriptor_;
-};
+/// Appends a line to a file that other programs may append to as well, on the disk when this returns. Returns
+/// 0 or the error number. The beginning of a line that was never finished is cut off first: its writer has
+/// failed or is dead, or would hold the lock.
+int append(int descriptor, std::string_view line) {
+    while (::flock(descriptor, LOCK_EX) != 0)
+        if (errno != EINTR)
+            return errno;
+    struct stat status {};
+    if (::fstat(descriptor, &status) != 0)
+        return errno;
+    off_t end = status.st_size;
+    for (char last = 0; end > 0 && ::pread(descriptor, &last, 1, end - 1) == 1 && last != '\n';)
+        --end;
+    if (::ftruncate(descriptor, end) != 0)
+        return errno;
+    const ssize_t written = ::write(descriptor, line.data(), line.size());
+    if (written >= 0 && written != static_cast<ssize_t>(line.size())) // a full disk takes what it can
+        return ENOSPC;
+    return written < 0 || ::fsync(descriptor) != 0 ? errno : 0;
+}
 
 } // namespace
 
@@ -83,17 +52,17 @@ void line_file::read_on(const std::string& expected, const std::function<void(co
         return;
     const auto bytes = tactnet::read_file(path_);
     if (bytes.size() < bytes_ ||
-        (bytes_ > 0 && bytes[bytes_ - 1] != std::byte{'\n'})) // begun anew by another
+        (bytes_ > 0 && bytes[bytes_ - 1] != std::byte{'\n'})) // another has begun it afresh
         lines_ = bytes_ = 0;
     std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     rest.remove_prefix(bytes_);
     for (std::size_t end = 0; (end = rest.find('\n')) != std::string_view::npos;) {
         const std::string part = fmt::format("line {}", lines_ + 1);
-        std::string line(rest.substr(0, end));
-        if (tactnet::detail::shows_checksum(line)) // those of earlier versions have none
-            line = tactnet::check_json(line, path_.string(), part).text;
+        const auto line = tactnet::check_json(rest.substr(0, end), path_.string(), part);
         try {
-            take(line);
+            if (line.checksum == tactnet::checksum_state::absent)
+                throw std::runtime_error("a line without a checksum");
+            take(line.text);
         } catch (const std::exception& error) {
             throw tactnet::file_error(path_.string(), part, expected, fmt::format("'{}'", error.what()));
         }
@@ -105,10 +74,11 @@ void line_file::read_on(const std::string& expected, const std::function<void(co
 
 void line_file::add(const std::string& text) const {
     make_folder_of(path_);
-    try {
-        locked_file(path_).add_line(tactnet::with_checksum(text) + '\n');
-    } catch (const std::system_error& error) {
+    const int descriptor = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    const int error = descriptor < 0 ? errno : append(descriptor, tactnet::with_checksum(text) + '\n');
+    if (descriptor >= 0)
+        ::close(descriptor); // which ends the lock
+    if (error != 0)
         throw tactnet::file_error(path_.string(), "", "to add a line",
-                                  fmt::format("'{}'", error.code().message()));
-    }
+                                  fmt::format("'{}'", std::generic_category().message(error)));
 }

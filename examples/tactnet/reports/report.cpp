@@ -1,40 +1,11 @@
 #include "reports/report.hpp"
 
-#include "usage_error.hpp"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <system_error>
-#include <unistd.h>
-
-void check_writable(const std::filesystem::path& path) {
-    std::error_code code;
-    if (path.filename().empty() || std::filesystem::is_directory(path, code))
-        throw usage_error(
-            fmt::format("{}: expected the name of a file to write, found a folder", path.string()));
-    auto folder = std::filesystem::absolute(path).parent_path();
-    while (!std::filesystem::exists(folder, code) && folder.has_parent_path() &&
-           folder != folder.parent_path())
-        folder = folder.parent_path();
-    if (!std::filesystem::is_directory(folder, code))
-        throw usage_error(fmt::format("{}: expected a folder to write in, found a file at {}", path.string(),
-                                      folder.string()));
-    if (::access(folder.c_str(), W_OK | X_OK) != 0)
-        throw usage_error(fmt::format("{}: expected a folder to write in, found no permission for {}",
-                                      path.string(), folder.string()));
-}
-
-void make_folder_of(const std::filesystem::path& path) {
-    std::error_code code;
-    if (path.has_parent_path())
-        std::filesystem::create_directories(path.parent_path(), code);
-    if (code)
-        throw usage_error(fmt::format("{}: expected to make the folder, found '{}'",
-                                      path.parent_path().string(), code.message()));
-}
+#include <cstdlib>
 
 std::string csv_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos)
@@ -54,7 +25,7 @@ std::string csv_of(std::span<const nlohmann::ordered_json> rows) {
             // A NaN is null in JSON lines, which know none.
             const bool known =
                 !value.is_null() && (!value.is_number_float() || std::isfinite(value.get<double>()));
-            head += (first ? "" : ",") + key;
+            head += (first ? "" : ",") + csv_field(key);
             line += (first ? "" : ",") + (!known              ? ""
                                           : value.is_string() ? csv_field(value.get<std::string>())
                                                               : value.dump());
@@ -72,7 +43,16 @@ std::string grouped(std::size_t number) {
     return text;
 }
 
-std::string table(const std::vector<std::vector<std::string>>& rows) {
+table_cells without_empty_columns(const table_cells& rows) {
+    table_cells kept(rows.size());
+    for (std::size_t c = 0; c < rows.at(0).size(); ++c)
+        if (std::any_of(rows.begin() + 1, rows.end(), [&](const auto& row) { return !row[c].empty(); }))
+            for (std::size_t r = 0; r < rows.size(); ++r)
+                kept[r].push_back(rows[r][c]);
+    return kept;
+}
+
+std::string table(const table_cells& rows) {
     const auto width_of = [](std::string_view text) { // characters, of UTF-8
         return static_cast<std::size_t>(
             std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
@@ -85,63 +65,83 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
     }
     std::string text;
     for (const auto& row : rows) {
-        std::string line;
+        std::string line, rule;
         for (std::size_t i = 0; i < row.size(); ++i) {
             const std::string space(widths[i] - width_of(row[i]), ' ');
             line += (i > 0 ? "  " : "") + (i == 0 ? row[i] + space : space + row[i]);
+            rule += (i > 0 ? "  " : "") + std::string(widths[i], '-');
         }
-        text += line + '\n';
-        if (&row == &rows.front()) {
-            for (std::size_t i = 0; i < widths.size(); ++i)
-                text += (i > 0 ? "  " : "") + std::string(widths[i], '-');
-            text += '\n';
-        }
+        text += line + '\n' + (&row == &rows.front() ? rule + '\n' : "");
     }
     return text;
 }
 
-namespace {
-
-/// Nothing for what is not a number: an epoch without validation.
-std::string number_or_nothing(double value) {
-    return std::isfinite(value) ? fmt::to_string(value) : "";
-}
-nlohmann::json number_or_null(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
-
-} // namespace
-
-std::string learning_curve_csv(std::span<const tactnet::epoch_report> history) {
-    std::string text = "epoch,rate,loss,validation_loss,validation_accuracy\n";
-    for (const auto& e : history)
-        text += fmt::format("{},{},{},{},{}\n", e.epoch, e.rate, number_or_nothing(e.loss),
-                            number_or_nothing(e.validation_loss), number_or_nothing(e.validation_accuracy));
+std::string markdown_table(const table_cells& rows) {
+    const auto line_of = [](const std::vector<std::string>& cells) {
+        std::string line = "|";
+        for (const std::string& cell : cells) {
+            line += ' ';
+            for (const char c : cell)
+                line += c == '|' || c == '\\' ? std::string{'\\', c} : std::string{c};
+            line += cell.empty() ? "|" : " |";
+        }
+        return line + '\n';
+    };
+    std::string text;
+    for (const auto& row : rows) {
+        text += line_of(row);
+        if (&row == &rows.front())
+            text += line_of(std::vector<std::string>(row.size(), "---"));
+    }
     return text;
+}
+
+std::string html_table(const table_cells& rows, bool shaded) {
+    std::string text =
+        shaded ? "<div class=\"wide\"><table class=\"confusion\">\n" : "<div class=\"wide\"><table>\n";
+    for (const auto& row : rows) {
+        double total = 0;
+        for (std::size_t c = 1; shaded && c < row.size(); ++c)
+            total += std::strtod(row[c].c_str(), nullptr);
+        text += "<tr>";
+        for (std::size_t c = 0; c < row.size(); ++c) {
+            const std::string& cell = row[c];
+            const bool code = cell.size() > 1 && cell.starts_with('`') && cell.ends_with('`');
+            const std::string inner =
+                code ? "<code>" + escaped(cell.substr(1, cell.size() - 2)) + "</code>" : escaped(cell);
+            if (&row == &rows.front() || (shaded && c == 0))
+                text += "<th>" + inner + "</th>";
+            else if (shaded && !cell.empty())
+                text += fmt::format("<td style=\"background:rgba(var(--mark),{:.3f})\">{}</td>",
+                                    0.1 + 0.8 * std::strtod(cell.c_str(), nullptr) / total, inner);
+            else
+                text += "<td>" + inner + "</td>";
+        }
+        text += "</tr>\n";
+    }
+    return text + "</table></div>\n";
+}
+
+std::string escaped(std::string_view text) {
+    std::string result;
+    for (const char c : text)
+        result += c == '&'   ? std::string("&amp;")
+                  : c == '<' ? std::string("&lt;")
+                  : c == '>' ? std::string("&gt;")
+                  : c == '"' ? std::string("&quot;")
+                             : std::string(1, c);
+    return result;
 }
 
 std::string learning_curve_json_lines(std::span<const tactnet::epoch_report> history) {
     std::string text;
-    for (const auto& e : history)
+    for (const auto& e : history) // a NaN is null
         text += nlohmann::ordered_json{{"epoch", e.epoch},
                                        {"rate", e.rate},
-                                       {"loss", number_or_null(e.loss)},
-                                       {"validation_loss", number_or_null(e.validation_loss)},
-                                       {"validation_accuracy", number_or_null(e.validation_accuracy)}}
+                                       {"loss", e.loss},
+                                       {"validation_loss", e.validation_loss},
+                                       {"validation_accuracy", e.validation_accuracy}}
                     .dump() +
                 '\n';
     return text;
-}
-
-std::string confusion_csv(const tactnet::confusion_matrix& confusion,
-                          const std::vector<std::string>& classes) {
-    std::string text = "true class";
-    for (const std::string& name : classes)
-        text += ',' + csv_field(name);
-    for (std::size_t truth = 0; truth < classes.size(); ++truth) {
-        text += '\n' + csv_field(classes[truth]);
-        for (std::size_t recognised = 0; recognised < classes.size(); ++recognised)
-            text += ',' + fmt::to_string(confusion(truth, recognised));
-    }
-    return text + '\n';
 }

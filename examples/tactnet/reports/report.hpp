@@ -3,23 +3,14 @@
 // Results as text: tables for people, CSV and JSON lines for programs.
 
 #include <tactnet/training/loop/progress.hpp>
-#include <tactnet/training/metrics.hpp>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-
-/// Throws usage_error unless a file could be written there: so that hours of work do not end without a place
-/// for their result.
-void check_writable(const std::filesystem::path& path);
-
-/// Makes the folder of a file, if there is none.
-void make_folder_of(const std::filesystem::path& path);
 
 /// In double quotes where CSV needs them (RFC 4180).
 std::string csv_field(std::string_view text);
@@ -30,13 +21,23 @@ std::string csv_of(std::span<const nlohmann::ordered_json> rows);
 /// "1 717 696".
 std::string grouped(std::size_t number);
 
-/// Rows of cells in columns as wide as need be; the first row is the head. The first column is left-aligned.
-std::string table(const std::vector<std::vector<std::string>>& rows);
+/// Rows of cells, the head first.
+using table_cells = std::vector<std::vector<std::string>>;
+
+/// Without the columns that have no text below their head.
+table_cells without_empty_columns(const table_cells& rows);
+
+/// For a terminal, in columns as wide as need be. The first column is left-aligned.
+std::string table(const table_cells& rows);
+std::string markdown_table(const table_cells& rows);
+/// Text between backticks is code. In a matrix of counts, `shaded`, cells show their share of the row.
+std::string html_table(const table_cells& rows, bool shaded = false);
+
+/// For the text of HTML and for attributes in double quotes.
+std::string escaped(std::string_view text);
 
 /// One line an epoch.
-std::string learning_curve_csv(std::span<const tactnet::epoch_report> history);
 std::string learning_curve_json_lines(std::span<const tactnet::epoch_report> history);
 
-/// One row a true class, one column a recognised one.
-std::string confusion_csv(const tactnet::confusion_matrix& confusion,
-                          const std::vector<std::string>& classes);
+/// The text of a file of this program, such as "confusion.gnuplot", which the build has put into it.
+std::string_view embedded(std::string_view name);

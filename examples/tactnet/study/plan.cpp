@@ -14,18 +14,6 @@ bool chosen(const std::vector<std::string>& wanted, const std::string& name) {
     return wanted.empty() || std::ranges::find(wanted, name) != wanted.end();
 }
 
-void check_names(const study_options& o) {
-    for (const std::string& name : o.methods)
-        if (std::ranges::none_of(all_methods(), [&](const auto& m) { return m->name == name; }))
-            throw usage_error(
-                fmt::format("--methods: expected some of {}, found '{}'", method_names(), name));
-    for (const std::string& size : o.sizes)
-        if (std::ranges::none_of(all_methods(), [&](const auto& m) {
-                return fmt::format("{}x{}", m->rows, m->columns) == size;
-            }))
-            throw usage_error(fmt::format("--sizes: expected sizes that were compiled in, found '{}'", size));
-}
-
 } // namespace
 
 std::map<std::string, std::string, std::less<>> pretrained_files(const study_options& o) {
@@ -44,7 +32,6 @@ std::map<std::string, std::string, std::less<>> pretrained_files(const study_opt
 }
 
 study_plan plan_of(const study_options& o) {
-    check_names(o);
     const auto files = pretrained_files(o);
     study_plan plan;
     for (const auto& m : all_methods()) {
@@ -86,12 +73,12 @@ study_plan plan_of(const study_options& o) {
     const bool for_touches = std::ranges::any_of(all_methods(), [](const auto& m) {
         return m->is_network() && find_published(m->name, m->rows, m->columns) != nullptr;
     });
-    for (const published_result& p : published_results) // of no use to a program of other networks
+    for (const published_result& p : published_results) // a program of other networks has no use for them
         if (for_touches && p.rows == 28 && chosen(o.methods, std::string(p.method)) &&
             chosen(o.sizes, "28x50") && std::ranges::none_of(all_methods(), [&](const auto& m) {
                 return m->name == p.method && m->rows == p.rows && m->columns == p.columns;
             }))
-            plan.missing.push_back(
+            plan.not_built.push_back(
                 {.method = std::string(p.method),
                  .rows = p.rows,
                  .columns = p.columns,

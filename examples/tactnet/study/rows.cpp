@@ -2,7 +2,6 @@
 
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"
-#include "study/plan.hpp"
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
@@ -18,8 +17,7 @@
 namespace {
 
 split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
-                               const result_list& results, std::size_t wanted, study_row& row,
-                               std::vector<double>& seconds) {
+                               const result_list& results, std::size_t wanted, study_row& row) {
     std::vector<double> test, validation, training, reflected;
     std::vector<std::vector<tactnet::epoch_report>> curves;
     const auto keep = [](std::vector<double>& list, double value) {
@@ -40,7 +38,7 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
         keep(validation, r->validation_accuracy);
         keep(training, r->training_accuracy);
         keep(reflected, r->reflected_accuracy);
-        seconds.push_back(r->seconds);
+        row.seconds = row.seconds > 0 ? std::min(row.seconds, r->seconds) : r->seconds;
         if (row.accuracies.empty()) // of the first rule that has any
             row.confusion.add(r->confusion);
         curves.push_back(r->curve);
@@ -66,54 +64,48 @@ nlohmann::ordered_json json_of(const study_row& row) {
                                   {"columns", row.columns},
                                   {"recipe", row.recipe},
                                   {"bits", row.bits}};
-    for (const tactnet::split_rule rule : {tactnet::split_rule::random, tactnet::split_rule::blocked}) {
-        const split_accuracies* found = find_accuracy(row, rule);
-        const auto put = [&](const char* what, auto value) {
-            auto& entry = object[fmt::format("{}_{}", name_of(rule), what)];
-            if (found != nullptr)
-                entry = value(*found);
-        };
-        put("splits", [](const auto& a) { return a.splits; });
-        put("splits_wanted", [](const auto& a) { return a.wanted; });
-        put("accuracy", [](const auto& a) { return a.test.mean; });
-        put("deviation", [](const auto& a) { return a.test.deviation; });
-        put("validation_accuracy", [](const auto& a) { return a.validation; });
-        put("training_accuracy", [](const auto& a) { return a.training; });
-        const auto if_reflected = [](const split_accuracies& a, double value) {
-            return a.reflected_splits > 0 ? value : std::nan("");
-        };
-        put("reflected_splits", [](const auto& a) { return a.reflected_splits; });
-        put("reflected_accuracy", [&](const auto& a) { return if_reflected(a, a.reflected.mean); });
-        put("reflected_deviation", [&](const auto& a) { return if_reflected(a, a.reflected.deviation); });
-    }
-    const auto number = [&](const char* name, bool known, auto value) {
+    const auto put = [&](const std::string& name, bool known, auto value) {
         object[name] = known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
     };
+    for (const tactnet::split_rule rule : {tactnet::split_rule::random, tactnet::split_rule::blocked}) {
+        const split_accuracies* const found = find_accuracy(row, rule);
+        const split_accuracies a = found != nullptr ? *found : split_accuracies{rule, 0, 0, {}, 0, 0};
+        const bool known = found != nullptr, reflected = a.reflected_splits > 0;
+        const std::string of = fmt::format("{}_", name_of(rule));
+        put(of + "splits", known, a.splits);
+        put(of + "splits_wanted", known, a.wanted);
+        put(of + "accuracy", known, a.test.mean);
+        put(of + "deviation", known, a.test.deviation);
+        put(of + "validation_accuracy", known, a.validation);
+        put(of + "training_accuracy", known, a.training);
+        put(of + "reflected_splits", known, a.reflected_splits);
+        put(of + "reflected_accuracy", reflected, a.reflected.mean);
+        put(of + "reflected_deviation", reflected, a.reflected.deviation);
+    }
     const bool timed = row.latency.has_value(), costs = row.costs.parameters > 0;
     const frame_latency latency = row.latency.value_or(frame_latency{});
-    number("microseconds", timed, latency.median);
-    number("microseconds_p99", timed, latency.p99);
-    number("microseconds_in_batch", timed, latency.in_batch);
-    number("jitter", timed, latency.jitter);
-    number("training_seconds", !row.accuracies.empty(), row.seconds);
-    number("parameters", costs, row.costs.parameters);
-    number("multiply_adds", costs, row.costs.multiply_adds);
-    number("multiply_adds_on_pixels", costs, row.costs.multiply_adds_on_pixels);
-    number("bytes", costs, row.costs.parameter_bytes);
-    number("code_bytes", row.code_bytes > 0, row.code_bytes);
-    number("activation_bytes", row.costs.activation_bytes > 0, row.costs.activation_bytes);
-    const bool published = row.published != nullptr;
-    number("published_accuracy", published, published ? row.published->accuracy / 100 : 0);
-    number("published_deviation", published, published ? row.published->deviation / 100 : 0);
-    number("published_microseconds", published && row.published->seconds > 0,
-           published ? 1e6 * row.published->seconds : 0);
+    put("microseconds", timed, latency.median);
+    put("microseconds_p99", timed, latency.p99);
+    put("microseconds_in_batch", timed, latency.in_batch);
+    put("jitter", timed, latency.jitter);
+    put("training_seconds", !row.accuracies.empty(), row.seconds);
+    put("parameters", costs, row.costs.parameters);
+    put("multiply_adds", costs, row.costs.multiply_adds);
+    put("multiply_adds_on_pixels", costs, row.costs.multiply_adds_on_pixels);
+    put("bytes", costs, row.costs.parameter_bytes);
+    put("code_bytes", row.code_bytes > 0, row.code_bytes);
+    put("activation_bytes", row.costs.activation_bytes > 0, row.costs.activation_bytes);
+    const published_result paper = row.published != nullptr ? *row.published : published_result{};
+    put("published_accuracy", row.published != nullptr, paper.accuracy / 100);
+    put("published_deviation", row.published != nullptr, paper.deviation / 100);
+    put("published_microseconds", paper.seconds > 0, 1e6 * paper.seconds);
     object["declaration"] = row.declaration;
     object["missing"] = row.missing;
     return object;
 }
 
 study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, const std::vector<task>& tasks,
-                 const result_list& results, const timing_list& timings) {
+                 const result_list& results) {
     const method& what = *c.what;
     study_row row{.method = what.name,
                   .rows = what.rows,
@@ -122,20 +114,14 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
                   .bits = bits};
     row.classes = c.data->images.classes;
     row.confusion = tactnet::confusion_matrix(row.classes.size());
-    std::vector<double> seconds;
     for (const tactnet::split_rule rule : plan.rules)
-        if (split_accuracies found = accuracies_of(c, rule, tasks, results, plan.splits, row, seconds);
+        if (split_accuracies found = accuracies_of(c, rule, tasks, results, plan.splits, row);
             found.splits > 0)
             row.accuracies.push_back(std::move(found));
-    if (!seconds.empty())
-        row.seconds = std::ranges::min(seconds);
-    if (const frame_latency* found = timings.find(what, bits))
-        row.latency = *found;
-    row.by_instruction_set = timings.by_instruction_set(what, bits);
     row.costs = what.costs(row.classes.size());
     if (bits == 8) {
         row.costs.parameter_bytes = what.eight_bit_bytes(row.classes.size());
-        row.costs.activation_bytes = 0; // nobody says
+        row.costs.activation_bytes = 0; // unknown
     }
     row.family = !what.is_network()  ? method_family::machines
                  : what.pretrained() ? method_family::photographs
@@ -147,13 +133,6 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
     if (row.accuracies.empty())
         row.missing = "not trained yet";
     return row;
-}
-
-std::string percent(const split_accuracies* a) {
-    if (a == nullptr)
-        return "";
-    const std::string text = fmt::format("{:.2f} ± {:.2f}", 100 * a->test.mean, 100 * a->test.deviation);
-    return a->splits == a->wanted ? text : fmt::format("{} ({} of {})", text, a->splits, a->wanted);
 }
 
 } // namespace
@@ -198,11 +177,15 @@ mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings) {
 
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
-                               const timing_list& timings, const std::vector<code_size>& code) {
+                               const times_of_method& times, const std::string& shown,
+                               const std::vector<code_size>& code) {
     std::vector<study_row> rows;
     for (const candidate& c : candidates)
         for (const std::size_t bits : bits_of(c)) {
-            study_row& row = rows.emplace_back(row_of(c, bits, plan, tasks, results, timings));
+            study_row& row = rows.emplace_back(row_of(c, bits, plan, tasks, results));
+            row.by_instruction_set = times(*c.what, bits);
+            if (const auto found = row.by_instruction_set.find(shown); found != row.by_instruction_set.end())
+                row.latency = found->second;
             for (const code_size& size : code)
                 if (size.method == row.method && size.rows == row.rows && size.columns == row.columns &&
                     size.bits == bits)
@@ -239,29 +222,13 @@ std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, t
     return front;
 }
 
-std::string study_table(const std::vector<study_row>& rows) {
-    std::vector<std::vector<std::string>> cells{{"method", "size", "recipe", "random, %", "blocked, %",
-                                                 "paper, %", "µs/frame", "p99", "in batch", "parameters",
-                                                 "training, s"}};
-    std::string reasons;
-    for (const study_row& row : rows) {
-        const auto time = [&](double frame_latency::*what) {
-            return row.latency ? fmt::format("{:.1f}", (*row.latency).*what) : "";
-        };
-        cells.push_back(
-            {method_title(row), fmt::format("{}x{}", row.rows, row.columns), row.recipe,
-             percent(find_accuracy(row, tactnet::split_rule::random)),
-             percent(find_accuracy(row, tactnet::split_rule::blocked)),
-             row.published == nullptr
-                 ? ""
-                 : fmt::format("{:.2f} ± {:.2f}", row.published->accuracy, row.published->deviation),
-             time(&frame_latency::median), time(&frame_latency::p99), time(&frame_latency::in_batch),
-             row.costs.parameters > 0 ? grouped(row.costs.parameters) : "",
-             row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds)});
-        if (!row.missing.empty())
-            reasons += fmt::format("{}: {}\n", title_of(row), row.missing);
-    }
-    return table(cells) + reasons;
+const study_row* most_accurate(const std::vector<study_row>& rows, tactnet::split_rule rule) {
+    const study_row* best = nullptr;
+    for (const study_row& row : rows)
+        if (const auto* a = find_accuracy(row, rule))
+            if (best == nullptr || a->test.mean > find_accuracy(*best, rule)->test.mean)
+                best = &row;
+    return best;
 }
 
 std::string study_json_lines(const std::vector<study_row>& rows) {

@@ -1,12 +1,14 @@
 #pragma once
 
-// The rows of a study: a method at a size with a recipe, what it recognised, and what it costs.
+// The rows of an evaluation or a study: a method at a size with a recipe, what it recognised, and what it
+// costs.
 
 #include "evaluation/candidates.hpp"
+#include "study/benchmark_tables.hpp"
 #include "study/published.hpp"
-#include "study/times/code_bytes.hpp"
-#include "study/times/timings.hpp"
+#include "study/timings.hpp"
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -32,9 +34,9 @@ struct study_row {
     method_family family = method_family::touches;
     std::string missing{}; ///< why it was not run; else empty
     method_costs costs{};
-    std::size_t code_bytes = 0; ///< of the function that recognises a frame, weights aside; 0 if nobody says
+    std::size_t code_bytes = 0; ///< of the function that recognises a frame, without weights; 0 if unknown
     std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
-    double seconds = 0; ///< of the quickest training, for others may have shared the machine
+    double seconds = 0; ///< of the quickest training, since others may have shared the machine
     std::optional<frame_latency> latency{};
     /// On this machine, by instruction set: this program's, and those of programs compiled for others.
     std::map<std::string, frame_latency> by_instruction_set{};
@@ -58,20 +60,27 @@ std::string title_of(const study_row& row);
 std::vector<tactnet::epoch_report>
 mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings);
 
-/// A row for each candidate, and one more if it is tried in 8 bits. Throws tactnet::file_error for results of
-/// other classes.
+/// Times of a method with weights of so many bits, by the instruction set of the program that took them.
+using times_of_method =
+    std::function<std::map<std::string, frame_latency>(const method& what, std::size_t bits)>;
+
+/// A row for each candidate, and one more if it is tried in 8 bits; `latency` is the time by the instruction
+/// set `shown`. Throws tactnet::file_error for results of other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
-                               const timing_list& timings, const std::vector<code_size>& code = {});
+                               const times_of_method& times, const std::string& shown,
+                               const std::vector<code_size>& code = {});
 
 /// What pictures show: random splits if there are any, else blocked ones.
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
 
-/// Those with which no other is both faster and more accurate on splits by the rule, the fastest first; of
-/// rows with all their splits.
+/// Of rows with all their splits those with which no other is both faster and more accurate on splits by the
+/// rule, the fastest first.
 std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
 
-std::string study_table(const std::vector<study_row>& rows);
+/// The row that is most accurate on splits by the rule, or nothing.
+const study_row* most_accurate(const std::vector<study_row>& rows, tactnet::split_rule rule);
+
 /// With a checksum each, and its place among all lines.
 std::string study_json_lines(const std::vector<study_row>& rows);
 std::string study_csv(const std::vector<study_row>& rows);

@@ -8,12 +8,10 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <files/output_claim.hpp>
+#include <files/claims.hpp>
 #include <string>
 #include <support/run_program.hpp>
-#include <sys/file.h>
 #include <thread>
-#include <usage_error.hpp>
 #include <vector>
 
 using namespace support;
@@ -270,28 +268,44 @@ TEST_SUITE("program") {
         shop.refuses(shop.train_arguments({"--output", "a/b/net", "--data", "nothing"}), "nothing");
     }
 
-    TEST_CASE("output_claim: one holder at a time, while others come and go") {
+    TEST_CASE("claims: one holder at a time, while others come and go") {
         // The lock file goes with its holder, perhaps just when another one has opened it.
         const support::temporary_folder folder;
-        const std::vector<named_file> outputs{{"--output", folder / "net"}};
         std::atomic<int> granted = 0, holders = 0, together = 0;
         {
             std::vector<std::jthread> threads;
             for (int t = 0; t < 4; ++t)
                 threads.emplace_back([&] {
-                    while (granted < 500)
-                        try {
-                            const output_claim claim(outputs);
+                    claims mine;
+                    while (granted < 500) {
+                        if (mine.take(folder / "net")) {
                             together += ++holders > 1;
                             ++granted;
                             std::this_thread::yield();
                             --holders;
-                        } catch (const usage_error&) {
-                            std::this_thread::yield();
+                            mine.release(folder / "net");
                         }
+                        std::this_thread::yield();
+                    }
                 });
         }
         CHECK(together == 0);
+        CHECK(fs::is_empty(folder.path()));
+    }
+
+    TEST_CASE("claims: names are apart, and folders that were made for them go if they stay empty") {
+        const support::temporary_folder folder;
+        {
+            claims mine, others;
+            CHECK(mine.take(folder / "a/b/net"));
+            CHECK(mine.take(folder / "a/other"));
+            CHECK_FALSE(others.take(folder / "a/b/net"));
+            CHECK_FALSE(others.take(folder / "a/b/../b/net"));
+            CHECK(others.take(folder / "a/b/more"));
+            mine.release(folder / "a/b/net");
+            CHECK(others.take(folder / "a/b/net"));
+            mine.release(folder / "never taken");
+        }
         CHECK(fs::is_empty(folder.path()));
     }
 
@@ -307,31 +321,6 @@ TEST_SUITE("program") {
         CHECK_MESSAGE(resumed.status == 0, resumed.error);
         CHECK(resumed.error.find("net.checkpoint: no checksum in it, so that damage may go unnoticed") !=
               std::string::npos);
-    }
-
-    TEST_CASE("faults: what a program that was killed while it tried a name left goes with the next run") {
-        const workshop shop;
-        const auto litter = [&] {
-            for (const char* folder : {".", "results"}) {
-                fs::create_directories(shop / folder / ".tactnet-trial-aBc123" / "results");
-                tactnet::write_file(shop / folder / ".tactnet-trial-aBc123" / "net", "");
-            }
-        };
-        litter();
-        REQUIRE(shop.train({"--epochs", "1", "--output", "net"}).status == 0);
-        CHECK_FALSE(fs::exists(shop / ".tactnet-trial-aBc123"));
-        CHECK(fs::exists(shop / "results" / ".tactnet-trial-aBc123"));
-        litter();
-        REQUIRE(shop.run({"export", "--weights", "net", "--output", "results/net.hpp"}).status == 0);
-        CHECK_FALSE(fs::exists(shop / "results" / ".tactnet-trial-aBc123"));
-        // Another's trial is locked, and other names are not meant.
-        fs::create_directory(shop / ".tactnet-trial-mine");
-        const int held = ::open((shop / ".tactnet-trial-aBc123").c_str(), O_RDONLY | O_DIRECTORY);
-        REQUIRE(::flock(held, LOCK_EX) == 0);
-        REQUIRE(shop.run({"export", "--weights", "net", "--output", "more.hpp"}).status == 0);
-        CHECK(fs::exists(shop / ".tactnet-trial-aBc123"));
-        CHECK(fs::exists(shop / ".tactnet-trial-mine"));
-        ::close(held);
     }
 
     TEST_CASE("faults: evaluations in one folder share the work") {
@@ -357,6 +346,8 @@ TEST_SUITE("program") {
         CHECK(shop.wait(goes_on).status == 0);
         CHECK(shop.wait(killed).status == 1000 + SIGKILL);
         CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12);
+        for (const std::string& name : shop.everything()) // what the killed one held was taken over
+            CHECK_MESSAGE(name.find(".lock") == std::string::npos, name);
     }
 
     TEST_CASE("faults: slips in commands, options and numbers are told in few words") {

@@ -1,5 +1,6 @@
 // Names of files and classes that do more than name: for a terminal, a shell, gnuplot, or whoever opens them.
 
+#include "study/rows.hpp"
 #include "workshop.hpp"
 
 #include <tactnet/io/file_error.hpp>
@@ -8,9 +9,10 @@
 
 #include <cstdlib>
 #include <printable.hpp>
-#include <reports/plot.hpp>
+#include <reports/pictures.hpp>
 #include <string>
 #include <string_view>
+#include <study/pictures.hpp>
 #include <sys/stat.h>
 #include <vector>
 
@@ -99,18 +101,21 @@ TEST_SUITE("program") {
             tactnet::confusion_matrix confusion(2);
             confusion.add(0, 0);
             confusion.add(1, 0);
-            plot_learning_curve(name, name, history(true));
+            plot_learning_curves(name, std::vector<titled_curve>{{name, history(true)}});
             CHECK(decode_error(name + ".png").empty());
             fs::remove(name + ".png");
             plot_confusion(name, name, confusion, {name, "other"});
             CHECK(decode_error(name + ".png").empty());
-            plot_costs(fs::path("in") / name, std::vector<cost_point>{{name, 10, 1, {{{}, {0.5, 0.1}}}}});
-            CHECK(decode_error("in/" + name + ".png").empty());
+            study_row row = studied(name, 0.9, 10), larger = row;
+            larger.rows = 28;
+            draw_study_pictures(study_pictures({row, larger}), fs::path("in") / name);
+            for (const char* picture : {"accuracy_and_time.png", "accuracy_and_tactels.png"})
+                CHECK(decode_error(fs::path("in") / name / picture).empty());
         }
         for (const auto& entry : fs::recursive_directory_iterator("."))
             CHECK_MESSAGE(entry.path().filename().string().find("broken") != 0, entry.path().string());
-        // Without validation there is nothing to measure the second axis by.
-        plot_learning_curve("short", "without validation", history(false));
+        // Without validation there is nothing to measure the accuracy by.
+        plot_learning_curves("short", std::vector<titled_curve>{{"without validation", history(false)}});
         CHECK(decode_error("short.png").empty());
         CHECK(!fs::exists("short.gp"));
         fs::current_path(before);
@@ -132,10 +137,22 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(picture));
         CHECK(fs::exists(script));
         CHECK_MESSAGE(
-            error.find("out/it's.confusion.png is not drawn: gnuplot did not draw it; in its folder, "
-                       "gnuplot < './it'\\''s.confusion.gp' > './it'\\''s.confusion.png' draws it") !=
+            error.find(
+                "out/it's.confusion.png is not drawn: gnuplot did not draw it; in its folder, "
+                "gnuplot -c './it'\\''s.confusion.gp' './it'\\''s.confusion.csv' png 'svm-linear 7x13") !=
                 std::string::npos,
             error);
+        CHECK_MESSAGE(error.find("'left/middle, of all/right/' > './it'\\''s.confusion.png' draws it\n") !=
+                          std::string::npos,
+                      error);
+        // What the message says works, once there is gnuplot.
+        if (std::system("gnuplot --version >/dev/null 2>&1") == 0) {
+            const std::size_t begin = error.find("gnuplot -c"), end = error.find(" draws it");
+            CHECK(run_program("cd '" + (shop / "out").string() + "' && " + error.substr(begin, end - begin))
+                      .status == 0);
+            CHECK(decode_error(picture).empty());
+            fs::remove(picture);
+        }
         error =
             train("cat >/dev/null\necho >&2\necho '   line 3: \"all \033points\" undefined' >&2\nexit 1\n");
         CHECK_FALSE(fs::exists(picture));

@@ -6,7 +6,7 @@
 #include "data/fingerprint.hpp"
 #include "methods/description.hpp"
 #include "methods/made_up_frames.hpp"
-#include "reports/report.hpp"
+#include "files/output_files.hpp"
 
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/svm/feature_rows.hpp>

@@ -2,12 +2,13 @@
 
 #include "../workshop.hpp"
 
+#include <tactnet/io/safetensors/json_checksum.hpp>
+
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <fcntl.h>
-#include <sstream>
 #include <string>
 #include <sys/file.h>
 #include <thread>
@@ -48,13 +49,15 @@ TEST_SUITE("program") {
         CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
         CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
-        CHECK(lines_of(text_of(shop / "r/accuracy_and_cost.csv"))[0] ==
-              "network,multiply_adds,microseconds,random_accuracy,random_deviation,blocked_accuracy,"
-              "blocked_deviation");
-        CHECK(lines_of(text_of(shop / "r/table.csv"))[0] ==
-              "network,rows,columns,recipe,splits,random_accuracy,random_deviation,blocked_accuracy,"
-              "blocked_deviation,parameters,multiply_adds,multiply_adds_on_pixels,bytes,activation_bytes,"
-              "microseconds,microseconds_in_batch,training_seconds");
+        CHECK(lines_of(text_of(shop / "r/accuracy_and_time.csv"))[0] == "series,x,accuracy,deviation,words");
+        CHECK(lines_of(text_of(shop / "r/learning_curves.csv")).size() > 1);
+        CHECK(lines_of(text_of(shop / "r/table.csv"))[0].starts_with("method,rows,columns,recipe,bits,"));
+        const auto row = nlohmann::json::parse(lines_of(text_of(shop / "r/table.jsonl"))[0]);
+        for (const char* known :
+             {"random_accuracy", "random_deviation", "blocked_accuracy", "blocked_deviation", "parameters",
+              "multiply_adds", "multiply_adds_on_pixels", "bytes", "activation_bytes", "microseconds",
+              "microseconds_in_batch", "training_seconds"})
+            CHECK_MESSAGE(row.at(known).is_number(), known);
         // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
         // last layer.
         CHECK(first.out.find(" 6 323 ") != std::string::npos);
@@ -68,15 +71,12 @@ TEST_SUITE("program") {
         const outcome random = evaluate({"--splits", "2", "--split", "random", "--jobs", "1"});
         CHECK(random.status == 0);
         CHECK(random.error.find("0 trainings to do, 4 done before") != std::string::npos);
-        CHECK(random.out.find("random, %") != std::string::npos);
-        for (const std::string& text :
-             {random.out, text_of(shop / "r/table.csv"), text_of(shop / "r/table.jsonl"),
-              text_of(shop / "r/accuracy_and_cost.csv")})
+        CHECK(random.out.find("random splits, %") != std::string::npos);
+        for (const std::string& text : {random.out, text_of(shop / "r/accuracy_and_time.csv")})
             CHECK_MESSAGE(text.find("blocked") == std::string::npos, text);
-        CHECK(lines_of(text_of(shop / "r/table.csv"))[0].find(
-                  ",splits,random_accuracy,random_deviation,par") != std::string::npos);
-        CHECK(lines_of(text_of(shop / "r/accuracy_and_cost.csv"))[0] ==
-              "network,multiply_adds,microseconds,random_accuracy,random_deviation");
+        CHECK(nlohmann::json::parse(lines_of(text_of(shop / "r/table.jsonl"))[0])
+                  .at("blocked_accuracy")
+                  .is_null());
 
         // A line that was being written when the power went is passed over, and replaced.
         const auto whole = text_of(shop / "r/evaluation.jsonl");
@@ -96,18 +96,14 @@ TEST_SUITE("program") {
         const outcome changed = evaluate({"--splits", "1"});
         CHECK(changed.status == 2);
         CHECK(changed.error.find("evaluation.jsonl: checksum of the line 1: expected") != std::string::npos);
-        // As that version would have written it, without checksums.
-        std::string plain;
-        std::istringstream lines(older);
-        for (std::string line; std::getline(lines, line);) {
-            const std::size_t at = line.find("\"checksum\":");
-            REQUIRE(at != std::string::npos);
-            const std::size_t comma = line.rfind(',', at), end = line.find('"', at + 13) + 1;
-            line.erase(comma == std::string::npos ? at : comma,
-                       end - (comma == std::string::npos ? at : comma));
-            plain += line + "\n";
-        }
-        older = plain;
+        // As that version would have written it.
+        const auto summed_anew = [](const std::string& text) {
+            std::string all;
+            for (const std::string& line : lines_of(text))
+                all += tactnet::with_checksum(line.substr(0, line.rfind(",\"checksum\"")) + '}') + '\n';
+            return all;
+        };
+        older = summed_anew(older);
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
         CHECK(evaluate({"--splits", "1"}).error.find("4 trainings to do, 0 done before") !=
               std::string::npos);
@@ -123,7 +119,7 @@ TEST_SUITE("program") {
         CHECK(damaged.error.find("evaluation.jsonl: line 1: expected a result of tactnet evaluate, found") !=
               std::string::npos);
 
-        // Counts that are none, in a list of a version without checksums.
+        // Counts that are none.
         for (const auto& counts :
              std::vector<std::pair<std::string, std::string>>{{"\"epochs\":3,", "\"epochs\":-3,"},
                                                               {"\"epochs\":3,", "\"epochs\":2.5,"},
@@ -139,7 +135,7 @@ TEST_SUITE("program") {
                 const std::size_t count = at + wrong.size();
                 list.erase(count, list.find(',', count) - count + 1);
             }
-            tactnet::write_file(shop / "r/evaluation.jsonl", list);
+            tactnet::write_file(shop / "r/evaluation.jsonl", summed_anew(list));
             const outcome refused = evaluate({"--splits", "1"});
             CHECK(refused.status == 2);
             CHECK_MESSAGE(refused.error.find("line 1: expected a result of tactnet evaluate, found 'expected "
@@ -168,7 +164,7 @@ TEST_SUITE("program") {
             CAPTURE(table[m + 1]);
             // The bars are told apart with ease, by the window's edges even where only words count; chance
             // is a third.
-            const std::string start = std::string(names[m]) + ",7,13,default,2,";
+            const std::string start = std::string(names[m]) + ",7,13,default,32,2,2,";
             REQUIRE(table[m + 1].find(start) == 0);
             CHECK(std::stod(table[m + 1].substr(start.size())) >= (m < 2 ? 1.0 : 0.9));
             CHECK(fs::exists(shop / ("r/confusion_" + std::string(names[m]) + "_7x13.csv").c_str()));

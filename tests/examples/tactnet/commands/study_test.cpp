@@ -91,7 +91,7 @@ TEST_SUITE("program") {
         for (const std::string_view part :
              {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
               "middle, of all", "<th>validation, %</th>", "Random against blocked splits",
-              "knows each class</h2>"})
+              "knows each class</h2>", "class=\"confusion\""})
             CHECK_MESSAGE(page.find(part) != std::string::npos, part);
         for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
             CHECK_MESSAGE(page.find(foreign) == std::string::npos, foreign);
@@ -200,7 +200,7 @@ TEST_SUITE("program") {
         REQUIRE_MESSAGE(fewer.status == 0, fewer.error);
         CHECK(fewer.out.find(" (2 of 5)") != std::string::npos);
         CHECK(fewer.error.starts_with("warning: 4 of 10 trainings are there, 2 of 2 methods are timed\n"));
-        CHECK(text_of(shop / "s/study.html").find("2 of 5 splits") != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find(" (2 of 5)</td>") != std::string::npos);
 
         // Of another kind of split nothing is there: rows without accuracies, or none.
         CHECK(
@@ -238,25 +238,37 @@ TEST_SUITE("program") {
         REQUIRE(shop.run(study(shop, "s", {"--report-only"})).status == 0);
         const std::string page = text_of(shop / "s/study.html");
         CHECK(page.find("Other instruction sets") != std::string::npos);
-        CHECK(page.find("<th title=\"scalar_sse2\">no vectors (SSE2)</th>") != std::string::npos);
-        CHECK(page.find("SSE4.1</th>") == std::string::npos);
+        CHECK(page.find("<th>scalar_sse2</th>") != std::string::npos);
+        CHECK(page.find("sse41</th>") == std::string::npos);
         shop.refuses(study(shop, "s", {"--times-only", "--report-only"}),
                      "--report-only excludes --times-only");
     }
 
-    TEST_CASE("study: trainings of an earlier version stand in for those that this one has not made") {
+    TEST_CASE("study: trainings and times by other programs are reported as that, where there are none of "
+              "its own") {
         const workshop shop;
         REQUIRE(shop.run(study(shop, "s")).status == 0);
         const std::string table = text_of(shop / "s/study.csv");
-        std::string lines;
-        for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
-            lines += tactnet::with_checksum(with_member(plain_line(line), "library", "0.0.9")) + '\n';
-        tactnet::write_file(shop / "s/evaluation.jsonl", lines);
-        CHECK(shop.run(study(shop, "s", {"--report-only"})).out.find("not trained yet") != std::string::npos);
-        REQUIRE(shop.run(study(shop, "s", {"--report-only", "--trained-by", "0.0.9"})).status == 0);
+        for (const char* file : {"s/evaluation.jsonl", "s/timings.jsonl"}) {
+            std::string lines;
+            for (const std::string& line : lines_of(text_of(shop / file)))
+                lines += tactnet::with_checksum(with_member(with_member(plain_line(line), "library", "0.0.9"),
+                                                            "instruction_set", "scalar_sse2")) +
+                         '\n';
+            tactnet::write_file(shop / file, lines);
+        }
+        const outcome report = shop.run(study(shop, "s", {"--report-only"}));
+        REQUIRE_MESSAGE(report.status == 0, report.error);
         CHECK(text_of(shop / "s/study.csv") == table);
-        CHECK(text_of(shop / "s/study.md").find("trained by this version or 0.0.9") != std::string::npos);
-        shop.refuses(study(shop, "s", {"--trained-by", "0.0.9"}), "--trained-by requires --report-only");
+        const std::string whose = "8 of 8 trainings are by tactnet 0.0.9 for scalar_sse2";
+        CHECK_MESSAGE(report.error.find("warning: " + whose + ", not by this program\n") != std::string::npos,
+                      report.error);
+        CHECK(report.error.find("warning: times are by another program: ") != std::string::npos);
+        CHECK(text_of(shop / "s/study.md").find(whose) != std::string::npos);
+        CHECK(text_of(shop / "s/study.html").find("scalar_sse2; tactnet 0.0.9") != std::string::npos);
+        // A study that trains takes none of them.
+        CHECK(shop.run(study(shop, "s", {"--shard", "1/2"})).error.find("4 trainings to do, of 8 in all") !=
+              std::string::npos);
     }
 
     TEST_CASE("study: what cannot be had has its row, with the reason") {
@@ -270,6 +282,11 @@ TEST_SUITE("program") {
         CHECK(run.out.find("squeezenet-svm 7x13: " + reason) != std::string::npos);
         CHECK(text_of(shop / "s/study.html").find(reason) != std::string::npos);
         CHECK(text_of(shop / "s/study.csv").find(reason) != std::string::npos);
+        REQUIRE(shop.run({"study", "--data", shop.data().string(), "--methods", "svm-linear,squeezenet-svm",
+                          "--sizes", "7x13", "--splits", "1", "--results", "s", "--report-only",
+                          "--only-trained"})
+                    .status == 0);
+        CHECK(text_of(shop / "s/study.csv").find("squeezenet") == std::string::npos);
     }
 
     TEST_CASE("study: what it cannot take is said") {
@@ -281,9 +298,8 @@ TEST_SUITE("program") {
             study(shop, "s", {"--pretrained", "resnet=x"}),
             "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'");
         shop.refuses({"study", "--data", shop.data().string(), "--methods", "tactnet5"},
-                     "--methods: expected some of tactnet4");
-        shop.refuses({"study", "--data", shop.data().string(), "--sizes", "1x1"},
-                     "--sizes: expected sizes that were compiled in, found '1x1'");
+                     "--methods: tactnet5 not in {");
+        shop.refuses({"study", "--data", shop.data().string(), "--sizes", "1x1"}, "--sizes: 1x1 not in {");
         shop.refuses(study(shop, "s", {"--merge", "nowhere"}),
                      "--merge: expected a folder of results, found no nowhere/evaluation.jsonl");
     }

@@ -1,10 +1,10 @@
-// What a study makes of its rows: the front, the table, CSV and JSON lines, the page; and the paper's figures
-// beside them.
+// The rows of a study: the front, CSV and JSON lines, curves of results; and the paper's figures.
 
 #include "rows.hpp"
 
-#include <tactnet/io/read_file.hpp>
+#include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -12,18 +12,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <evaluation/results.hpp>
 #include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <study/page/markdown.hpp>
-#include <study/page/page.hpp>
 #include <study/rows.hpp>
 #include <support/files/data_folder.hpp>
+#include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
+#include <utility>
 #include <vector>
 
 using namespace support;
+using tactnet::epoch_report;
 using tactnet::split_rule;
 
 namespace {
@@ -60,6 +62,19 @@ const published_result* find_title(std::string_view title, std::size_t rows, std
 
 bool has(const std::string& text, std::string_view part) {
     return text.find(part) != std::string::npos;
+}
+
+std::vector<epoch_report> epochs(std::size_t count) {
+    std::vector<epoch_report> all;
+    for (std::size_t e = 1; e <= count; ++e)
+        all.push_back({e, 0.1, 1.0 / static_cast<double>(e), 2.0 / static_cast<double>(e), 0.5});
+    return all;
+}
+std::vector<std::size_t> numbers_of(const std::vector<epoch_report>& curve) {
+    std::vector<std::size_t> numbers;
+    for (const epoch_report& e : curve)
+        numbers.push_back(e.epoch);
+    return numbers;
 }
 
 } // namespace
@@ -165,67 +180,6 @@ TEST_SUITE("program") {
         CHECK_MESSAGE(second.ends_with(",\"needs a file, which is \"\"away\"\"\""), second);
     }
 
-    TEST_CASE("study_table: how many of the splits, and why a row has none") {
-        std::vector<study_row> rows{studied("net", 0.875, 10), not_run("lost", "needs a file")};
-        rows[0].accuracies.front().wanted = 25;
-        const std::string text = study_table(rows);
-        CHECK(has(text, "87.50 ± 1.00 (20 of 25)"));
-        CHECK(text.ends_with("lost 28x50: needs a file\n"));
-    }
-
-    TEST_CASE("study_page: names that would be HTML are text") {
-        const std::string markup = "<b>&\"it\"", as_text = "&lt;b&gt;&amp;&quot;it&quot;";
-        std::vector<study_row> rows{studied("fast" + markup, 0.8, 10), studied("best" + markup, 0.9, 20),
-                                    not_run("lost" + markup, "why" + markup)};
-        rows[1].declaration = "own::net<shape{7, 13}, 3>" + markup;
-        rows[1].classes = {"key" + markup, "ball", "arm"};
-        rows[1].confusion = tactnet::confusion_matrix(3);
-        for (std::size_t c = 0; c < 3; ++c)
-            rows[1].confusion.add(c, (c + 1) % 3);
-        const std::string page = study_page(
-            rows, {{"caption" + markup, "<?xml version=\"1.0\"?>\n<svg>drawn</svg>"}, {"none", ""}},
-            "images" + markup);
-        CHECK(!has(page, markup));
-        for (const char* name :
-             {"fast", "best", "lost", "own::net&lt;shape{7, 13}, 3&gt;", "key", "why", "caption", "images"})
-            CHECK_MESSAGE(has(page, name + as_text), name);
-        CHECK(has(page, "<figure><svg>drawn</svg><figcaption>caption"));
-        CHECK(!has(page, "none</figcaption>"));
-        CHECK(page.ends_with("</html>\n"));
-    }
-
-    TEST_CASE("study_rows: the mean over reflections stands beside that of images as they are") {
-        std::vector<study_row> rows{studied("net", 0.875, 10)};
-        CHECK(!has(study_page(rows, {}, ""), "90.50 ± 0.75"));
-        rows[0].accuracies.front().reflected = {0.905, 0.0075};
-        rows[0].accuracies.front().reflected_splits = 12;
-        CHECK(has(study_page(rows, {}, ""), "<td title=\"12 splits\">90.50 ± 0.75</td>"));
-        CHECK(has(study_markdown(rows, ""), "| 87.50 ± 1.00 (20) | 90.50 ± 0.75 (12) |"));
-        CHECK(has(study_csv(rows), ",12,0.905,0.0075,"));
-    }
-
-    TEST_CASE("study_markdown: beside each of the paper's methods the fastest that is at least as accurate") {
-        std::vector<study_row> rows{studied("slow", 0.96, 1000), studied("fast", 0.95, 10),
-                                    studied("fastest", 0.7, 1)};
-        CHECK(!has(study_markdown(rows, ""), "study against")); // of other images than the paper's
-        rows[1].published = find_published("tactnet6", 28, 50);
-        const std::string text = study_markdown(rows, "");
-        CHECK(has(text, "| SURF-SVM | 77.64 | 29 | fast 7x13 | 95.00 ± 1.00 (20) | 10.0 | 2 900 |"));
-        CHECK(has(text, "| ResNet-NN | 95.36 | 27 039 | slow 7x13 | 96.00 ± 1.00 (20) | 1000.0 | 27 000 |"));
-        rows[0].accuracies.clear();
-        CHECK(!has(study_markdown(rows, ""), "| ResNet-NN |")); // nothing here is as accurate
-    }
-
-    TEST_CASE("study_page: says over which splits its figures are") {
-        std::vector<study_row> rows{studied("fast", 0.8, 10), studied("best", 0.9, 20)};
-        CHECK(has(study_page(rows, {}, ""), "more accurate, over random splits."));
-        CHECK(has(study_page(rows, {}, ""), "all random splits together"));
-        for (study_row& row : rows)
-            row.accuracies.front().rule = split_rule::blocked;
-        CHECK(has(study_page(rows, {}, ""), "more accurate, over blocked splits."));
-        CHECK(has(study_page(rows, {}, ""), "all blocked splits together"));
-    }
-
     TEST_CASE("published_results: those of the paper's table, number by number" *
               doctest::test_suite("data")) {
         const auto path = find_data("published_results.csv");
@@ -287,5 +241,117 @@ TEST_SUITE("program") {
         CHECK(names.size() == 12);
         CHECK(ours.size() == 12);
         CHECK(find_published("tactnet6", 9, 16) == nullptr);
+    }
+
+    TEST_CASE("curve_of: at most 60 epochs, round numbers apart") {
+        CHECK(curve_of({}).empty());
+        CHECK(numbers_of(curve_of(epochs(3))) == std::vector<std::size_t>{1, 2, 3});
+        for (const auto& [count, step] : std::vector<std::pair<std::size_t, std::size_t>>{{60, 1},
+                                                                                          {61, 2},
+                                                                                          {110, 2},
+                                                                                          {121, 5},
+                                                                                          {300, 5},
+                                                                                          {301, 10},
+                                                                                          {1000, 20},
+                                                                                          {1201, 50},
+                                                                                          {10'000, 200}}) {
+            CAPTURE(count);
+            const std::vector<std::size_t> kept = numbers_of(curve_of(epochs(count)));
+            CHECK(kept.size() <= 60);
+            CHECK(kept.front() == step);
+            CHECK(kept.back() == count / step * step);
+            CHECK(kept.size() == count / step);
+        }
+    }
+
+    TEST_CASE("mean_curve: of trainings that were still at work, at epochs that all of them have") {
+        CHECK(mean_curve({}).empty());
+        CHECK(mean_curve({{}, {}}).empty());
+        std::vector<std::vector<epoch_report>> trainings{epochs(4), epochs(2)};
+        trainings[1][1].loss = 1.5;
+        const std::vector<epoch_report> mean = mean_curve(trainings);
+        CHECK(numbers_of(mean) == std::vector<std::size_t>{1, 2, 3, 4});
+        CHECK(mean[0].loss == 1);
+        CHECK(mean[1].loss == 1); // of 0.5 and 1.5
+        CHECK(mean[2].loss == 1.0 / 3);
+        CHECK(mean[1].validation_loss == 1);
+        CHECK(mean[1].validation_accuracy == 0.5);
+        // One of 120 epochs has every second, one of 60 each: both have every second.
+        const auto unlike = mean_curve({curve_of(epochs(120)), curve_of(epochs(60))});
+        CHECK(unlike.size() == 60);
+        CHECK(unlike.front().epoch == 2);
+    }
+
+    TEST_CASE("result_list: a curve comes back to four digits, and support vector machines have none") {
+        const temporary_folder folder;
+        const auto path = folder / "evaluation.jsonl";
+        training_result made;
+        made.settings = {{"network", "net"}};
+        made.confusion = tactnet::confusion_matrix(2);
+        made.confusion.add(0, 0);
+        result_list(path).add(made);
+        const std::string before = text_of(path);
+        CHECK(!has(before, "curve"));
+        CHECK(result_list(path).all().begin()->second.curve.empty());
+
+        CHECK(std::isnan(result_list(path).all().begin()->second.reflected_accuracy));
+
+        made.settings["network"] = "other";
+        made.reflected_accuracy = 0.75;
+        made.curve = {{1, 0.1, 1.0 / 3, std::nan(""), std::nan("")}, {2, 0.1, 1e-7 / 3, 2.0 / 3, 1}};
+        result_list(path).add(made);
+        CHECK(text_of(path).starts_with(before));
+        const result_list read(path);
+        CHECK(read.find(made.settings)->reflected_accuracy == 0.75);
+        const auto& curve = read.find(made.settings)->curve;
+        REQUIRE(curve.size() == 2);
+        CHECK(curve[0].epoch == 1);
+        CHECK(curve[0].loss == 0.3333);
+        CHECK(std::isnan(curve[0].validation_loss));
+        CHECK(std::isnan(curve[0].validation_accuracy));
+        CHECK(curve[1].loss == 3.333e-08);
+        CHECK(curve[1].validation_loss == 0.6667);
+        CHECK(curve[1].validation_accuracy == 1);
+
+        const std::string line =
+            R"({"settings":{},"validation_accuracy":1,"training_accuracy":1,"reflected_accuracy":null,)"
+            R"("epochs":1,"seconds":1,"classes":1,"confusion":[1],"curve":[[1,0.5,0.5]]})";
+        tactnet::write_file(path, tactnet::with_checksum(line) + '\n');
+        CHECK_THROWS_WITH_AS(result_list{path},
+                             (path.string() + ": line 1: expected a result of tactnet evaluate, found "
+                                              "'expected 4 numbers of an epoch, found [1,0.5,0.5]'")
+                                 .c_str(),
+                             tactnet::file_error);
+    }
+
+    TEST_CASE(
+        "result_list: a training by another version or instruction set is found where there is no own") {
+        const temporary_folder folder;
+        training_result made;
+        made.settings = {
+            {"network", "net"}, {"seed", "1"}, {"library", "0.1.0"}, {"instruction_set", "scalar"}};
+        made.confusion = tactnet::confusion_matrix(2);
+        made.confusion.add(0, 0);
+        result_list list(folder / "evaluation.jsonl");
+        list.add(made);
+        tactnet::file_metadata wanted = made.settings;
+        wanted["library"] = "0.2.0", wanted["instruction_set"] = "simd_avx2";
+        CHECK(list.find(wanted) == nullptr);
+        REQUIRE(list.find_elsewhere(wanted) != nullptr);
+        CHECK(list.find_elsewhere(wanted)->settings == made.settings);
+        wanted["seed"] = "2";
+        CHECK(list.find_elsewhere(wanted) == nullptr);
+    }
+
+    TEST_CASE("result_list: a line without a checksum is refused") {
+        const temporary_folder folder;
+        const auto path = folder / "evaluation.jsonl";
+        tactnet::write_file(path, std::string("{}\n"));
+        CHECK_THROWS_WITH_AS(result_list{path},
+                             (path.string() +
+                              ": line 1: expected a result of tactnet evaluate, found 'a line "
+                              "without a checksum'")
+                                 .c_str(),
+                             tactnet::file_error);
     }
 }

@@ -1,0 +1,66 @@
+# Puts the results of `tactnet study` into the documentation: its tables into docs/study, its picture into docs/pictures, its
+# tables between the comments of README.md and docs/results.md that name them. No figure is typed.
+#
+#   cmake -DRESULTS=folder -DARCHIVE=file -P docs/study/tables.cmake   takes over a folder of results; all trainings and
+#                                   timings go into the archive, such as benchmarks/results/zen5/2026-11-24/study.tar.xz
+#   cmake -DCHECK=ON -P docs/study/tables.cmake                        fails if pages and docs/study differ
+#   cmake -DCHECK=ON -DROOT=folder -P …                                the same for another copy of the project
+
+cmake_minimum_required(VERSION 3.22)
+if(NOT ROOT)
+    get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/../.." ABSOLUTE)
+endif()
+set(kept "${ROOT}/docs/study")
+if(NOT CHECK)
+    if(NOT EXISTS "${RESULTS}/study.md" OR NOT ARCHIVE)
+        message(FATAL_ERROR "tables.cmake: expected RESULTS, a folder in which tactnet study wrote study.md, and ARCHIVE, "
+                            "a file to write, found '${RESULTS}' and '${ARCHIVE}'.")
+    endif()
+    foreach(name IN ITEMS study.md study.csv study.jsonl)
+        file(COPY "${RESULTS}/${name}" DESTINATION "${kept}")
+    endforeach()
+    get_filename_component(archive "${ARCHIVE}" ABSOLUTE)
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -E tar cJf "${archive}" --format=gnutar evaluation.jsonl timings.jsonl
+        WORKING_DIRECTORY "${RESULTS}" RESULT_VARIABLE status
+    )
+    if(NOT status EQUAL 0)
+        message(FATAL_ERROR "tables.cmake: ${archive} could not be written.")
+    endif()
+    file(COPY "${RESULTS}/accuracy_and_time.png" DESTINATION "${ROOT}/docs/pictures")
+endif()
+
+# What stands in a text between the comments `<!-- study NAME -->` and `<!-- study NAME ends -->`, both included.
+function(block_of file name result)
+    file(READ "${file}" text)
+    set(begin "<!-- study ${name} -->")
+    set(end "<!-- study ${name} ends -->")
+    string(FIND "${text}" "${begin}" first)
+    string(FIND "${text}" "${end}" last)
+    if(first LESS 0 OR last LESS first)
+        message(FATAL_ERROR "tables.cmake: ${file}: expected '${begin}' and '${end}' behind it, found only one of them, or none.")
+    endif()
+    string(LENGTH "${end}" length)
+    math(EXPR length "${last} + ${length} - ${first}")
+    string(SUBSTRING "${text}" ${first} ${length} block)
+    set(${result} "${block}" PARENT_SCOPE)
+endfunction()
+
+foreach(place IN ITEMS README.md:front docs/results.md:methods docs/results.md:against docs/results.md:memory)
+    string(REPLACE ":" ";" place "${place}")
+    list(GET place 0 page)
+    list(GET place 1 name)
+    block_of("${kept}/study.md" "${name}" new)
+    block_of("${ROOT}/${page}" "${name}" old)
+    if(old STREQUAL new)
+        continue()
+    endif()
+    if(CHECK)
+        message(FATAL_ERROR "tables.cmake: ${page}: the table '${name}' is not that of docs/study/study.md; "
+                            "run docs/study/tables.cmake.")
+    endif()
+    file(READ "${ROOT}/${page}" text)
+    string(REPLACE "${old}" "${new}" text "${text}")
+    file(WRITE "${ROOT}/${page}" "${text}")
+    message(STATUS "${page}: table '${name}'")
+endforeach()

@@ -1,0 +1,83 @@
+#include "files/claims.hpp"
+
+#include <tactnet/io/safetensors/checksum.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace {
+
+/// A hidden file beside it, whose name is never too long.
+std::string lock_file_of(const std::filesystem::path& path) {
+    std::error_code code;
+    std::filesystem::path whole = std::filesystem::weakly_canonical(path, code);
+    if (code)
+        whole = path;
+    const auto name = tactnet::xxh64().update(whole.filename().string()).digest();
+    return (whole.parent_path() / fmt::format(".tactnet-{:016x}.lock", name)).string();
+}
+
+/// Whether the open file still has its name: its holder may have removed it just before.
+bool has_name(int descriptor, const std::string& name) {
+    struct stat open {
+    }, named{};
+    return ::fstat(descriptor, &open) == 0 && ::lstat(name.c_str(), &named) == 0 &&
+           open.st_ino == named.st_ino && open.st_dev == named.st_dev;
+}
+
+void remove_and_close(const std::string& file, int descriptor) noexcept {
+    ::unlink(file.c_str()); // while it is locked, so that nobody else's is removed
+    ::close(descriptor);
+}
+
+} // namespace
+
+claims::~claims() {
+    for (const lock& held : locks_)
+        remove_and_close(held.file, held.descriptor);
+    for (; !folders_.empty(); folders_.pop_back())
+        ::rmdir(folders_.back().c_str()); // removes empty folders only
+}
+
+bool claims::take(const std::filesystem::path& name) {
+    const std::string file = lock_file_of(name);
+    std::error_code code;
+    std::vector<std::filesystem::path> missing;
+    for (auto folder = std::filesystem::path(file).parent_path();
+         !folder.empty() && !std::filesystem::exists(folder, code); folder = folder.parent_path())
+        missing.push_back(folder);
+    for (; !missing.empty(); missing.pop_back())
+        if (std::filesystem::create_directory(missing.back(), code))
+            folders_.push_back(missing.back());
+    locks_.reserve(locks_.size() + 1);
+    for (;;) {
+        const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+        if (descriptor < 0)
+            return true;
+        if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+            const bool taken = errno == EWOULDBLOCK;
+            ::close(descriptor);
+            return !taken;
+        }
+        if (has_name(descriptor, file)) {
+            locks_.push_back({file, descriptor});
+            return true;
+        }
+        ::close(descriptor);
+    }
+}
+
+void claims::release(const std::filesystem::path& name) {
+    const auto held = std::ranges::find(locks_, lock_file_of(name), &lock::file);
+    if (held == locks_.end())
+        return;
+    remove_and_close(held->file, held->descriptor);
+    locks_.erase(held);
+}

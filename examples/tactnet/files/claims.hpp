@@ -1,0 +1,33 @@
+#pragma once
+
+// The one way to lock: what only one of several programs may do at a time.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// Holds names that no other program may hold: files that it will write, or work that it does. The lock of a
+/// name is a hidden empty file beside it. Claims end with the program, however that ends; the file that a
+/// killed one leaves is taken over by the next claim. Where the file system knows no locks, or the folder
+/// takes no file, every claim is granted.
+class claims {
+public:
+    claims() = default;
+    claims(const claims&) = delete;
+    claims& operator=(const claims&) = delete;
+    /// Ends all claims. Folders that were made for them go if nothing came into them.
+    ~claims();
+
+    /// Returns false if another holds the name. Makes its folder, if there is none.
+    bool take(const std::filesystem::path& name);
+    void release(const std::filesystem::path& name);
+
+private:
+    struct lock {
+        std::string file;
+        int descriptor;
+    };
+
+    std::vector<lock> locks_;
+    std::vector<std::filesystem::path> folders_; ///< made here, the outer ones first
+};

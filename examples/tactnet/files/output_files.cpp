@@ -1,0 +1,133 @@
+#include "files/output_files.hpp"
+
+#include "usage_error.hpp"
+
+#include <tactnet/io/partial_file.hpp>
+#include <tactnet/text/quoting.hpp>
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <iterator>
+#include <printable.hpp>
+#include <set>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The name without links, those included that lead to nothing yet: a file may be made there meanwhile.
+fs::path resolved(const fs::path& path) {
+    std::error_code code;
+    fs::path result = fs::absolute(path, code);
+    for (int links = 0; links < 40 && fs::is_symlink(result, code); ++links)
+        result = result.parent_path() / fs::read_symlink(result, code);
+    const auto canonical = fs::weakly_canonical(result, code);
+    return code ? result.lexically_normal() : canonical;
+}
+
+void check_pair(const named_file& a, const named_file& b) {
+    std::error_code code;
+    if (!(fs::equivalent(a.path, b.path, code) && !code) && resolved(a.path) != resolved(b.path))
+        return;
+    const std::string found = tactnet::in_quotes(a.path.string()),
+                      other = tactnet::in_quotes(b.path.string());
+    throw usage_error(
+        fmt::format("{} and {}: expected different files, found {}{}", a.option, b.option, found,
+                    found == other ? " for both" : fmt::format(" and {}, which are the same", other)));
+}
+
+/// Throws usage_error unless a file could be written there, in folders that need not exist yet.
+void check_writable(const fs::path& path) {
+    const auto refuse = [&](const char* expected, const std::string& found) {
+        throw usage_error(fmt::format("{}: expected {}, found {}", path.string(), expected, found));
+    };
+    std::error_code code;
+    if (path.filename().empty() || fs::is_directory(path, code))
+        refuse("the name of a file to write", "a folder");
+    const fs::path whole = fs::absolute(path).lexically_normal();
+    fs::path folder = whole.parent_path();
+    while (!fs::exists(folder, code) && folder != folder.parent_path())
+        folder = folder.parent_path();
+    if (!fs::is_directory(folder, code))
+        refuse("a folder to write in", "a file at " + folder.string());
+    if (::access(folder.c_str(), W_OK | X_OK) != 0)
+        refuse("a folder to write in", "no permission for " + folder.string());
+    // Each name by itself, since what is in a missing folder is not looked at.
+    struct stat ignored {};
+    for (const fs::path& name : whole.lexically_relative(folder))
+        if (::lstat((folder / name).c_str(), &ignored) != 0 && errno != ENOENT)
+            refuse("the name of a file that can be written",
+                   fmt::format("'{}'", std::generic_category().message(errno)));
+}
+
+} // namespace
+
+void check_outputs(const std::vector<named_file>& inputs, const std::vector<named_file>& outputs,
+                   const fs::path& data) {
+    for (const named_file& output : outputs)
+        check_writable(output.path);
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        for (const named_file& input : inputs)
+            if (!input.path.empty())
+                check_pair(input, outputs[i]);
+        for (std::size_t j = i + 1; j < outputs.size(); ++j)
+            check_pair(outputs[i], outputs[j]);
+    }
+    if (!data.empty())
+        check_outside_classes(data, outputs);
+}
+
+void check_outside_classes(const fs::path& data, const std::vector<named_file>& outputs) {
+    const fs::path folder = resolved(data / ".");
+    for (const named_file& output : outputs) {
+        const fs::path inside = resolved(output.path).lexically_relative(folder);
+        // Hidden folders are no classes; a file beside the classes' folders is none either.
+        if (std::distance(inside.begin(), inside.end()) < 2 || inside.begin()->string().starts_with('.'))
+            continue;
+        throw usage_error(fmt::format("{}: expected a place outside the folders of classes, since what is "
+                                      "written there would be taken for images, found {} in {}",
+                                      output.option, tactnet::in_quotes(output.path.string()),
+                                      tactnet::in_quotes((data / *inside.begin()).string())));
+    }
+}
+
+void check_regular(const std::vector<named_file>& outputs) {
+    for (const auto& [option, path] : outputs) {
+        std::error_code code;
+        const auto status = fs::status(path, code);
+        if (fs::is_directory(status))
+            throw usage_error(fmt::format("{}: expected the name of a file to write, found a folder at {}",
+                                          option, printable(path.string())));
+        if (fs::exists(status) && !fs::is_regular_file(status))
+            throw usage_error(fmt::format("{}: expected the name of a file, found a device or a pipe at {}",
+                                          option, printable(path.string())));
+    }
+}
+
+std::vector<named_file> picture_files(const std::string& option, const fs::path& stem) {
+    std::vector<named_file> files;
+    for (const char* ending : {".csv", ".png", ".gp"})
+        files.push_back({option, stem.string() + ending});
+    return files;
+}
+
+void make_folder_of(const fs::path& path) {
+    std::error_code code;
+    if (path.has_parent_path())
+        fs::create_directories(path.parent_path(), code);
+    if (code)
+        throw usage_error(fmt::format("{}: expected to make the folder, found '{}'",
+                                      path.parent_path().string(), code.message()));
+}
+
+void tidy_folders_of(const std::vector<named_file>& outputs) {
+    std::set<fs::path> folders;
+    for (const named_file& output : outputs)
+        if (const auto folder = output.path.parent_path(); folders.insert(folder).second)
+            tactnet::remove_abandoned_files(folder);
+}

@@ -1,0 +1,47 @@
+#pragma once
+
+// Pictures, drawn by gnuplot if it is installed: each from a CSV file, by a script that the program holds.
+
+#include <tactnet/training/loop/progress.hpp>
+#include <tactnet/training/metrics.hpp>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// What gnuplot made of a script.
+struct drawn_picture {
+    std::string picture; ///< a whole file, or nothing
+    std::string problem; ///< why there is nothing
+};
+
+/// What a picture says of itself. Names are those of its series, without slashes.
+struct picture_titles {
+    std::string title{};
+    std::vector<std::string> names{};
+};
+
+/// Draws a CSV file by the script of that name as "png" or "svg". The script gets the file, the format, the
+/// title and the names as its arguments, which no gnuplot and no shell reads as commands.
+drawn_picture draw(const std::string& script, const std::filesystem::path& csv, const std::string& format,
+                   const picture_titles& titles);
+
+/// Writes STEM.csv and draws it as STEM.png. Where it cannot be drawn, the script is left as STEM.gp, and a
+/// message says how to draw it later.
+void draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
+                  const picture_titles& titles);
+
+/// Epochs of a training, or the mean of several, with a title.
+using titled_curve = std::pair<std::string, std::vector<tactnet::epoch_report>>;
+
+/// A line for each epoch, with the columns of all curves beside each other.
+std::string learning_curves_csv(std::span<const titled_curve> curves);
+void plot_learning_curves(const std::filesystem::path& stem, std::span<const titled_curve> curves);
+
+/// A row for each true class, a column for each recognised one.
+std::string confusion_csv(const tactnet::confusion_matrix& confusion,
+                          const std::vector<std::string>& classes);
+void plot_confusion(const std::filesystem::path& stem, const std::string& title,
+                    const tactnet::confusion_matrix& confusion, const std::vector<std::string>& classes);

@@ -1,0 +1,325 @@
+#include "study/page.hpp"
+
+#include "methods/training_settings.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace {
+
+using tactnet::split_rule;
+
+std::string size_of(const study_row& row) {
+    return fmt::format("{} × {}", row.rows, row.columns);
+}
+std::string mean_of(const tactnet::mean_and_deviation& m, const std::string& splits) {
+    return fmt::format("{:.2f} ± {:.2f} ({})", 100 * m.mean, 100 * m.deviation, splits);
+}
+std::string accuracy_of(const study_row& row, split_rule rule) {
+    const split_accuracies* const a = find_accuracy(row, rule);
+    if (a == nullptr)
+        return "";
+    return mean_of(a->test, a->splits == a->wanted ? fmt::to_string(a->splits)
+                                                   : fmt::format("{} of {}", a->splits, a->wanted));
+}
+std::string reflected_of(const study_row& row, split_rule rule) {
+    const split_accuracies* const a = find_accuracy(row, rule);
+    return a == nullptr || a->reflected_splits == 0
+               ? ""
+               : mean_of(a->reflected, fmt::to_string(a->reflected_splits));
+}
+std::string percent_of(double share, int digits = 2) {
+    return std::isfinite(share) ? fmt::format("{:.{}f}", 100 * share, digits) : "";
+}
+std::string time_of(const study_row& row, double frame_latency::*what, int digits = 1) {
+    return row.latency ? fmt::format("{:.{}f}", (*row.latency).*what, digits) : "";
+}
+std::string count_of(std::size_t number) {
+    return number > 0 ? grouped(number) : "";
+}
+std::string code_of(const study_row& row) {
+    return row.declaration.empty() ? "" : "`" + row.declaration + "`";
+}
+std::string seconds_of(const study_row& row) {
+    return row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds);
+}
+
+study_table front_table(const std::vector<study_row>& rows) {
+    const split_rule rule = shown_rule(rows);
+    const split_rule other = rule == split_rule::random ? split_rule::blocked : split_rule::random;
+    study_table t{"front",
+                  "The best for the time",
+                  fmt::format("Methods with which no other is both faster and more accurate, over {} splits.",
+                              name_of(rule)),
+                  {{"method", "tactels", "µs a frame", fmt::format("accuracy, {} splits, %", name_of(rule)),
+                    fmt::format("{} splits, %", name_of(other)), "parameters", "C++"}}};
+    for (const study_row* row : pareto_front(rows, rule))
+        t.cells.push_back(
+            {method_title(*row) + (row->recipe == "default" ? "" : ", " + row->recipe + " recipe"),
+             size_of(*row), time_of(*row, &frame_latency::median), accuracy_of(*row, rule),
+             accuracy_of(*row, other), count_of(row->costs.parameters), code_of(*row)});
+    return t;
+}
+
+/// To two digits: times of two machines say no more.
+std::size_t two_digits(double ratio) {
+    const double unit = std::pow(10, std::max(0.0, std::floor(std::log10(ratio)) - 1));
+    return static_cast<std::size_t>(std::lround(ratio / unit) * std::lround(unit));
+}
+
+/// For each method of the paper the fastest here that is at least as accurate over random splits, and how
+/// many times as fast.
+study_table against_table(const std::vector<study_row>& rows) {
+    study_table t{"against",
+                  "Against the paper",
+                  "For each method of the paper, the fastest here whose mean accuracy is at least as high.",
+                  {{"in the paper", "accuracy, %", "ms an image", "here, at least as accurate", "accuracy, %",
+                    "µs a frame", "times as fast"}}};
+    if (std::ranges::none_of(rows, [](const study_row& row) { return row.published != nullptr; }))
+        return t;
+    const auto ours = pareto_front(rows, split_rule::random); // the fastest first, each more accurate
+    for (const published_result& paper : published_results) {
+        const auto row = std::ranges::find_if(ours, [&](const study_row* r) {
+            return 100 * find_accuracy(*r, split_rule::random)->test.mean >= paper.accuracy;
+        });
+        if (paper.seconds == 0 || row == ours.end())
+            continue;
+        t.cells.push_back({std::string(paper.title), fmt::format("{:.2f}", paper.accuracy),
+                           grouped(static_cast<std::size_t>(std::lround(1e3 * paper.seconds))),
+                           title_of(**row), accuracy_of(**row, split_rule::random),
+                           time_of(**row, &frame_latency::median),
+                           grouped(two_digits(1e6 * paper.seconds / (*row)->latency->median))});
+    }
+    return t;
+}
+
+/// What networks take of memory, where the bytes of their code are known.
+study_table memory_table(const std::vector<study_row>& rows) {
+    study_table t{"memory",
+                  "Memory",
+                  "What networks take of memory.",
+                  {{"method", "tactels", "weights, bytes", "working memory, bytes", "code, bytes"}}};
+    for (const study_row& row : rows)
+        if (row.code_bytes > 0 && row.recipe == "default") // a recipe changes no bytes
+            t.cells.push_back({method_title(row), size_of(row), count_of(row.costs.parameter_bytes),
+                               count_of(row.costs.activation_bytes), count_of(row.code_bytes)});
+    return t;
+}
+
+study_table instruction_sets_table(const std::vector<study_row>& rows) {
+    study_table t{
+        "instruction sets",
+        "Other instruction sets",
+        "Microseconds a frame, median, of programs that were compiled for each, on the same machine.",
+        {{"method", "tactels"}}};
+    std::set<std::string> sets;
+    for (const study_row& row : rows)
+        for (const auto& [name, latency] : row.by_instruction_set)
+            sets.insert(name);
+    if (sets.size() < 2)
+        return t;
+    t.cells[0].insert(t.cells[0].end(), sets.begin(), sets.end());
+    std::set<std::string> shown; // a recipe changes no time
+    for (const study_row& row : rows) {
+        if (row.by_instruction_set.size() < 2 || !shown.insert(method_title(row) + size_of(row)).second)
+            continue;
+        std::vector<std::string>& cells = t.cells.emplace_back();
+        cells = {method_title(row), size_of(row)};
+        for (const std::string& name : sets) {
+            const auto found = row.by_instruction_set.find(name);
+            cells.push_back(
+                found == row.by_instruction_set.end() ? "" : fmt::format("{:.1f}", found->second.median));
+        }
+    }
+    return t;
+}
+
+/// Methods with both kinds of splits, the one first that loses least.
+study_table split_rules_table(const std::vector<study_row>& rows) {
+    study_table t{
+        "split rules",
+        "Random against blocked splits",
+        "Images that follow each other resemble each other. A blocked split keeps them together, so "
+        "that a method is tested on touches that it has not nearly seen.",
+        {{"method", "random, %", "blocked, %", "points less"}}};
+    std::vector<std::pair<double, std::vector<std::string>>> found;
+    for (const study_row& row : rows) {
+        const auto *random = find_accuracy(row, split_rule::random),
+                   *blocked = find_accuracy(row, split_rule::blocked);
+        if (random == nullptr || blocked == nullptr)
+            continue;
+        const double less = random->test.mean - blocked->test.mean;
+        found.push_back({less,
+                         {title_of(row), percent_of(random->test.mean), percent_of(blocked->test.mean),
+                          percent_of(less)}});
+    }
+    std::ranges::stable_sort(found, {}, &decltype(found)::value_type::first);
+    for (auto& [less, cells] : found)
+        t.cells.push_back(std::move(cells));
+    return t;
+}
+
+study_table class_rates_table(const study_row& row, split_rule rule) {
+    study_table t{"classes",
+                  fmt::format("How well {} knows each class", title_of(row)),
+                  fmt::format("Sensitivity: the share of a class's images that is recognised. Precision: the "
+                              "share of what is taken for a class that is of it. All {} splits together, the "
+                              "worst class first.",
+                              name_of(rule)),
+                  {{"class", "images", "sensitivity, %", "precision, %", "mostly taken for"}}};
+    for (const class_rate& rate : class_rates(row))
+        t.cells.push_back(
+            {rate.name, fmt::to_string(rate.images), percent_of(rate.sensitivity, 1),
+             percent_of(rate.precision, 1),
+             rate.times == 0 ? "" : fmt::format("{}, {} of {}", rate.taken_for, rate.times, rate.images)});
+    return t;
+}
+
+study_table confusion_table(const study_row& row, split_rule rule) {
+    study_table t{"confusion",
+                  fmt::format("What {} takes for what", title_of(row)),
+                  fmt::format("A row is what an image shows, a column what it was taken for; all {} splits "
+                              "together.",
+                              name_of(rule)),
+                  {{""}},
+                  true};
+    t.cells[0].insert(t.cells[0].end(), row.classes.begin(), row.classes.end());
+    for (std::size_t truth = 0; truth < row.classes.size(); ++truth) {
+        std::vector<std::string>& cells = t.cells.emplace_back();
+        cells = {row.classes[truth]};
+        for (std::size_t c = 0; c < row.classes.size(); ++c)
+            cells.push_back(count_of(row.confusion(truth, c)));
+    }
+    return t;
+}
+
+std::string subject_of(const report_subject& of) {
+    return fmt::format("{}. {}; {:%Y-%m-%d}.", of.images, of.program,
+                       fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
+
+} // namespace
+
+study_table methods_table(const std::vector<study_row>& rows) {
+    study_table t{"methods",
+                  "All methods",
+                  "Mean ± standard deviation of the accuracy on test images (number of splits).",
+                  {{"method", "tactels", "recipe", "random splits, %", "the same, reflections averaged, %",
+                    "blocked splits, %", "paper, random, %", "µs a frame", "p99", "paper, ms", "parameters",
+                    "multiply-adds", "training, s"}}};
+    for (const study_row& row : rows) {
+        const published_result* const paper = row.published;
+        t.cells.push_back(
+            {method_title(row), size_of(row), row.accuracies.empty() ? "" : row.recipe,
+             accuracy_of(row, split_rule::random), reflected_of(row, split_rule::random),
+             accuracy_of(row, split_rule::blocked),
+             paper == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", paper->accuracy, paper->deviation),
+             time_of(row, &frame_latency::median), time_of(row, &frame_latency::p99),
+             paper == nullptr || paper->seconds == 0 ? "" : fmt::format("{:.0f}", 1e3 * paper->seconds),
+             count_of(row.costs.parameters), count_of(row.costs.multiply_adds), seconds_of(row)});
+        if (!row.missing.empty())
+            t.notes += fmt::format("- {}: {}\n", title_of(row), row.missing);
+    }
+    return t;
+}
+
+study_table details_table(const std::vector<study_row>& rows) {
+    const split_rule rule = shown_rule(rows);
+    study_table t{"details",
+                  "Details",
+                  fmt::format("Accuracies are means over {} splits. In batch: the time of a frame where many "
+                              "pass together. Jitter: p99 ÷ median of a loop in registers that takes as long "
+                              "as the frame; that much of p99 is the machine's.",
+                              name_of(rule)),
+                  {{"method", "tactels", "recipe", "validation, %", "training, %", "in batch, µs", "jitter",
+                    "multiply-adds on pixels", "weights, bytes", "working memory, bytes", "C++"}}};
+    for (const study_row& row : rows)
+        if (const auto* a = find_accuracy(row, rule); a != nullptr || row.latency)
+            t.cells.push_back(
+                {method_title(row), size_of(row), row.recipe,
+                 percent_of(a != nullptr ? a->validation : std::nan("")),
+                 percent_of(a != nullptr ? a->training : std::nan("")),
+                 time_of(row, &frame_latency::in_batch), time_of(row, &frame_latency::jitter, 2),
+                 count_of(row.costs.multiply_adds_on_pixels), count_of(row.costs.parameter_bytes),
+                 count_of(row.costs.activation_bytes), code_of(row)});
+    return t;
+}
+
+std::vector<study_table> study_tables(const std::vector<study_row>& rows) {
+    std::vector<study_table> all{front_table(rows),      methods_table(rows), details_table(rows),
+                                 against_table(rows),    memory_table(rows),  instruction_sets_table(rows),
+                                 split_rules_table(rows)};
+    const split_rule rule = shown_rule(rows);
+    if (const study_row* best = most_accurate(rows, rule); best != nullptr && !best->classes.empty()) {
+        all.push_back(class_rates_table(*best, rule));
+        all.push_back(confusion_table(*best, rule));
+    }
+    std::erase_if(all, [](const study_table& t) { return t.cells.size() < 2; });
+    return all;
+}
+
+double class_rate::worst() const {
+    return std::fmin(sensitivity, precision); // which skips a NaN
+}
+
+std::vector<class_rate> class_rates(const study_row& row) {
+    const auto share = [](std::size_t part, std::size_t all) {
+        return all == 0 ? std::nan("") : static_cast<double>(part) / static_cast<double>(all);
+    };
+    const std::size_t count = row.classes.size();
+    std::vector<class_rate> rates;
+    for (std::size_t c = 0; c < count; ++c) {
+        class_rate& rate = rates.emplace_back();
+        rate.name = row.classes[c];
+        std::size_t taken = 0;
+        for (std::size_t other = 0; other < count; ++other) {
+            const std::size_t n = row.confusion(c, other);
+            rate.images += n;
+            taken += row.confusion(other, c);
+            if (other != c && n > rate.times) {
+                rate.times = n;
+                rate.taken_for = row.classes[other];
+            }
+        }
+        rate.sensitivity = share(row.confusion(c, c), rate.images);
+        rate.precision = share(row.confusion(c, c), taken);
+    }
+    std::ranges::stable_sort(rates, [](const class_rate& a, const class_rate& b) {
+        const bool known = !std::isnan(a.worst()), other_known = !std::isnan(b.worst());
+        return known && other_known ? a.worst() < b.worst() : known && !other_known;
+    });
+    return rates;
+}
+
+std::string study_markdown(const std::vector<study_row>& rows, const report_subject& of) {
+    std::string text = fmt::format("# What accuracy costs in time\n\n{} Accuracy on test images: mean ± "
+                                   "standard deviation (number of splits). Times: median of single frames on "
+                                   "one core.\n",
+                                   subject_of(of));
+    for (const study_table& t : study_tables(rows))
+        text += fmt::format("\n## {}\n\n{}\n\n<!-- study {} -->\n{}{}{}<!-- study {} ends -->\n", t.title,
+                            t.caption, t.name, markdown_table(t.cells), t.notes.empty() ? "" : "\n", t.notes,
+                            t.name);
+    return text;
+}
+
+std::string study_page(const std::vector<study_row>& rows,
+                       const std::vector<std::pair<std::string, std::string>>& pictures,
+                       const report_subject& of) {
+    std::string body = fmt::format("<p>{} Each time is of one core.</p>\n", escaped(subject_of(of)));
+    for (const auto& [caption, svg] : pictures)
+        if (!svg.empty()) // without the declaration of an XML file
+            body += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
+                                svg.substr(std::min(svg.find("<svg"), svg.size())), escaped(caption));
+    for (const study_table& t : study_tables(rows))
+        body += fmt::format("<h2>{}</h2>\n{}<p>{}\n{}</p>\n", escaped(t.title), html_table(t.cells, t.shaded),
+                            escaped(t.caption), escaped(t.notes));
+    std::string page(embedded("page.html"));
+    return page.replace(page.find("<!-- report -->\n"), 16, body);
+}

@@ -1,0 +1,27 @@
+#pragma once
+
+// The pictures of a study: each as CSV and PNG beside the page, and as SVG in it, where the pointer asks what
+// a point is.
+
+#include "study/rows.hpp"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+struct study_picture {
+    std::string name;    ///< of the files, without their ending; and of the script
+    std::string caption; ///< what it shows, a sentence
+    std::string csv;     ///< its points
+    std::vector<std::string> series{};
+};
+
+/// Those that the rows have something for. Peers are drawn where a row has their network: its highest
+/// accuracy at their time.
+std::vector<study_picture> study_pictures(const std::vector<study_row>& rows,
+                                          const std::vector<peer_time>& peers = {});
+
+/// Draws them in a folder as PNG. Returns captions, and SVG where it could be drawn.
+std::vector<std::pair<std::string, std::string>>
+draw_study_pictures(const std::vector<study_picture>& pictures, const std::filesystem::path& folder);

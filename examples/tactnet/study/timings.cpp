@@ -1,0 +1,198 @@
+#include "study/timings.hpp"
+
+#include "methods/description.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <processor.hpp>
+#include <stdexcept>
+#include <stopwatch.hpp>
+#include <string>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#if defined(__linux__)
+#include <sched.h>
+#endif
+
+namespace {
+
+/// Microseconds of each of many calls, sorted.
+template <class Work>
+std::vector<double> times_of(const Work& work) {
+    constexpr double enough = 0.4; // seconds
+    constexpr std::size_t fewest = 5, most = 20'000;
+    for (std::size_t i = 0; i < 3; ++i) // caches and branch predictors
+        work();
+    std::vector<double> times;
+    for (double all = 0; times.size() < fewest || (all < enough && times.size() < most);) {
+        const stopwatch watch;
+        work();
+        times.push_back(1e6 * watch.seconds());
+        all += 1e-6 * times.back();
+    }
+    std::sort(times.begin(), times.end());
+    return times;
+}
+
+double quantile(const std::vector<double>& sorted, double share) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+    return sorted[std::max<std::size_t>(rank, 1) - 1];
+}
+
+/// Steps of a generator, each of which waits for the one before; no memory.
+void spin(std::uint64_t steps) {
+    std::uint64_t x = steps | 1U;
+    for (std::uint64_t i = 0; i < steps; ++i)
+        x = x * 6364136223846793005U + 1442695040888963407U;
+    static std::atomic<std::uint64_t> kept; // or a compiler would leave the loop out
+    kept.store(x, std::memory_order_relaxed);
+}
+
+double jitter_over(double microseconds) {
+    constexpr std::uint64_t tried = 100'000;
+    const double each = median_microseconds([] { spin(tried); }) / static_cast<double>(tried);
+    const auto steps = static_cast<std::uint64_t>(std::max(1.0, microseconds / each));
+    const std::vector<double> times = times_of([&] { spin(steps); });
+    return quantile(times, 0.99) / quantile(times, 0.5);
+}
+
+std::string machine_name() {
+    std::array<char, 256> name{};
+    return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+/// Which program measures on which machine.
+tactnet::file_metadata this_program() {
+    tactnet::file_metadata key{
+        {"processor", processor_name()}, {"machine", machine_name()}, {"compiler", compiler_name()}};
+    key.merge(describe_program());
+    return key;
+}
+
+tactnet::file_metadata key_of(const method& what, std::size_t bits, tactnet::file_metadata program) {
+    program.merge(tactnet::file_metadata{{"method", what.name},
+                                         {"rows", fmt::to_string(what.rows)},
+                                         {"columns", fmt::to_string(what.columns)}});
+    program.merge(what.parts());
+    if (bits == 8)
+        program["bits"] = "8";
+    return program;
+}
+
+} // namespace
+
+#if defined(__linux__)
+pinned::pinned() {
+    cpu_set_t before, one;
+    const int core = sched_getcpu();
+    if (core < 0 || sched_getaffinity(0, sizeof(before), &before) != 0)
+        return;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(core), &one);
+    if (sched_setaffinity(0, sizeof(one), &one) == 0)
+        free_ = [before] { sched_setaffinity(0, sizeof(before), &before); };
+}
+#else
+pinned::pinned() = default;
+#endif
+pinned::~pinned() {
+    if (free_)
+        free_();
+}
+
+frame_latency measure_latency(const frame_work& work, std::size_t together) {
+    const std::vector<double> times = times_of([&] { work(1); });
+    frame_latency found;
+    found.median = quantile(times, 0.5);
+    found.p99 = quantile(times, 0.99);
+    found.jitter = jitter_over(found.median);
+    found.in_batch = median_microseconds([&] { work(together); }) / static_cast<double>(together);
+    return found;
+}
+
+timing_list::timing_list(const std::filesystem::path& path) : file_(path), shown_(this_program()) {
+    read_on();
+}
+
+void timing_list::read_on() {
+    file_.read_on("a timing of tactnet study", [&](const std::string& text) {
+        const auto line = nlohmann::json::parse(text);
+        const auto positive = [&](const char* name) {
+            const double value = line.at(name);
+            if (!(value > 0))
+                throw std::runtime_error(fmt::format("expected {} above 0, found {}", name, value));
+            return value;
+        };
+        all_[line.at("settings").get<tactnet::file_metadata>()] = {positive("median"), positive("p99"),
+                                                                   positive("in_batch"), positive("jitter")};
+    });
+}
+
+void timing_list::show_others() {
+    std::map<tactnet::file_metadata, std::size_t> counts;
+    std::size_t most = 0;
+    for (const auto& [settings, latency] : all_) {
+        tactnet::file_metadata program;
+        for (const auto& [key, value] : this_program())
+            if (const auto found = settings.find(key); found != settings.end())
+                program[key] = found->second;
+        if (program.size() < this_program().size())
+            continue;
+        if (const std::size_t count = ++counts[program]; count > most) {
+            most = count;
+            shown_ = program;
+            others_ = true;
+        }
+    }
+}
+
+const frame_latency* timing_list::find(const method& what, std::size_t bits) const {
+    const auto found = all_.find(key_of(what, bits, shown_));
+    return found == all_.end() ? nullptr : &found->second;
+}
+
+std::map<std::string, frame_latency> timing_list::by_instruction_set(const method& what,
+                                                                     std::size_t bits) const {
+    constexpr const char* name = "instruction_set";
+    std::map<std::string, frame_latency> found;
+    const tactnet::file_metadata wanted = key_of(what, bits, shown_);
+    for (const auto& [settings, latency] : all_) {
+        tactnet::file_metadata here = settings;
+        const auto set = here.find(name);
+        if (set == here.end())
+            continue;
+        const std::string kept = std::exchange(set->second, wanted.at(name));
+        if (here == wanted)
+            found[kept] = latency;
+    }
+    return found;
+}
+
+void timing_list::add(const method& what, std::size_t bits, const frame_latency& found) {
+    const tactnet::file_metadata key = key_of(what, bits, this_program());
+    file_.add(nlohmann::ordered_json{{"settings", key},
+                                     {"median", found.median},
+                                     {"p99", found.p99},
+                                     {"in_batch", found.in_batch},
+                                     {"jitter", found.jitter}}
+                  .dump());
+    all_[key] = found;
+}
+
+std::string compiler_name() {
+#if defined(__clang__)
+    return fmt::format("Clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#elif defined(__GNUC__)
+    return fmt::format("GCC {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#else
+    return "unknown";
+#endif
+}

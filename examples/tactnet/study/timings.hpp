@@ -1,0 +1,69 @@
+#pragma once
+
+// How long a method takes for a frame, and how much of that is this machine's own restlessness; and a file of
+// such times, a JSON line each, by method, size, processor and program: times of two machines are not mixed.
+
+#include "files/line_file.hpp"
+#include "methods/method.hpp"
+
+#include <tactnet/io/model_file.hpp>
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+/// In microseconds a frame, on one core.
+struct frame_latency {
+    double median = 0;   ///< of single frames, one after the other
+    double p99 = 0;      ///< 99 of 100 take no longer
+    double in_batch = 0; ///< as many at once as pass together
+    /// What `p99` is by `median` for a loop in registers that takes as long: what of it is the machine's.
+    double jitter = 1;
+};
+
+/// Keeps the calling thread on the core where it is. Where the system does not let it, it stays free.
+class pinned {
+public:
+    pinned();
+    pinned(const pinned&) = delete;
+    pinned& operator=(const pinned&) = delete;
+    ~pinned();
+
+private:
+    std::function<void()> free_; ///< lets it go where it could before
+};
+
+/// Takes about a second, or five frames where they take longer.
+frame_latency measure_latency(const frame_work& work, std::size_t together);
+
+class timing_list {
+public:
+    /// Reads what there is. Throws tactnet::file_error.
+    explicit timing_list(const std::filesystem::path& path);
+
+    /// Reads what other programs have added since. Throws tactnet::file_error.
+    void read_on();
+    /// With weights of so many bits, by this program on this machine, or nothing.
+    const frame_latency* find(const method& what, std::size_t bits) const;
+    /// By the same version and compiler on the same machine: by the name of the instruction set that a
+    /// program was compiled for.
+    std::map<std::string, frame_latency> by_instruction_set(const method& what, std::size_t bits) const;
+    /// From now on `find` and `by_instruction_set` show what another program or machine has measured: the one
+    /// with the most timings in the file, if there are any.
+    void show_others();
+    bool others() const { return others_; }
+    /// Whose times are shown: processor, machine, compiler, version and instruction set.
+    const tactnet::file_metadata& shown() const { return shown_; }
+    void add(const method& what, std::size_t bits, const frame_latency& found);
+
+private:
+    line_file file_;
+    tactnet::file_metadata shown_;
+    bool others_ = false;
+    std::map<tactnet::file_metadata, frame_latency> all_;
+};
+
+/// The compiler and its version.
+std::string compiler_name();
