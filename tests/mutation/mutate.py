@@ -124,8 +124,7 @@ class Tests:
     def __init__(self):
         self.closures = {}
         self.files = {path: self.reached(path) for path in sorted(TESTS.rglob("*_test.cpp"))
-                      if "wrong" not in path.as_posix() and "hard_cases" not in path.parts
-                      and "examples" not in path.parts and "peers" not in path.name}
+                      if not {"hard_cases", "examples"} & set(path.parts) and "peers" not in path.name}
 
     def included(self, path):
         return re.findall(r'#include [<"]([\w/.]+)[>"]', path.read_text())
@@ -262,10 +261,8 @@ def tried(builder, mutant, test):
     source = (HEADERS / mutant.header).read_text()
     unit, program = builder.folder / "unit.o", builder.folder / "program"
     builder.with_header(mutant.header, mutant.apply(source))
-    try:
-        compiled = builder.compile(test, unit, [])
-    finally:
-        builder.with_header(mutant.header, source)
+    compiled = builder.compile(test, unit, [])
+    builder.with_header(mutant.header, source)
     if compiled.returncode < 0 or "terminated program" in compiled.stderr:
         sys.exit("The compiler was ended from outside; the results so far are kept.")
     if compiled.returncode != 0:
@@ -336,9 +333,8 @@ def edits(mutant, number):
     if one in ("true", "false"):
         return [(at, end, f"mutants::flag<{number}>({one})")]
     if one in ("std::min", "std::max"):
-        if text[end:end + 1] == "<":
-            return [(at, end + 1, f"mutants::{one[5:]}<{number}, ")]
-        return [(at, end, f"mutants::{one[5:]}<{number}>")]
+        typed = text[end:end + 1] == "<"
+        return [(at, end + typed, f"mutants::{one[5:]}<{number}{', ' if typed else '>'}")]
     if one == "++":
         return [(at, end, f"mutants::down<{number}> += ")] if re.search(r"(; |^\s*)$", text[:at]) else []
     if one == "!":
@@ -368,11 +364,9 @@ class Together:
             if mutant.header == header and number not in self.dropped:
                 of.setdefault(mutant.line, []).extend(edits(mutant, number))
         for line, all_edits in of.items():
-            text = lines[line - 1]
             # From the right, so that places stay; of insertions at one place the last one comes to stand first.
             for begin, end, new in sorted(all_edits, key=lambda edit: (edit[0], edit[1]), reverse=True):
-                text = text[:begin] + new + text[end:]
-            lines[line - 1] = text
+                lines[line - 1] = lines[line - 1][:begin] + new + lines[line - 1][end:]
         self.builder.with_header(header, "\n".join(lines))
 
     def program(self, test):
