@@ -15,11 +15,11 @@ set(room_layers kernels runtime tensor)
 set(room_networks layers kernels runtime tensor)
 set(room_deployment networks layers kernels runtime tensor)
 set(room_quantisation deployment networks layers kernels runtime tensor)
-set(room_training image networks layers kernels runtime tensor)
+set(room_training text image networks layers kernels runtime tensor)
 set(room_image kernels runtime tensor)
 set(room_transfer io text deployment image networks layers kernels runtime tensor)
-set(room_svm kernels runtime tensor)
-set(room_features kernels runtime tensor)
+set(room_svm text kernels runtime tensor)
+set(room_features text kernels runtime tensor)
 set(room_io text kernels runtime tensor) # io/parameters.hpp and others take a network as a template argument and include none
 set(header_io/model_file.hpp networks) # what this one may include beside: it is the file of a networks/model.hpp
 set(room_sensors io text tensor)
@@ -28,11 +28,11 @@ set(only_sensors_io file_error read_file)
 set(header_io/svm_file.hpp svm)
 set(header_io/deployed_file.hpp deployment networks)
 set(header_io/stored_deployed.hpp deployment)
-set(room_eigen tensor sensors svm)
+set(room_eigen text tensor sensors svm)
 # Only what has frames and rows in it, which needs nothing but tensors.
 set(only_eigen_sensors frame)
 set(only_eigen_svm feature_rows)
-set(room_simulation sensors image kernels runtime tensor)
+set(room_simulation sensors text image kernels runtime tensor)
 set(only_simulation_sensors tekscan_6077) # what sensors there are, not what they send
 set(room_forward tensor)
 # The core umbrella: a user of inference never pays for training.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/eigen/memory.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <Eigen/Core>
 
@@ -8,7 +9,6 @@
 #include <optional>
 #include <ranges>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -69,12 +69,12 @@ template <std::size_t Count, eigen_dense M>
     if constexpr (detail::matrix_elements<std::remove_cvref_t<M>> != Count ||
                   !detail::strides_are_known<std::remove_cvref_t<M>>)
         if (!view)
-            throw std::invalid_argument("elements: expected " +
-                                        (Count == std::dynamic_extent
-                                             ? std::string("coefficients")
-                                             : std::to_string(Count) + " coefficients") +
-                                        " without gaps, found " + std::to_string(matrix.size()) +
-                                        (detail::lies_row_by_row(matrix) ? "" : " with gaps between them"));
+            detail::throw_invalid_argument(
+                {"elements: expected ",
+                 Count == std::dynamic_extent ? std::string("coefficients")
+                                              : std::to_string(Count) + " coefficients",
+                 " without gaps, found ", std::to_string(matrix.size()),
+                 detail::lies_row_by_row(matrix) ? "" : " with gaps between them"});
     return *view;
 }
 /// As above, for as many coefficients as the matrix has; a constant if its size is one.
@@ -103,8 +103,8 @@ template <std::size_t Columns, std::ranges::contiguous_range R>
     static_assert(Columns > 0, "map_rows: a row has at least one number");
     const std::span all(numbers);
     if (all.size() % Columns != 0)
-        throw std::invalid_argument("rows: expected whole rows of " + std::to_string(Columns) +
-                                    " numbers, found " + std::to_string(all.size()) + " numbers");
+        detail::throw_invalid_argument(
+            {"rows: expected whole rows of ", Columns, " numbers, found ", all.size(), " numbers"});
     using element = typename decltype(all)::element_type;
     using matrix = row_major_matrix<std::remove_const_t<element>, Eigen::Dynamic, static_cast<int>(Columns)>;
     return Eigen::Map<std::conditional_t<std::is_const_v<element>, const matrix, matrix>>(
@@ -127,9 +127,8 @@ template <class T>
     for (std::size_t e = 1; e < extents.size(); ++e)
         columns *= extents[e];
     if (rows * columns != values.size())
-        throw std::invalid_argument("map_parameter: expected " + std::to_string(rows) + " x " +
-                                    std::to_string(columns) + " values, found " +
-                                    std::to_string(values.size()));
+        detail::throw_invalid_argument(
+            {"map_parameter: expected ", rows, " x ", columns, " values, found ", values.size()});
     using matrix = row_major_matrix<std::remove_const_t<T>, Eigen::Dynamic, Eigen::Dynamic>;
     return Eigen::Map<std::conditional_t<std::is_const_v<T>, const matrix, matrix>>(
         values.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));

@@ -6,6 +6,7 @@
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <Eigen/Core>
 
@@ -14,7 +15,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -74,11 +74,11 @@ inline constexpr bool frame_is_known = M::SizeAtCompileTime != Eigen::Dynamic&& 
 
 template <class M, shape Shape>
 [[noreturn]] void refuse_frame(const M& matrix) {
-    throw std::invalid_argument(
-        "frame: expected a matrix of " + std::to_string(Shape.channels * Shape.rows) + " x " +
-        std::to_string(Shape.columns) + " stored row by row without gaps, found " +
-        std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()) +
-        (has_frame_size<M, Shape>(matrix) ? " with gaps between its rows or coefficients" : ""));
+    detail::throw_invalid_argument(
+        {"frame: expected a matrix of ", Shape.channels * Shape.rows, " x ", Shape.columns,
+         " stored row by row without gaps, found ", std::to_string(matrix.rows()), " x ",
+         std::to_string(matrix.cols()),
+         has_frame_size<M, Shape>(matrix) ? " with gaps between its rows or coefficients" : ""});
 }
 
 template <class M>
@@ -132,10 +132,9 @@ template <shape Shape, eigen_dense M>
 [[nodiscard]] auto copy_frame(const M& matrix) -> tensor<typename M::Scalar, Shape> {
     detail::check_frame_size<M, Shape>();
     if (!detail::has_frame_size<M, Shape>(matrix))
-        throw std::invalid_argument("frame: expected a matrix of " +
-                                    std::to_string(Shape.channels * Shape.rows) + " x " +
-                                    std::to_string(Shape.columns) + ", found " +
-                                    std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()));
+        detail::throw_invalid_argument({"frame: expected a matrix of ", Shape.channels * Shape.rows, " x ",
+                                        Shape.columns, ", found ", std::to_string(matrix.rows()), " x ",
+                                        std::to_string(matrix.cols())});
     tensor<typename M::Scalar, Shape> frame;
     // A vector stays a vector: Eigen does not assign it to a matrix of dynamic size.
     constexpr int rows = M::RowsAtCompileTime, columns = M::ColsAtCompileTime;
@@ -193,9 +192,8 @@ template <class Tensor>
 /// are rows × columns cells.
 [[nodiscard]] inline auto map_frame(const frame_view& frame) {
     if (frame.cells.size() != frame.rows * frame.columns)
-        throw std::invalid_argument("frame: expected " + std::to_string(frame.rows) + " x " +
-                                    std::to_string(frame.columns) + " cells, found " +
-                                    std::to_string(frame.cells.size()));
+        detail::throw_invalid_argument(
+            {"frame: expected ", frame.rows, " x ", frame.columns, " cells, found ", frame.cells.size()});
     return Eigen::Map<const row_major_matrix<float, Eigen::Dynamic, Eigen::Dynamic>>(
         frame.cells.data(), static_cast<Eigen::Index>(frame.rows), static_cast<Eigen::Index>(frame.columns));
 }

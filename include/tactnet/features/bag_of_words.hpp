@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/features/points.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
@@ -8,8 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 // Bags of visual words (Csurka, Dance, Fan, Willamowski and Bray, "Visual categorization with bags of
@@ -42,8 +41,8 @@ public:
         : words_(words.begin(), words.end()), search_(words, detail::far_origin<Values>(words)), form_(form) {
         detail::check_points("bag_of_words", words, Values);
         if (count() > Words)
-            throw std::invalid_argument("bag_of_words: expected at most " + std::to_string(Words) +
-                                        " words, found " + std::to_string(count()));
+            detail::throw_invalid_argument(
+                {"bag_of_words: expected at most ", Words, " words, found ", count()});
     }
 
     /// Number of words.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/rows/nearest.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
@@ -8,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,7 +25,7 @@ namespace detail {
 /// the first number that is NaN, infinite or larger than 10¹⁷.
 inline void check_points(const char* caller, std::span<const float> points, std::size_t values) {
     const auto refuse = [&](const std::string& problem) {
-        throw std::invalid_argument(std::string(caller) + ": expected " + problem);
+        detail::throw_invalid_argument({caller, ": expected ", problem});
     };
     if (points.empty() || points.size() % values != 0)
         refuse("points of " + std::to_string(values) + " numbers each, found " +

@@ -3,6 +3,7 @@
 #include <tactnet/features/bag_of_words.hpp>
 #include <tactnet/features/dense_surf.hpp>
 #include <tactnet/features/k_means.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
@@ -10,8 +11,6 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -47,8 +46,7 @@ void describe_images(std::span<const typename Surf::pixel_type> images, std::spa
     const std::size_t count = images.size() / Surf::extents.size();
     for (const std::size_t image : chosen)
         if (image >= count)
-            throw std::invalid_argument("dense SURF: there is no image " + std::to_string(image) + " among " +
-                                        std::to_string(count));
+            detail::throw_invalid_argument({"dense SURF: there is no image ", image, " among ", count});
     std::vector<Surf> memories(threads.threads());
     std::vector<std::size_t> broken(threads.threads(), count); // the first one of each thread
     threads.on_each_thread([&](thread_pool::share part) {
@@ -63,8 +61,8 @@ void describe_images(std::span<const typename Surf::pixel_type> images, std::spa
     });
     const std::size_t first = *std::min_element(broken.begin(), broken.end());
     if (first < count)
-        throw std::invalid_argument("dense SURF: expected finite pixels, found NaN or infinity in image " +
-                                    std::to_string(first) + " (counted from 0)");
+        detail::throw_invalid_argument({"dense SURF: expected finite pixels, found NaN or infinity in image ",
+                                        first, " (counted from 0)"});
 }
 
 /// Appends up to `share` random descriptors to `points`.
@@ -103,8 +101,8 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
     for (const std::vector<float>& of_image : drawn)
         points.insert(points.end(), of_image.begin(), of_image.end());
     if (points.empty())
-        throw std::invalid_argument("dense SURF: found nothing to describe in " +
-                                    std::to_string(chosen.size()) + " images: all of them are zero");
+        detail::throw_invalid_argument(
+            {"dense SURF: found nothing to describe in ", chosen.size(), " images: all of them are zero"});
     const k_means_result found = k_means<surf_values>(
         points, {.centres = Words, .most_iterations = settings.most_iterations, .seed = settings.seed},
         threads);

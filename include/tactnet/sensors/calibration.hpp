@@ -2,12 +2,12 @@
 
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,8 +39,8 @@ public:
         for (const float gain : values_.gains)
             require("gains", static_cast<double>(gain));
         if (!(values_.noise_threshold >= 0))
-            throw std::invalid_argument("calibration: expected a noise threshold of zero or more, found " +
-                                        std::to_string(values_.noise_threshold));
+            detail::throw_invalid_argument({"calibration: expected a noise threshold of zero or more, found ",
+                                            std::to_string(values_.noise_threshold)});
     }
 
     /// Creates the calibration that a recording describes. Returns nothing if it is in pascal or has no
@@ -76,8 +76,8 @@ public:
 private:
     static void require(const char* what, double value) {
         if (!(value > 0 && std::isfinite(value)))
-            throw std::invalid_argument(std::string("calibration: expected ") + what + " above zero, found " +
-                                        std::to_string(value));
+            detail::throw_invalid_argument(
+                {"calibration: expected ", what, " above zero, found ", std::to_string(value)});
     }
 
     calibration_values values_;
@@ -89,17 +89,17 @@ private:
 [[nodiscard]] inline std::vector<float> equilibration_gains(std::span<const float> mean_frame,
                                                             const recording_description& description) {
     if (mean_frame.size() != description.cells())
-        throw std::invalid_argument("equilibration_gains: expected " + std::to_string(description.cells()) +
-                                    " cells, found " + std::to_string(mean_frame.size()));
+        detail::throw_invalid_argument(
+            {"equilibration_gains: expected ", description.cells(), " cells, found ", mean_frame.size()});
     double sum = 0;
     std::size_t tactels = 0;
     for (std::size_t i = 0; i < mean_frame.size(); ++i) {
         if (!description.exists(i))
             continue;
         if (!(mean_frame[i] > 0))
-            throw std::invalid_argument(
-                "equilibration_gains: expected a count above zero in every tactel, found " +
-                std::to_string(mean_frame[i]) + " in cell " + std::to_string(i));
+            detail::throw_invalid_argument(
+                {"equilibration_gains: expected a count above zero in every tactel, found ",
+                 std::to_string(mean_frame[i]), " in cell ", i});
         sum += static_cast<double>(mean_frame[i]);
         ++tactels;
     }

@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -88,10 +88,9 @@ private:
     static recording_description describe(const matrix_stream_format& format) {
         if (format.rows == 0 || format.columns == 0 || format.rows > largest_frame_cells / format.columns ||
             std::max({format.marker.size(), format.skip_before, format.skip_after}) > largest_packet / 4)
-            throw std::invalid_argument("matrix_stream: expected 1 to " +
-                                        std::to_string(largest_frame_cells) + " cells and at most " +
-                                        std::to_string(largest_packet / 4) + " bytes around them, found " +
-                                        std::to_string(format.rows) + " x " + std::to_string(format.columns));
+            detail::throw_invalid_argument(
+                {"matrix_stream: expected 1 to ", largest_frame_cells, " cells and at most ",
+                 largest_packet / 4, " bytes around them, found ", format.rows, " x ", format.columns});
         recording_description description;
         description.format = "matrix stream";
         description.rows = format.rows;

@@ -6,6 +6,7 @@
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/sensors/warning.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +14,6 @@
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,10 +50,9 @@ public:
     [[nodiscard]] tensor_view<const float, Shape> as(std::size_t index) const& {
         const auto view = (*this)[index].template as<Shape>();
         if (!view)
-            throw std::invalid_argument("recording: expected frames of " + std::to_string(Shape.rows) +
-                                        " x " + std::to_string(Shape.columns) + ", found " +
-                                        std::to_string(description.rows) + " x " +
-                                        std::to_string(description.columns));
+            detail::throw_invalid_argument({"recording: expected frames of ", Shape.rows, " x ",
+                                            Shape.columns, ", found ", description.rows, " x ",
+                                            description.columns});
         return *view;
     }
     template <shape Shape>

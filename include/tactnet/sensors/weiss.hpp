@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
@@ -8,7 +9,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -107,9 +107,8 @@ private:
 
     static recording_description describe(std::string format, const weiss_array& array) {
         if (array.rows == 0 || array.columns == 0 || array.rows > largest_frame_cells / array.columns)
-            throw std::invalid_argument("weiss_decoder: expected 1 to " +
-                                        std::to_string(largest_frame_cells) + " cells, found " +
-                                        std::to_string(array.rows) + " x " + std::to_string(array.columns));
+            detail::throw_invalid_argument({"weiss_decoder: expected 1 to ", largest_frame_cells,
+                                            " cells, found ", array.rows, " x ", array.columns});
         recording_description description;
         description.format = std::move(format);
         description.rows = array.rows;

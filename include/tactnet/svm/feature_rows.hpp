@@ -1,13 +1,13 @@
 #pragma once
 
 #include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -30,11 +30,10 @@ public:
     feature_rows(std::span<const float> values, std::size_t features) : values_(values), features_(features) {
         if ((Features != dynamic_features && features != Features) || features == 0 ||
             values.size() % features != 0)
-            throw std::invalid_argument(
-                "rows of features: expected " +
-                (Features == dynamic_features ? std::string("one or more") : std::to_string(Features)) +
-                " features in whole rows, found " + std::to_string(values.size()) + " values in rows of " +
-                std::to_string(features));
+            detail::throw_invalid_argument(
+                {"rows of features: expected ",
+                 Features == dynamic_features ? std::string("one or more") : std::to_string(Features),
+                 " features in whole rows, found ", values.size(), " values in rows of ", features});
     }
     template <class Values>
         requires(!lasting_range<Values> && std::is_constructible_v<std::span<const float>, Values>)
@@ -64,9 +63,9 @@ inline void check_finite(feature_rows<> rows) {
     const std::span<const float> values = rows.values();
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!std::isfinite(values[i]))
-            throw std::invalid_argument("features: row " + std::to_string(i / rows.features()) + ", column " +
-                                        std::to_string(i % rows.features()) +
-                                        ": expected a finite number, found " + std::to_string(values[i]));
+            detail::throw_invalid_argument({"features: row ", i / rows.features(), ", column ",
+                                            i % rows.features(), ": expected a finite number, found ",
+                                            std::to_string(values[i])});
 }
 
 /// 0 … count − 1: the samples of all rows.
@@ -79,8 +78,8 @@ inline void check_finite(feature_rows<> rows) {
 /// Throws std::invalid_argument unless all features are finite and there is a label for each row.
 inline void check_samples(feature_rows<> rows, std::span<const std::size_t> labels) {
     if (labels.size() != rows.size())
-        throw std::invalid_argument("labels: expected " + std::to_string(rows.size()) +
-                                    ", one for each row, found " + std::to_string(labels.size()));
+        detail::throw_invalid_argument(
+            {"labels: expected ", rows.size(), ", one for each row, found ", labels.size()});
     check_finite(rows);
 }
 

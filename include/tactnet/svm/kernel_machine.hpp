@@ -10,6 +10,7 @@
 #include <tactnet/svm/probability.hpp>
 #include <tactnet/svm/standardisation.hpp>
 #include <tactnet/tensor/aligned.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -18,7 +19,6 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -59,8 +59,8 @@ public:
     explicit kernel_machine(kernel_machine_parameters<Kernel> parameters) : parts_(std::move(parameters)) {
         parts_.check();
         if (Features != dynamic_features && parts_.features != Features)
-            throw std::invalid_argument("kernel machine: expected " + std::to_string(Features) +
-                                        " features, found " + std::to_string(parts_.features));
+            detail::throw_invalid_argument(
+                {"kernel machine: expected ", Features, " features, found ", parts_.features});
         const feature_rows<> vectors(parts_.support_vectors, parts_.features);
         const std::vector<std::size_t> all = all_samples(vectors.size());
         space_ = kernel_space<Kernel>(vectors);
@@ -126,8 +126,8 @@ private:
 
     void check_rows(feature_rows<Features> rows) const {
         if (rows.features() != features())
-            throw std::invalid_argument("kernel machine: expected rows of " + std::to_string(features()) +
-                                        " features, found " + std::to_string(rows.features()));
+            detail::throw_invalid_argument(
+                {"kernel machine: expected rows of ", features(), " features, found ", rows.features()});
         check_finite(rows);
     }
     void find_values(feature_rows<Features> rows, std::span<double> values, thread_pool& threads) const {
@@ -223,8 +223,8 @@ template <svm_kernel Kernel>
 void kernel_machine_parameters<Kernel>::check() const {
     const auto require = [](bool right, const char* what, std::size_t expected, std::size_t found) {
         if (!right)
-            throw std::invalid_argument("kernel machine: " + std::string(what) + ": expected " +
-                                        std::to_string(expected) + ", found " + std::to_string(found));
+            detail::throw_invalid_argument(
+                {"kernel machine: ", what, ": expected ", expected, ", found ", found});
     };
     const auto require_same = [&](const char* what, std::size_t expected, std::size_t found) {
         require(expected == found, what, expected, found);

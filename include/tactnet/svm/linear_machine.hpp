@@ -6,6 +6,7 @@
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/solvers/coordinate_descent.hpp>
 #include <tactnet/svm/standardisation.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,8 +14,6 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -36,10 +35,9 @@ struct linear_machine_parameters {
             std::adjacent_find(labels.begin(), labels.end(), std::greater_equal<>()) != labels.end() ||
             (standardise &&
              (standardise->mean.size() != features || standardise->deviation.size() != features)))
-            throw std::invalid_argument("linear machine: " + std::to_string(k) + " classes, " +
-                                        std::to_string(features) + " features, " +
-                                        std::to_string(weights.size()) + " weights and " +
-                                        std::to_string(offsets.size()) + " offsets do not fit each other");
+            detail::throw_invalid_argument({"linear machine: ", k, " classes, ", features, " features, ",
+                                            weights.size(), " weights and ", offsets.size(),
+                                            " offsets do not fit each other"});
     }
 };
 
@@ -52,8 +50,8 @@ public:
     explicit linear_machine(linear_machine_parameters parameters) : parts_(std::move(parameters)) {
         parts_.check();
         if (Features != dynamic_features && parts_.features != Features)
-            throw std::invalid_argument("linear machine: expected " + std::to_string(Features) +
-                                        " features, found " + std::to_string(parts_.features));
+            detail::throw_invalid_argument(
+                {"linear machine: expected ", Features, " features, found ", parts_.features});
         packed_ = kernels::packed_rows(classes(), features(),
                                        [&](std::size_t c) { return parts_.weights.data() + c * features(); });
     }
@@ -95,8 +93,8 @@ public:
 private:
     void check_rows(feature_rows<Features> rows) const {
         if (rows.features() != features())
-            throw std::invalid_argument("linear machine: expected rows of " + std::to_string(features()) +
-                                        " features, found " + std::to_string(rows.features()));
+            detail::throw_invalid_argument(
+                {"linear machine: expected rows of ", features(), " features, found ", rows.features()});
         check_finite(rows);
     }
     /// The temporary memory of a row.

@@ -2,13 +2,13 @@
 
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -91,9 +91,9 @@ struct class_members {
     /// Throws std::invalid_argument for fewer than two classes.
     void require_two() const {
         if (size() < 2)
-            throw std::invalid_argument(
-                "labels: expected two classes or more, found " +
-                (size() == 0 ? "no samples" : "only class " + std::to_string(labels.front())));
+            detail::throw_invalid_argument(
+                {"labels: expected two classes or more, found ",
+                 size() == 0 ? "no samples" : "only class " + std::to_string(labels.front())});
     }
 };
 
@@ -120,8 +120,8 @@ struct class_members {
                 costs[c] *= w.weight;
     for (const double c : costs)
         if (!(c > 0) || c > std::numeric_limits<double>::max())
-            throw std::invalid_argument("cost of errors: expected a positive number, found " +
-                                        std::to_string(c));
+            detail::throw_invalid_argument(
+                {"cost of errors: expected a positive number, found ", std::to_string(c)});
     return costs;
 }
 
@@ -146,10 +146,10 @@ inline void require_training_memory(std::size_t classes, std::size_t samples, mu
     const auto mebibytes = [](double count) {
         return std::to_string(static_cast<std::uint64_t>(std::min(count / (1 << 20), 1e18)) + 1) + " MiB";
     };
-    throw std::invalid_argument(
-        "support vector machines of " + std::to_string(classes) + " classes from " + std::to_string(samples) +
-        " samples, " + (pairs ? "one versus one" : "one versus rest") + ": expected to need at most " +
-        mebibytes(static_cast<double>(bytes)) + " of memory (memory_bytes), found " + mebibytes(needed));
+    detail::throw_invalid_argument({"support vector machines of ", classes, " classes from ", samples,
+                                    " samples, ", pairs ? "one versus one" : "one versus rest",
+                                    ": expected to need at most ", mebibytes(static_cast<double>(bytes)),
+                                    " of memory (memory_bytes), found ", mebibytes(needed)});
 }
 
 } // namespace detail

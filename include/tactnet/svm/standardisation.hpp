@@ -1,13 +1,13 @@
 #pragma once
 
 #include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace tactnet {
@@ -52,8 +52,8 @@ struct standardisation {
     [[nodiscard]] std::vector<float> operator()(feature_rows<> rows) const {
         const std::size_t features = rows.features();
         if (features != mean.size())
-            throw std::invalid_argument("standardisation: expected " + std::to_string(mean.size()) +
-                                        " features, found " + std::to_string(features));
+            detail::throw_invalid_argument(
+                {"standardisation: expected ", mean.size(), " features, found ", features});
         std::vector<float> result(rows.values().size());
         for (std::size_t i = 0; i < rows.size(); ++i)
             for (std::size_t f = 0; f < features; ++f)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/text/message.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/gradient_step.hpp>
@@ -32,8 +33,7 @@ inline void blend(std::span<float> mean, std::span<const float> latest, float sh
 /// Throws unless each array has values of the right number, or none.
 inline void check_trunk(std::span<const parameter> parameters, std::span<const std::vector<float>> arrays) {
     const auto refuse = [](const std::string& what, std::size_t expected, std::size_t found) {
-        throw std::invalid_argument("trainer: expected " + std::to_string(expected) + " " + what +
-                                    ", found " + std::to_string(found));
+        detail::throw_invalid_argument({"trainer: expected ", expected, " ", what, ", found ", found});
     };
     if (arrays.size() != parameters.size())
         refuse("arrays", parameters.size(), arrays.size());
@@ -65,10 +65,10 @@ public:
         network_->epsilon() = how.epsilon;
         if (samples_.are_images()) {
             if (how.input != input_rule::scale && network_->takes_counts())
-                throw std::invalid_argument(
-                    std::string("trainer: expected input_rule::scale for a network that takes counts, found "
-                                "input_rule::") +
-                    (how.input == input_rule::counts ? "counts" : "subtract_mean"));
+                detail::throw_invalid_argument(
+                    {"trainer: expected input_rule::scale for a network that takes counts, found "
+                     "input_rule::",
+                     how.input == input_rule::counts ? "counts" : "subtract_mean"});
             if (how.input == input_rule::subtract_mean)
                 step_.in().subtract_mean(samples_.pixels(), split_.training);
             else if (how.input == input_rule::scale)

@@ -2,6 +2,7 @@
 
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/networks/published.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/optimiser.hpp>
 #include <tactnet/training/schedule.hpp>
@@ -161,9 +162,10 @@ struct recipe {
         if (validate_every == 0)
             throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
         if (!(label_smoothing >= 0 && label_smoothing < 1))
-            throw std::invalid_argument("trainer: expected a label smoothing of 0 or more and below 1, with "
-                                        "which nothing could be learnt, found " +
-                                        std::to_string(label_smoothing));
+            detail::throw_invalid_argument(
+                {"trainer: expected a label smoothing of 0 or more and below 1, with "
+                 "which nothing could be learnt, found ",
+                 std::to_string(label_smoothing)});
     }
 
 private:

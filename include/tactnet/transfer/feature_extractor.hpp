@@ -5,6 +5,7 @@
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/transfer/photograph.hpp>
 
 #include <algorithm>
@@ -102,13 +103,12 @@ private:
     static void check(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen) {
         const std::size_t count = images.size() / Grey.size();
         if (count * Grey.size() != images.size())
-            throw std::invalid_argument("feature_extractor: expected images of " +
-                                        std::to_string(Grey.size()) + " counts, found " +
-                                        std::to_string(images.size()) + " counts");
+            detail::throw_invalid_argument({"feature_extractor: expected images of ", Grey.size(),
+                                            " counts, found ", images.size(), " counts"});
         for (const std::size_t image : chosen)
             if (image >= count)
-                throw std::invalid_argument("feature_extractor: expected an image among " +
-                                            std::to_string(count) + ", found " + std::to_string(image));
+                detail::throw_invalid_argument(
+                    {"feature_extractor: expected an image among ", count, ", found ", image});
     }
     void extract(std::span<const std::uint8_t, Grey.size()> image, std::size_t index, memory& own,
                  std::span<float> to) const {

@@ -5,13 +5,12 @@
 #include <tactnet/image/three_channels.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 // Turns a pressure image into the photograph that an ImageNet network expects: resized bicubically, its
@@ -82,8 +81,8 @@ inline void to_photograph(std::span<const std::uint8_t> image, extent2d grey,
                           const photograph_preprocessing& form, extent2d photograph, std::span<float> to) {
     const std::size_t area = photograph.area();
     if (to.size() != 3 * area)
-        throw std::invalid_argument("to_photograph: expected room for " + std::to_string(3 * area) +
-                                    " numbers, found " + std::to_string(to.size()));
+        detail::throw_invalid_argument(
+            {"to_photograph: expected room for ", 3 * area, " numbers, found ", to.size()});
     const auto first = to.first(area);
     if (form.pixel == resized_pixel::count) {
         const auto counts =

@@ -1,14 +1,12 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -146,9 +144,8 @@ struct relief {
     /// Throws std::invalid_argument if the number of heights is not rows × columns.
     [[nodiscard]] double height(point place) const {
         if (heights.size() != rows * columns)
-            throw std::invalid_argument("relief: expected " + std::to_string(rows) + " x " +
-                                        std::to_string(columns) + " heights, found " +
-                                        std::to_string(heights.size()));
+            tactnet::detail::throw_invalid_argument(
+                {"relief: expected ", rows, " x ", columns, " heights, found ", heights.size()});
         const double last_row = static_cast<double>(rows) - 1, last_column = static_cast<double>(columns) - 1;
         double row = (place.y - centre.y) / cell + last_row / 2,
                column = (place.x - centre.x) / cell + last_column / 2;

@@ -2,13 +2,13 @@
 
 #include <tactnet/kernels/simd/exponential.hpp>
 #include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -52,8 +52,8 @@ struct rbf_kernel {
 
     [[nodiscard]] rbf_kernel fitted(feature_rows<> rows) const {
         if (gamma && !(*gamma >= 0 && *gamma <= std::numeric_limits<double>::max()))
-            throw std::invalid_argument("gamma: expected a finite number of 0 or more, found " +
-                                        std::to_string(*gamma));
+            detail::throw_invalid_argument(
+                {"gamma: expected a finite number of 0 or more, found ", std::to_string(*gamma)});
         if (gamma)
             return *this;
         const double variance = variance_of_all(rows);

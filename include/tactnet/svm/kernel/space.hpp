@@ -5,13 +5,13 @@
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/kernel/functions.hpp>
 #include <tactnet/tensor/aligned.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -103,9 +103,9 @@ private:
             for (const float value : samples.row(i))
                 norm += double{value} * double{value};
             if (norm > double{std::numeric_limits<float>::max()})
-                throw std::invalid_argument("features: row " + std::to_string(i) +
-                                            ": expected squares that add up within float, found " +
-                                            std::to_string(norm) + "; standardise the features");
+                detail::throw_invalid_argument({"features: row ", i,
+                                                ": expected squares that add up within float, found ",
+                                                std::to_string(norm), "; standardise the features"});
         }
     }
 

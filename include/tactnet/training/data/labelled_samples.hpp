@@ -6,6 +6,7 @@
 #include <tactnet/image/transform.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
@@ -185,8 +186,8 @@ public:
 
 private:
     [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
-        throw std::invalid_argument((are_images() ? "images: expected " : "features: expected ") + expected +
-                                    ", found " + found);
+        detail::throw_invalid_argument(
+            {are_images() ? "images: expected " : "features: expected ", expected, ", found ", found});
     }
 
     static std::string text_of(const shape& s) {

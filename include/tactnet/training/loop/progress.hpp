@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -56,18 +56,18 @@ struct training_progress {
     [[nodiscard]] static training_progress from(std::span<const double> n, std::size_t most_epochs,
                                                 std::size_t steps_per_epoch) {
         if (n.size() < 6 || (n.size() - 6) % 4 != 0)
-            throw std::invalid_argument("progress of a training: expected 6 numbers and 4 for each epoch, "
-                                        "found " +
-                                        std::to_string(n.size()));
+            detail::throw_invalid_argument(
+                {"progress of a training: expected 6 numbers and 4 for each epoch, "
+                 "found ",
+                 n.size()});
         const std::size_t epochs = (n.size() - 6) / 4, steps = epochs * steps_per_epoch;
         if (epochs > most_epochs)
-            throw std::invalid_argument("progress of a training: expected at most " +
-                                        std::to_string(most_epochs) + " epochs, found " +
-                                        std::to_string(epochs));
+            detail::throw_invalid_argument(
+                {"progress of a training: expected at most ", most_epochs, " epochs, found ", epochs});
         const auto require = [&](bool right, std::size_t index, const std::string& expected) {
             if (!right)
-                throw std::invalid_argument("progress of a training, number " + std::to_string(index) +
-                                            ": expected " + expected + ", found " + std::to_string(n[index]));
+                detail::throw_invalid_argument({"progress of a training, number ", index, ": expected ",
+                                                expected, ", found ", std::to_string(n[index])});
         };
         const auto finite = [](double v) { return std::isfinite(v) && v >= 0; };
         require(n[0] == static_cast<double>(steps), 0,

@@ -3,6 +3,7 @@
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/evaluate.hpp>
 
@@ -11,8 +12,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace tactnet {
@@ -60,10 +59,10 @@ public:
     /// sizes.
     void take(std::span<const float> values, std::span<const float> statistics) {
         if (values.size() != learnable_values().size() || statistics.size() != running_statistics().size())
-            throw std::invalid_argument("trainable: expected " + std::to_string(learnable_values().size()) +
-                                        " parameters and " + std::to_string(running_statistics().size()) +
-                                        " running statistics, found " + std::to_string(values.size()) +
-                                        " and " + std::to_string(statistics.size()));
+            detail::throw_invalid_argument({"trainable: expected ", learnable_values().size(),
+                                            " parameters and ", running_statistics().size(),
+                                            " running statistics, found ", values.size(), " and ",
+                                            statistics.size()});
         std::copy(values.begin(), values.end(), learnable_values().begin());
         std::copy(statistics.begin(), statistics.end(), running_statistics().begin());
     }

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <tactnet/simulation/effect.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <array>
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace tactnet {
@@ -58,8 +57,8 @@ struct dead_tactels {
     private:
         static std::size_t inside(std::size_t index, std::size_t count, const char* what) {
             if (index >= count)
-                throw std::invalid_argument(std::string("dead_tactels: expected a ") + what + " below " +
-                                            std::to_string(count) + ", found " + std::to_string(index));
+                tactnet::detail::throw_invalid_argument(
+                    {"dead_tactels: expected a ", what, " below ", count, ", found ", index});
             return index;
         }
         void kill(std::size_t top, std::size_t height, std::size_t left, std::size_t width) {
