@@ -11,7 +11,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 // A plain stream of matrices, as a microcontroller sends it: a marker, if any, bytes to skip, the cells, more
@@ -73,8 +72,7 @@ public:
     decode_status finish(Sink&&) {
         set_status(decode_status::finished);
         if (!packet_.empty())
-            report("a whole frame of " + std::to_string(packet_size()) + " bytes",
-                   std::to_string(packet_.size()) + " bytes of it");
+            report({"a whole frame of ", packet_size(), " bytes"}, {packet_.size(), " bytes of it"});
         packet_.clear();
         return status();
     }
@@ -114,7 +112,7 @@ private:
     void find_marker() {
         while (!std::equal(packet_.begin(), packet_.end(), format_.marker.begin())) {
             if (in_step_)
-                report("the marker of a frame", "other bytes");
+                report({"the marker of a frame"}, {"other bytes"});
             in_step_ = false;
             packet_.erase(packet_.begin());
             ++skipped_;
@@ -131,9 +129,8 @@ private:
             const float value = read_cell(from);
             // True for NaN too.
             if (!(value >= 0 && std::isfinite(value))) {
-                report("cells of zero or more", std::to_string(value) + " in row " +
-                                                    std::to_string(to / columns + 1) + ", column " +
-                                                    std::to_string(to % columns + 1));
+                report({"cells of zero or more"},
+                       {std::to_string(value), " in row ", to / columns + 1, ", column ", to % columns + 1});
                 return packet_.clear();
             }
             cells()[to] = value;
@@ -160,8 +157,8 @@ private:
         return detail::bits_as<float>(little_endian<std::uint32_t>(from));
     }
 
-    void report(std::string expected, std::string found) {
-        fail({byte_ - packet_.size(), 0, frames() + 1, std::move(expected), std::move(found)});
+    void report(detail::text_parts expected, detail::text_parts found) {
+        fail({byte_ - packet_.size(), 0, frames() + 1, detail::joined(expected), detail::joined(found)});
     }
 
     matrix_stream_format format_;

@@ -91,7 +91,7 @@ public:
     decode_status finish(Sink&&) {
         set_status(decode_status::finished);
         if (!buffer_.empty())
-            report(byte_, "a whole packet", std::to_string(buffer_.size()) + " bytes of one");
+            report(byte_, {"a whole packet"}, {buffer_.size(), " bytes of one"});
         buffer_.clear();
         return status();
     }
@@ -145,8 +145,7 @@ private:
         checksum.add(packet.subspan(from, header_size + size - from));
         const auto given = little_endian<std::uint16_t>(packet.subspan(header_size + size));
         if (given != checksum.value()) {
-            report(byte_ - packet.size(), "a checksum of " + std::to_string(checksum.value()),
-                   std::to_string(given));
+            report(byte_ - packet.size(), {"a checksum of ", checksum.value()}, {given});
             return skip_one();
         }
         if (packet[preamble_size] == frame_identifier)
@@ -166,7 +165,7 @@ private:
         const std::size_t size = description().cells();
         const std::size_t start = byte_ - buffer_.size();
         if (payload.size() < stamp_and_flags)
-            return report(start, "a frame with a time stamp", std::to_string(payload.size()) + " bytes");
+            return report(start, {"a frame with a time stamp"}, {payload.size(), " bytes"});
         const auto stamp = little_endian<std::uint32_t>(payload);
         const bool runs = (payload[4] & std::byte{1}) != std::byte{0};
         payload = payload.subspan(stamp_and_flags);
@@ -175,21 +174,19 @@ private:
             const auto word = little_endian<std::uint16_t>(payload);
             const std::size_t count = runs ? word >> 12U : 1;
             if (count > size - cell || count == 0)
-                return report(start, "runs of 1 to 15 cells, " + std::to_string(size) + " in all",
-                              std::to_string(count) + " after " + std::to_string(cell));
+                return report(start, {"runs of 1 to 15 cells, ", size, " in all"}, {count, " after ", cell});
             std::fill_n(cells().begin() + static_cast<std::ptrdiff_t>(cell), count,
                         static_cast<float>(runs ? word & 0x0FFFU : word));
             cell += count;
         }
         if (cell != size || !payload.empty())
-            return report(start, std::to_string(size) + " cells",
-                          std::to_string(cell) + (payload.empty() ? "" : " and half of one"));
+            return report(start, {size, " cells"}, {cell, payload.empty() ? "" : " and half of one"});
         emit(sink, frames() + 1, static_cast<double>(stamp) * seconds_per_tick_);
     }
 
-    void report(std::size_t byte, std::string expected, std::string found) {
+    void report(std::size_t byte, detail::text_parts expected, detail::text_parts found) {
         ++damaged_;
-        fail({byte, 0, frames() + 1, std::move(expected), std::move(found)});
+        fail({byte, 0, frames() + 1, detail::joined(expected), detail::joined(found)});
     }
 
     weiss_coverage coverage_;

@@ -6,6 +6,7 @@
 #include <tactnet/sensors/tekscan/row.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 // Tekscan's text recordings (.csv, .asf): a header up to 'ASCII_DATA @@', frames of one line and as many rows
@@ -41,7 +41,7 @@ public:
         if (status() != decode_status::damaged &&
             !lines_.push(bytes, [&](const text_line& line) { return take(line, sink); }) && lines_.too_long())
             fail_at({{}, lines_.byte(), lines_.number()}, 0,
-                    "a line of at most " + std::to_string(largest_header_bytes) + " bytes", "a longer one");
+                    {"a line of at most ", largest_header_bytes, " bytes"}, {"a longer one"});
         return status();
     }
 
@@ -68,7 +68,7 @@ private:
         if (read.kind == tekscan_line_kind::blank)
             return true;
         if (status() == decode_status::finished)
-            return fail_at(line, 0, "nothing after the closing @@", read.shown());
+            return fail_at(line, 0, {"nothing after the closing @@"}, {read.shown()});
         switch (read.kind) {
         case tekscan_line_kind::row:
             return take_row(line);
@@ -80,31 +80,31 @@ private:
             // The data end within this line, and the frame is complete without it.
             if (!line.ended && row_ == description().rows)
                 return close_frame(read, sink) &&
-                       fail_at(line, 0, "a whole line", "the end of the data after " + read.shown());
+                       fail_at(line, 0, {"a whole line"}, {"the end of the data after ", read.shown()});
             return take_row(line);
         }
     }
 
     bool take_header(const text_line& line) {
         if (auto problem = header_.take(line.text, mutable_description()))
-            return fail_at(line, 0, std::move(problem->expected), std::move(problem->found));
+            return fail_at(line, 0, {problem->expected}, {problem->found});
         if (header_.next() == tekscan_part::map)
-            return fail_at(line, 0, "a line 'ASCII_DATA @@'", "a map of a sensor");
+            return fail_at(line, 0, {"a line 'ASCII_DATA @@'"}, {"a map of a sensor"});
         return true;
     }
 
     template <class Sink>
     bool take_frame_line(const tekscan_line& line, Sink& sink) {
         if (open_ && !announced_)
-            return fail_at(line.source, 0, "the end after a frame without a line 'Frame'", line.shown());
+            return fail_at(line.source, 0, {"the end after a frame without a line 'Frame'"}, {line.shown()});
         if (open_ && !close_frame(line, sink))
             return false;
         if (!line.frame)
-            return fail_at(line.source, 0, "'Frame', its number and a time with a decimal point, if any",
-                           line.shown(80));
+            return fail_at(line.source, 0, {"'Frame', its number and a time with a decimal point, if any"},
+                           {line.shown(80)});
         if (announced_ && line.frame->number <= frame_.number)
-            return fail_at(line.source, 0, "a frame after number " + std::to_string(frame_.number),
-                           "number " + std::to_string(line.frame->number));
+            return fail_at(line.source, 0, {"a frame after number ", frame_.number},
+                           {"number ", line.frame->number});
         frame_ = *line.frame;
         if (!announced_)
             times_.begin(frame_);
@@ -115,7 +115,7 @@ private:
     bool take_row(const text_line& line) {
         const std::size_t rows = description().rows, columns = description().columns;
         if (row_ == rows)
-            return fail_at(line, 0, std::to_string(rows) + " rows in a frame", "one more");
+            return fail_at(line, 0, {rows, " rows in a frame"}, {"one more"});
         open_ = true;
         if (exists_.size() < (row_ + 1) * columns) {
             resize_cells((row_ + 1) * columns);
@@ -129,8 +129,8 @@ private:
         // A last line that is cut within its last number would be another number. Only a sum can rule that
         // out.
         if (!line.ended && outcome.cut && !checks_sum())
-            return fail_at(line, line.text.size(), "a line end after the last number, which may be cut",
-                           "the end of the data");
+            return fail_at(line, line.text.size(), {"a line end after the last number, which may be cut"},
+                           {"the end of the data"});
         cut_ = !line.ended && outcome.cut;
         ++row_;
         return true;
@@ -144,31 +144,29 @@ private:
                 ? " after " + std::to_string(columns) + " columns"
                 : " in column " + std::to_string(outcome.column + 1) + " of " + std::to_string(columns);
         const std::string_view rest = line.text.substr(at);
-        return fail_at(line, at, outcome.expected + where,
-                       !rest.empty() ? in_quotes(rest, 20)
-                       : line.ended  ? "the end of the line"
-                                     : "the end of the data");
+        return fail_at(line, at, {outcome.expected, where},
+                       {!rest.empty() ? in_quotes(rest, 20)
+                        : line.ended  ? "the end of the line"
+                                      : "the end of the data"});
     }
 
     /// Checks the frame whose rows are read and gives it to the sink. `next` is the line after it.
     template <class Sink>
     bool close_frame(const tekscan_line& next, Sink& sink) {
         if (row_ < description().rows)
-            return fail_at(next.source, 0, std::to_string(description().rows) + " rows",
-                           std::to_string(row_) + " before " + next.shown());
+            return fail_at(next.source, 0, {description().rows, " rows"}, {row_, " before ", next.shown()});
         if (!sum_matches())
             return fail_at(next.source, 0,
-                           "cells with a sum of " + shortest_text(*frame_.raw_sum) + " as the frame says",
-                           shortest_text(sum_));
+                           {"cells with a sum of ", shortest_text(*frame_.raw_sum), " as the frame says"},
+                           {shortest_text(sum_)});
         if (frames() == 0)
             mutable_description().mask = exists_;
         const auto [now, first] = std::mismatch(exists_.begin(), exists_.end(), description().mask.begin());
         if (now != exists_.end()) {
             const auto cell = static_cast<std::size_t>(now - exists_.begin());
-            return fail_at(next.source, 0, "tactels in the same cells as in the first frame",
-                           std::string(*now != 0 ? "a tactel" : "none") + " in row " +
-                               std::to_string(cell / description().columns + 1) + ", column " +
-                               std::to_string(cell % description().columns + 1));
+            return fail_at(next.source, 0, {"tactels in the same cells as in the first frame"},
+                           {*now != 0 ? "a tactel" : "none", " in row ", cell / description().columns + 1,
+                            ", column ", cell % description().columns + 1});
         }
         matching_sums_ += checks_sum() ? 1 : 0;
         emit(sink, announced_ ? frame_.number : 1,
@@ -183,7 +181,7 @@ private:
     template <class Sink>
     bool take_end(const tekscan_line& line, Sink& sink) {
         if (header_.next() == tekscan_part::header)
-            return fail_at(line.source, 0, "a header that ends with 'ASCII_DATA @@'", line.shown());
+            return fail_at(line.source, 0, {"a header that ends with 'ASCII_DATA @@'"}, {line.shown()});
         if (open_ && !close_frame(line, sink))
             return false;
         // A single frame without a frame line may be an extract of the recording that the header describes.
@@ -191,8 +189,7 @@ private:
             mutable_description().frames.reset();
         const std::uint64_t expected = description().frames.value_or(std::max<std::uint64_t>(frames(), 1));
         if (frames() != expected)
-            return fail_at(line.source, 0, std::to_string(expected) + " frames",
-                           std::to_string(frames()) + " before " + line.shown());
+            return fail_at(line.source, 0, {expected, " frames"}, {frames(), " before ", line.shown()});
         set_status(decode_status::finished);
         return true;
     }
@@ -213,10 +210,11 @@ private:
         return std::abs(sum_ - *frame_.raw_sum) <= 0.5 + 0.05 * static_cast<double>(pressed);
     }
 
-    bool fail_at(const text_line& line, std::size_t column, std::string expected, std::string found) {
+    bool fail_at(const text_line& line, std::size_t column, detail::text_parts expected,
+                 detail::text_parts found) {
         const bool in_header = header_.next() == tekscan_part::header;
-        fail({line.byte + column, line.number, in_header ? 0 : frames() + 1, std::move(expected),
-              std::move(found), missing_frames()});
+        fail({line.byte + column, line.number, in_header ? 0 : frames() + 1, detail::joined(expected),
+              detail::joined(found), missing_frames()});
         return false;
     }
 

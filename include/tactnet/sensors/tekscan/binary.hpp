@@ -3,6 +3,7 @@
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/binary_checks.hpp>
 #include <tactnet/sensors/tekscan/binary_header.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -51,7 +51,7 @@ public:
     decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
         while (!bytes.empty() && status() != decode_status::damaged) {
             if (status() == decode_status::finished) {
-                fail_at(byte_, "nothing after the closing FF FE", "more bytes");
+                fail_at(byte_, {"nothing after the closing FF FE"}, {"more bytes"});
                 break;
             }
             const std::size_t taken = part_ == part::header      ? take_header(bytes)
@@ -68,9 +68,9 @@ public:
     decode_status finish(Sink&&) {
         if (status() == decode_status::reading)
             fail_at(byte_,
-                    part_ == part::header ? "a header that ends with the bytes 0A BB BA"
-                                          : "frames and a closing FF FE",
-                    "the end of the data");
+                    {part_ == part::header ? "a header that ends with the bytes 0A BB BA"
+                                           : "frames and a closing FF FE"},
+                    {"the end of the data"});
         return status();
     }
 
@@ -117,9 +117,8 @@ private:
             count_ = static_cast<std::size_t>(bytes[0]);
             if (count_ == 0 || cell_ + count_ > description().cells())
                 return fail_at(number_byte_,
-                               "a run of 1 to " + std::to_string(description().cells() - cell_) +
-                                   " cells from cell " + std::to_string(cell_),
-                               std::to_string(count_));
+                               {"a run of 1 to ", description().cells() - cell_, " cells from cell ", cell_},
+                               {count_});
             part_ = part::run_cells;
             return;
         }
@@ -139,9 +138,9 @@ private:
             end();
         } else if (value >= description().cells() || value < cell_) {
             fail_at(number_byte_,
-                    "a run from cell " + std::to_string(cell_) + " of " +
-                        std::to_string(description().cells()) + " on, FFFF or, after a frame, FF FE",
-                    "cell " + std::to_string(value));
+                    {"a run from cell ", cell_, " of ", description().cells(),
+                     " on, FFFF or, after a frame, FF FE"},
+                    {"cell ", value});
         } else {
             tekscan_binary_checks::run(value, cell_, number_byte_, frames() + 1, mutable_warnings());
             cell_ = value;
@@ -158,8 +157,7 @@ private:
         const std::size_t right = on_tactels(taken);
         checks_.counts({from, right}, cell_, byte_, frames() + 1, mutable_warnings());
         if (right < taken) {
-            fail_at(byte_ + right, "counts on tactels of the map only",
-                    "one in cell " + std::to_string(cell_ + right));
+            fail_at(byte_ + right, {"counts on tactels of the map only"}, {"one in cell ", cell_ + right});
             return 0;
         }
         cell_ += taken;
@@ -189,9 +187,7 @@ private:
     void record_length(std::uint16_t value) {
         const std::size_t wanted = records::bytes_of(tag_).value_or(value);
         if (value != wanted)
-            return fail_at(number_byte_,
-                           "a record " + std::to_string(tag_) + " of " + std::to_string(wanted) + " bytes",
-                           std::to_string(value));
+            return fail_at(number_byte_, {"a record ", tag_, " of ", wanted, " bytes"}, {value});
         records_.announce(tag_, value);
         part_ = value > 0 ? part::data : part::tag;
     }
@@ -207,11 +203,9 @@ private:
     void end_frame(Sink& sink) {
         const std::uint64_t number = records_.number.value_or(last_number_ + 1);
         if (frames() > 0 && number <= last_number_)
-            return fail_at(number_byte_, "a frame after number " + std::to_string(last_number_),
-                           "number " + std::to_string(number));
+            return fail_at(number_byte_, {"a frame after number ", last_number_}, {"number ", number});
         if (description().frames && frames() == *description().frames)
-            return fail_at(number_byte_, std::to_string(frames()) + " frames as the header announces",
-                           "one more");
+            return fail_at(number_byte_, {frames(), " frames as the header announces"}, {"one more"});
         if (frames() == 0)
             first_number_ = number;
         last_number_ = number;
@@ -232,9 +226,8 @@ private:
 
     void end() {
         if (missing_frames().value_or(0) > 0)
-            return fail_at(number_byte_,
-                           std::to_string(*description().frames) + " frames as the header announces",
-                           std::to_string(frames()) + " before FF FE");
+            return fail_at(number_byte_, {*description().frames, " frames as the header announces"},
+                           {frames(), " before FF FE"});
         confirm_frames();
         set_status(decode_status::finished);
     }
@@ -245,9 +238,9 @@ private:
             set_certain_frames(frames());
     }
 
-    void fail_at(std::size_t byte, std::string expected, std::string found) {
-        fail({byte, 0, part_ == part::header ? 0 : frames() + 1, std::move(expected), std::move(found),
-              missing_frames()});
+    void fail_at(std::size_t byte, detail::text_parts expected, detail::text_parts found) {
+        fail({byte, 0, part_ == part::header ? 0 : frames() + 1, detail::joined(expected),
+              detail::joined(found), missing_frames()});
     }
 
     tekscan_binary_header header_;

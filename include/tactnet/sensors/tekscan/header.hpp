@@ -78,7 +78,13 @@ public:
     }
 
 private:
-    enum class understanding : std::uint8_t { done, not_needed, size, count, number, units };
+    /// Whether the value of a key matters, and what was expected of one that makes no sense.
+    struct understanding {
+        bool needed = true;
+        std::string expected{};
+
+        [[nodiscard]] bool done() const { return needed && expected.empty(); }
+    };
 
     static constexpr std::string_view end_mark = "@@";
 
@@ -115,35 +121,35 @@ private:
         const bool known = before != to.header.end();
         const bool repeats =
             comment_ && known && before < to.header.begin() + static_cast<std::ptrdiff_t>(*comment_);
-        const auto how = repeats ? understanding::not_needed : understand(key, value, to);
-        if (may_be_comment && how != understanding::done) {
+        understanding how = repeats ? understanding{false} : understand(key, value, to);
+        if (may_be_comment && !how.done()) {
             to.header.back().second = read.text;
             return std::nullopt;
         }
-        if (how != understanding::done && how != understanding::not_needed) {
+        if (!how.expected.empty()) {
             if (!comment_ || value.find(' ') == std::string_view::npos)
-                return text_problem{wanted(how), in_quotes(key) + " " + in_quotes(value)};
+                return text_problem{std::move(how.expected), in_quotes(key) + " " + in_quotes(value)};
             to.header[*comment_].second.append("\n").append(read.text);
             return std::nullopt;
         }
-        if (how == understanding::done && known && before->second != value)
+        if (how.done() && known && before->second != value)
             return text_problem{"one line " + in_quotes(key),
                                 in_quotes(before->second) + " and " + in_quotes(value)};
         to.header.emplace_back(key, value);
         return std::nullopt;
     }
 
-    /// Takes the value of a key that matters. Returns the kind of value that was expected.
+    /// Takes the value of a key that matters.
     understanding understand(std::string_view key, std::string_view value, recording_description& to) {
         if (key == "ROWS" || key == "COLS") {
             const auto size = whole_number(value).value_or(0);
             if (size == 0 || size > largest_frame_cells)
-                return understanding::size;
+                return {true, "a number of rows or columns from 1 to " + std::to_string(largest_frame_cells)};
             (key == "ROWS" ? to.rows : to.columns) = static_cast<std::size_t>(size);
         } else if (key == "START_FRAME" || key == "END_FRAME") {
             const auto number = whole_number(value);
             if (!number)
-                return understanding::count;
+                return {true, "the number of a frame"};
             (key == "START_FRAME" ? first_frame_ : last_frame_) = number;
         } else if (key == "ROW_SPACING") {
             return to_base(value, length_units, {}, to.row_spacing);
@@ -160,15 +166,15 @@ private:
         } else if (key == "UNITS" && unit_ == unit_of::cells) {
             const auto size = unit_size(pressure_units, value);
             if (!size && !same_letters(value, "raw"))
-                return understanding::units;
+                return {true, "raw or a unit of pressure such as kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2"};
             to.unit = size ? pressure_unit::pascal : pressure_unit::raw;
             cell_scale_ = size.value_or(1);
         } else {
             if (key == "VERSION")
                 to.version = value;
-            return understanding::not_needed;
+            return {false};
         }
-        return understanding::done;
+        return {};
     }
 
     /// Converts a measure to base units. Without a unit it is in `plain` base units. An unknown unit or no
@@ -177,24 +183,12 @@ private:
                                  std::optional<double> plain, std::optional<double>& to) {
         const auto found = scan_measure(value);
         if (!found)
-            return value.empty() || !detail::is_digit(value.front()) ? understanding::done
-                                                                     : understanding::number;
+            return {true, value.empty() || !detail::is_digit(value.front())
+                              ? ""
+                              : "a number with a decimal point, if any"};
         const auto size = found->unit.empty() ? plain : unit_size(units, found->unit);
         to = size ? std::optional(found->number * *size) : std::nullopt;
-        return understanding::done;
-    }
-
-    static std::string wanted(understanding how) {
-        switch (how) {
-        case understanding::size:
-            return "a number of rows or columns from 1 to " + std::to_string(largest_frame_cells);
-        case understanding::count:
-            return "the number of a frame";
-        case understanding::number:
-            return "a number with a decimal point, if any";
-        default:
-            return "raw or a unit of pressure such as kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2";
-        }
+        return {};
     }
 
     std::optional<std::uint64_t> first_frame_, last_frame_;

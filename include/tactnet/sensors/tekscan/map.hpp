@@ -5,6 +5,7 @@
 #include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
@@ -14,7 +15,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 // Tekscan's maps of sensors (.mp): a text header, and after 'SENSOR_MAP @@', row by row, the position of each
@@ -35,8 +35,8 @@ public:
     decode_status push(std::span<const std::byte> bytes, Sink&&) {
         if (status() != decode_status::damaged &&
             !lines_.push(bytes, [&](const text_line& line) { return take(line); }) && lines_.too_long())
-            fail_at(lines_.byte(), lines_.number(),
-                    "a line of at most " + std::to_string(largest_header_bytes) + " bytes", "a longer one");
+            fail_at(lines_.byte(), lines_.number(), {"a line of at most ", largest_header_bytes, " bytes"},
+                    {"a longer one"});
         return status();
     }
 
@@ -46,10 +46,10 @@ public:
             lines_.finish([&](const text_line& line) { return take(line); });
         if (status() == decode_status::reading)
             fail_at(lines_.byte(), lines_.number(),
-                    header_.next() == tekscan_part::map
-                        ? std::to_string(description().cells()) + " places and a closing '@@'"
-                        : "a header that ends with 'SENSOR_MAP @@'",
-                    "the end of the data after " + std::to_string(places_.size()) + " places");
+                    {header_.next() == tekscan_part::map
+                         ? std::to_string(description().cells()) + " places and a closing '@@'"
+                         : "a header that ends with 'SENSOR_MAP @@'"},
+                    {"the end of the data after ", places_.size(), " places"});
         return status();
     }
 
@@ -62,10 +62,9 @@ private:
     bool take(const text_line& line) {
         if (header_.next() == tekscan_part::header) {
             if (auto problem = header_.take(line.text, mutable_description()))
-                return fail_at(line.byte, line.number, std::move(problem->expected),
-                               std::move(problem->found));
+                return fail_at(line.byte, line.number, {problem->expected}, {problem->found});
             if (header_.next() == tekscan_part::cells)
-                return fail_at(line.byte, line.number, "a line 'SENSOR_MAP @@'", "a recording");
+                return fail_at(line.byte, line.number, {"a line 'SENSOR_MAP @@'"}, {"a recording"});
             return true;
         }
         std::string unquoted;
@@ -87,10 +86,9 @@ private:
                 text = trimmed(text.substr(1));
             const auto place = scan_place(field);
             if (!place)
-                return fail_at(line.byte, line.number, "a place from 0 to 65534, or B", in_quotes(field));
+                return fail_at(line.byte, line.number, {"a place from 0 to 65534, or B"}, {in_quotes(field)});
             if (places_.size() == description().cells())
-                return fail_at(line.byte, line.number, std::to_string(description().cells()) + " places",
-                               "more");
+                return fail_at(line.byte, line.number, {description().cells(), " places"}, {"more"});
             places_.push_back(*place);
         }
         return true;
@@ -108,15 +106,14 @@ private:
 
     bool end(const text_line& line) {
         if (places_.size() != description().cells())
-            return fail_at(line.byte, line.number, std::to_string(description().cells()) + " places",
-                           std::to_string(places_.size()) + " before '@@'");
+            return fail_at(line.byte, line.number, {description().cells(), " places"},
+                           {places_.size(), " before '@@'"});
         std::vector<bool> used(no_place);
         for (const std::uint16_t place : places_) {
             if (place == no_place)
                 continue;
             if (used[place])
-                return fail_at(line.byte, line.number, "one cell at each place",
-                               "two at place " + std::to_string(place));
+                return fail_at(line.byte, line.number, {"one cell at each place"}, {"two at place ", place});
             used[place] = true;
         }
         mutable_description().mask.resize(places_.size());
@@ -126,8 +123,8 @@ private:
         return true;
     }
 
-    bool fail_at(std::size_t byte, std::size_t line, std::string expected, std::string found) {
-        fail({byte, line, 0, std::move(expected), std::move(found)});
+    bool fail_at(std::size_t byte, std::size_t line, detail::text_parts expected, detail::text_parts found) {
+        fail({byte, line, 0, detail::joined(expected), detail::joined(found)});
         return false;
     }
 
