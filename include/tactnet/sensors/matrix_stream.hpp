@@ -89,15 +89,13 @@ private:
             detail::throw_invalid_argument(
                 {"matrix_stream: expected 1 to ", largest_frame_cells, " cells and at most ",
                  largest_packet / 4, " bytes around them, found ", format.rows, " x ", format.columns});
-        recording_description description;
-        description.format = "matrix stream";
-        description.rows = format.rows;
-        description.columns = format.columns;
-        description.row_spacing = format.row_spacing;
-        description.column_spacing = format.column_spacing;
-        description.unit = format.unit;
-        description.seconds_per_frame = format.seconds_per_frame;
-        return description;
+        return {.format = "matrix stream",
+                .rows = format.rows,
+                .columns = format.columns,
+                .row_spacing = format.row_spacing,
+                .column_spacing = format.column_spacing,
+                .unit = format.unit,
+                .seconds_per_frame = format.seconds_per_frame};
     }
 
     [[nodiscard]] std::size_t cell_size() const noexcept {

@@ -109,13 +109,11 @@ private:
         if (array.rows == 0 || array.columns == 0 || array.rows > largest_frame_cells / array.columns)
             detail::throw_invalid_argument({"weiss_decoder: expected 1 to ", largest_frame_cells,
                                             " cells, found ", array.rows, " x ", array.columns});
-        recording_description description;
-        description.format = std::move(format);
-        description.rows = array.rows;
-        description.columns = array.columns;
-        description.row_spacing = array.row_spacing;
-        description.column_spacing = array.column_spacing;
-        return description;
+        return {.format = std::move(format),
+                .rows = array.rows,
+                .columns = array.columns,
+                .row_spacing = array.row_spacing,
+                .column_spacing = array.column_spacing};
     }
 
     /// The largest payload of a frame or an answer, so that the stream does not wait for a damaged size.

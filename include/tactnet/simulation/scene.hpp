@@ -20,7 +20,6 @@
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
-
 namespace simulation {
 
 /// An array of tactels. The default pitch is that of the paper's sensor.
@@ -33,10 +32,6 @@ struct array {
 
     [[nodiscard]] constexpr double tactel_area() const { return pitch * pitch; }
 };
-
-} // namespace simulation
-
-namespace simulation {
 
 namespace detail {
 
@@ -251,6 +246,5 @@ private:
 };
 
 } // namespace simulation
-
 } // namespace TACTNET_ARCH
 } // namespace tactnet

@@ -13,9 +13,7 @@
 #include <utility>
 #include <vector>
 
-// The input and output of a solver: two classes, and a machine that separates them.
-
-// Many classes from machines that separate two.
+// Many classes from machines that separate two: their problems and solutions, and how they decide together.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

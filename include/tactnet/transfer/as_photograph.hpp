@@ -13,8 +13,6 @@
 #include <string_view>
 #include <vector>
 
-// Lowers as_photograph to its deployed step.
-
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
@@ -104,6 +102,7 @@ struct as_photograph {
     };
 };
 
+/// Lowers as_photograph to its deployed step.
 template <extent2d Size>
 struct lowering<as_photograph<Size>> {
     template <class Place>

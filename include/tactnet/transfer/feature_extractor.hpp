@@ -64,7 +64,6 @@ class feature_extractor {
     static constexpr shape photograph = Trunk::input_shape;
 
 public:
-    static constexpr shape image_shape = Grey;
     /// The shape of the trunk's last feature map.
     static constexpr shape map = trunk_type::view_type::output_shape;
 

@@ -15,8 +15,10 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 using namespace tactnet;
@@ -27,6 +29,14 @@ constexpr shape size{1, 2};
 constexpr std::array<std::size_t, 3> labels{0, 1, 1};
 constexpr std::array<std::uint8_t, 6> pixels{1, 2, 3, 4, 255, 0};
 constexpr std::array<float, 6> values{0.5F, -1, 2, 1e-30F, 4, 1e30F};
+
+static_assert(lasting_range<lasting_span<const float>>);
+static_assert(std::is_convertible_v<std::vector<float>&, lasting_span<const float>>);
+static_assert(std::is_convertible_v<const std::array<std::array<float, 3>, 2>&, lasting_span<const float>>);
+static_assert(std::is_convertible_v<std::span<const float>, lasting_span<const float>>);
+static_assert(!std::is_convertible_v<std::vector<float>, lasting_span<const float>>);
+static_assert(!std::is_convertible_v<std::vector<std::array<float, 3>>, lasting_span<const float>>);
+static_assert(!std::is_convertible_v<std::vector<std::array<double, 3>>&, lasting_span<const float>>);
 
 } // namespace
 
