@@ -1,10 +1,18 @@
-// A recording of text, decoded.
+// A recording of text, decoded in a program that has no other library.
 
 #include <tactnet/sensors.hpp>
 
 #include <cstdio>
 #include <span>
 #include <string_view>
+
+#if defined(EIGEN_WORLD_VERSION) || defined(XSIMD_VERSION_MAJOR)
+#error "sensors must not include Eigen or xsimd"
+#endif
+
+#if !defined(TACTNET_VERSION)
+#error "every header defines the version"
+#endif
 
 int main() {
     constexpr std::string_view text = "ROWS 1\nCOLS 2\nASCII_DATA @@\n4,5\n@@\n";
