@@ -98,7 +98,7 @@ concept fits_stack = (Needed <= AtMost);
 template <shape Input, class Steps>
 class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
     static_assert(
-        detail::fills_map<Steps>,
+        Steps::fills_map,
         "deployed_view: the last step writes only some channels of a wider map, which no step reads");
     using format = typename Steps::format;
     using packed_number = typename format::packed_number;
@@ -189,7 +189,7 @@ public:
     /// Returns the class that the outputs of a frame name.
     [[nodiscard]] std::optional<recognition>
     classify_outputs(std::span<const float, outputs> found) const noexcept {
-        if constexpr (detail::gives_probabilities<Steps>)
+        if constexpr (Steps::gives_probabilities)
             return classify_probabilities(found, classes_);
         else
             return classify_logits(found, classes_);

@@ -74,7 +74,7 @@ private:
                                   input_stride_argument, std::size_t,
                                   const inner_step<Steps, composition::concatenation>&...) {
         static_assert(
-            (!fills_map<Steps> && ...),
+            (!Steps::fills_map && ...),
             "deploy: in 8 bits each branch of a concatenation must end in a convolution whose filters "
             "fit their place in the common map");
         const std::size_t common = net_.add_map(Step::output, 0);

@@ -28,11 +28,9 @@ struct step_description<as_photograph_step<Format, From, InputStride, To>> {
 };
 
 template <extent2d From, std::size_t InputStride, extent2d To>
-struct as_photograph_step<single_precision, From, InputStride, To> {
-    using format = single_precision;
+struct as_photograph_step<single_precision, From, InputStride, To>
+    : step_base<single_precision, shape{To.rows, To.columns, 3}, 3> {
     static constexpr shape grey{From.rows, From.columns, 1}, resized{To.rows, To.columns, 1};
-    static constexpr shape output{To.rows, To.columns, 3};
-    static constexpr std::size_t output_stride = 3;
     static constexpr std::size_t folded_elements = 6, packed_elements = whole_lines(folded_elements);
     static constexpr bool joins_pixels = InputStride != 1; ///< the input has gaps between its pixels
     static constexpr std::size_t workspace_elements =

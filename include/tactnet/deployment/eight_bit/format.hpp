@@ -125,14 +125,6 @@ private:
     return {there ? map : "", folded_kind::range, {map_range::numbers}};
 }
 
-/// What steps with folded numbers in 8 bits have in common.
-template <shape Output, std::size_t Stride>
-struct eight_bit_step {
-    using format = eight_bit;
-    static constexpr shape output = Output;
-    static constexpr std::size_t output_stride = Stride, workspace_elements = 0;
-};
-
 namespace detail {
 
 /// The only error of a step that cannot be the first, since it would write the frame's words of 16 bits on as

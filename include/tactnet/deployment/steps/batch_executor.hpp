@@ -59,16 +59,7 @@ namespace detail {
 template <class Step>
 inline constexpr std::size_t
     map_distance = whole_lines<typename Step::format::activation>(Step::output.area() * Step::output_stride *
-                                                                  number_elements<Step>);
-
-/// Whether to prefer layer-wise batching for a step.
-template <class Step>
-inline constexpr bool is_large = [] {
-    if constexpr (requires { Step::large; })
-        return Step::large;
-    else
-        return false;
-}();
+                                                                  Step::number_elements);
 
 /// Runs one step over all frames of an executor: by its run_batch or run_share if it has one, otherwise frame
 /// by frame.

@@ -11,8 +11,7 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 
 /// The identity, as the skip of a residual block or a branch of a concatenation.
-struct no_step {
-    static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
+struct no_step : step_defaults {
     static constexpr void pack(const float*, auto*) {}
     static double output_bound(const float*, double input) { return input; }
 };
@@ -24,7 +23,7 @@ struct step_description<no_step> {
 /// main(x) + skip(x), with the ReLU after it. The skip is written to the output first, and the main branch's
 /// last convolution adds to it. The input has `InputStride` elements from one pixel to the next.
 template <class Main, class Skip, std::size_t InputStride>
-struct residual_step {
+struct residual_step : step_defaults {
     using format = typename Main::format;
     using activation = typename format::activation;
     using packed_number = typename format::packed_number;
@@ -45,7 +44,7 @@ struct residual_step {
     static constexpr std::size_t workspace_elements =
         std::max(Main::workspace_elements, aside + Skip::workspace_elements);
 
-    static constexpr bool large = detail::is_large<Main> || detail::is_large<Skip>;
+    static constexpr bool large = Main::large || Skip::large;
 
     static constexpr void pack(const float* from, packed_number* to) {
         Main::pack(from, to);
@@ -121,7 +120,7 @@ struct branch_step {
 /// Branches over the same input, with `InputStride` elements from one pixel to the next, side by side in one
 /// map of `Stride` elements per pixel.
 template <class Format, shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
-struct concatenation_step {
+struct concatenation_step : step_defaults {
     using format = typename Format::hidden_format;
     using activation = typename format::activation;
     using packed_number = typename format::packed_number;
@@ -143,7 +142,7 @@ private:
         if constexpr (passes_input_on<Branch>)
             return std::size_t{0};
         else
-            return detail::fills_map<typename Branch::step>
+            return Branch::step::fills_map
                        ? whole_lines<activation>(map<Branch>.area() * Branch::step::output_stride)
                        : 0;
     }();
@@ -179,7 +178,7 @@ public:
          ...);
         clear_rest(out);
     }
-    static constexpr bool large = (detail::is_large<typename Branches::step> || ...);
+    static constexpr bool large = (Branches::step::large || ...);
     /// Only if all branches write their slices of the map.
     template <class Executor>
         requires((aside<Branches> == 0 && !passes_input_on<Branches>)&&...)

@@ -15,7 +15,7 @@ inline namespace TACTNET_ARCH {
 
 /// A sequence of steps as one step. The maps between them alternate between two buffers.
 template <class... Steps>
-struct step_chain {
+struct step_chain : step_defaults {
     static constexpr std::size_t size = sizeof...(Steps);
     static_assert(size > 0, "step_chain: there must be at least one step");
     template <std::size_t I>
@@ -28,8 +28,8 @@ struct step_chain {
     static_assert((deployed_step<Steps> && ...),
                   "step_chain: every type in the list must satisfy deployed_step");
     /// The last step may write only some channels of a wider map, which a step around this one owns.
-    static constexpr bool fills_map = detail::fills_map<at<size - 1>>;
-    static_assert((std::size_t{0} + ... + !detail::fills_map<Steps>) == !fills_map,
+    static constexpr bool fills_map = at<size - 1>::fills_map;
+    static_assert((std::size_t{0} + ... + !Steps::fills_map) == !fills_map,
                   "step_chain: a step that writes among the channels of a wider map cannot stand by itself");
     using activation = typename format::activation;
     using packed_number = typename format::packed_number;
@@ -37,7 +37,7 @@ struct step_chain {
     static constexpr shape output = at<size - 1>::output;
     static constexpr std::size_t output_stride = at<size - 1>::output_stride;
     /// Elements that a number of the last map takes.
-    static constexpr std::size_t number_elements = detail::number_elements<at<size - 1>>;
+    static constexpr std::size_t number_elements = at<size - 1>::number_elements;
     static constexpr std::size_t folded_elements = (Steps::folded_elements + ...),
                                  packed_elements = (Steps::packed_elements + ...);
     /// Elements of the largest map between two steps.
@@ -52,8 +52,8 @@ struct step_chain {
     static constexpr std::size_t workspace_elements =
         buffers * buffer + std::max({Steps::workspace_elements...});
 
-    static constexpr bool gives_probabilities = detail::gives_probabilities<at<size - 1>>;
-    static constexpr bool large = (detail::is_large<Steps> || ...);
+    static constexpr bool gives_probabilities = at<size - 1>::gives_probabilities;
+    static constexpr bool large = (Steps::large || ...);
 
     static constexpr void pack(const float* from, packed_number* to) {
         ((Steps::pack(from, to), from += Steps::folded_elements, to += Steps::packed_elements), ...);

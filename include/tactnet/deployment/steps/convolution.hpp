@@ -24,7 +24,9 @@ struct step_description<convolution_step<Format, Kernel>> {
 };
 
 template <kernels::frame_convolution Kernel>
-struct convolution_step<single_precision, Kernel> {
+struct convolution_step<single_precision, Kernel>
+    : step_base<single_precision, shape{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters},
+                Kernel.output_stride()> {
     static_assert(Kernel.groups > 0 && Kernel.window.input.channels % Kernel.groups == 0 &&
                       Kernel.filters % Kernel.groups == 0,
                   "convolution_step: groups must divide both channels and filters");
@@ -35,14 +37,11 @@ struct convolution_step<single_precision, Kernel> {
     static_assert(Kernel.map_stride == 0 || Kernel.map_offset + Kernel.filters <= Kernel.map_stride,
                   "convolution_step: the output reaches beyond the pixels of the wider map");
 
-    using format = single_precision;
     using method = kernels::convolution_method<Kernel>;
     static constexpr kernels::frame_convolution kernel = Kernel;
     /// Whether no other step writes to the map.
     static constexpr bool fills_map = Kernel.map_stride == 0;
     static constexpr bool large = method::large;
-    static constexpr shape output{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters};
-    static constexpr std::size_t output_stride = Kernel.output_stride();
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
     static constexpr std::size_t folded_elements = weights + Kernel.filters;
     static constexpr std::size_t packed_elements = method::packed_elements;
@@ -106,13 +105,11 @@ struct step_description<dense_step<Format, Kernel>> {
 };
 
 template <kernels::frame_dense Kernel>
-struct dense_step<single_precision, Kernel> {
-    using format = single_precision;
+struct dense_step<single_precision, Kernel>
+    : step_base<single_precision, shape{1, 1, Kernel.outputs}, kernels::dense_method<Kernel>::output_stride> {
     using method = kernels::dense_method<Kernel>;
     static constexpr kernels::frame_dense kernel = Kernel;
     static constexpr bool large = method::large;
-    static constexpr shape output{1, 1, Kernel.outputs};
-    static constexpr std::size_t output_stride = method::output_stride;
     static constexpr std::size_t weights = Kernel.outputs * Kernel.input.size();
     static constexpr std::size_t folded_elements = weights + Kernel.outputs;
     static constexpr std::size_t packed_elements = method::packed_elements;

@@ -27,13 +27,9 @@ struct step_description<norm_step<Format, Map, Stride, Rectified>> {
 };
 
 template <shape Map, std::size_t Stride, bool Rectified>
-struct norm_step<single_precision, Map, Stride, Rectified> {
-    using format = single_precision;
-    static constexpr shape output = Map;
-    static constexpr std::size_t output_stride = Stride;
+struct norm_step<single_precision, Map, Stride, Rectified> : step_base<single_precision, Map, Stride> {
     static constexpr std::size_t folded_elements = 2 * Map.channels,
                                  packed_elements = 2 * whole_lines(Stride);
-    static constexpr std::size_t workspace_elements = 0;
 
     static constexpr void pack(const float* from, float* to) {
         std::copy_n(from, Map.channels, to);
@@ -64,8 +60,7 @@ struct step_description<activation_step<Format, Function, Map, Stride>> {
 };
 
 template <class Function, shape Map, std::size_t Stride>
-struct activation_step<single_precision, Function, Map, Stride>
-    : step_without_parameters<single_precision, Map, Stride> {
+struct activation_step<single_precision, Function, Map, Stride> : step_base<single_precision, Map, Stride> {
     static double output_bound(const float*, double input) {
         return std::max({input, std::abs(Function::value(input)), std::abs(Function::value(-input))});
     }
@@ -90,8 +85,7 @@ struct step_description<square_root_step<Format, Map, Stride, Offset>> {
 };
 
 template <shape Map, std::size_t Stride, class Offset>
-struct square_root_step<single_precision, Map, Stride, Offset>
-    : step_without_parameters<single_precision, Map, Stride> {
+struct square_root_step<single_precision, Map, Stride, Offset> : step_base<single_precision, Map, Stride> {
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
 
     /// x + offset must stay finite too, and roots of small numbers exceed the numbers.
@@ -114,7 +108,7 @@ struct step_description<local_response_norm_step<Format, Map, Stride, Rule>> {
 
 template <shape Map, std::size_t Stride, class Rule>
 struct local_response_norm_step<single_precision, Map, Stride, Rule>
-    : step_without_parameters<single_precision, Map, Stride> {
+    : step_base<single_precision, Map, Stride> {
     /// Squares must stay finite, and so must x · k^−β.
     static double output_bound(const float*, double input) {
         return std::max(
@@ -136,7 +130,7 @@ struct step_description<softmax_step<Format, Map, Stride>> {
 };
 
 template <shape Map, std::size_t Stride>
-struct softmax_step<single_precision, Map, Stride> : step_without_parameters<single_precision, Map, Stride> {
+struct softmax_step<single_precision, Map, Stride> : step_base<single_precision, Map, Stride> {
     static constexpr bool gives_probabilities = true;
 
     static void run(const float*, const float* in, float* out, float*) noexcept {

@@ -21,9 +21,8 @@ struct step_description<pool_step<Format, Window, Stride>> {
 
 template <sliding_window Window, std::size_t Stride>
 struct pool_step<single_precision, Window, Stride>
-    : step_without_parameters<single_precision,
-                              shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
-                              Stride> {
+    : step_base<single_precision, shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
+                Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {
         kernels::pool_frame<Window, Stride>(in, out);
     }
@@ -42,8 +41,7 @@ struct step_description<average_pool_step<Format, Windows, Channels, Stride>> {
 
 template <average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<single_precision, Windows, Channels, Stride>
-    : step_without_parameters<single_precision,
-                              shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
+    : step_base<single_precision, shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {
         kernels::average_frame<Stride>(Windows, in, out);
     }

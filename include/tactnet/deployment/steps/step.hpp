@@ -20,13 +20,14 @@
 //   run                     computes one map from another
 //   output_bound            in single precision: the largest magnitude of an output if inputs have at most
 //                           `input`
-// Optional members:
+// Members with a default in step_defaults:
 //   large                   whether to prefer layer-wise batching, and all threads for one frame
 //   fills_map               false if it writes only some channels of a map that other steps write to
-//   run_share               computes the share of one thread in several frames
-//   run_batch               computes several frames on an executor (batch_executor.hpp)
 //   gives_probabilities     true if its outputs are probabilities
 //   number_elements         elements of the map that a number of its output takes, if not one
+// Optional functions:
+//   run_share               computes the share of one thread in several frames
+//   run_batch               computes several frames on an executor (batch_executor.hpp)
 // A step with neither run_share nor run_batch computes one frame at a time. In every map, lanes beyond the
 // last channel of a pixel hold zeros.
 //
@@ -53,18 +54,12 @@ struct input_stage;
 template <class Format, shape Output, std::size_t Stride>
 struct output_stage;
 
-namespace detail {
-
-/// Elements of a map that one number of the output of a step takes.
-template <class Step>
-inline constexpr std::size_t number_elements = 1;
-template <class Step>
-    requires requires {
-        Step::number_elements;
-    }
-inline constexpr std::size_t number_elements<Step> = Step::number_elements;
-
-} // namespace detail
+/// The optional members of a step, as most steps have them. Derive from it, and hide what differs.
+struct step_defaults {
+    static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
+    static constexpr bool large = false, fills_map = true, gives_probabilities = false;
+    static constexpr std::size_t number_elements = 1;
+};
 
 /// The requirements on a step, as above.
 template <class Step>
@@ -76,6 +71,7 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
     {
         Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
         } -> std::convertible_to<std::size_t>;
+    { Step::large || Step::fills_map || Step::gives_probabilities } -> std::convertible_to<bool>;
     Step::pack(folded, to);
     { Step::run(packed, in, out, out) }
     noexcept;
@@ -84,37 +80,18 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
     { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
 });
 
-/// The base of steps without parameters. A step whose outputs can exceed its inputs defines an output_bound
-/// of its own.
+/// The base of steps that write a map of this shape. It has no parameters: steps with parameters hide its
+/// members. A step whose outputs can exceed its inputs defines an output_bound of its own.
 template <class Format, shape Output, std::size_t Stride>
-struct step_without_parameters {
+struct step_base : step_defaults {
     using format = Format;
     static constexpr shape output = Output;
     static constexpr std::size_t output_stride = Stride;
-    static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
     static constexpr void pack(const float*, typename Format::packed_number*) {}
     static double output_bound(const float*, double input) { return input; }
 };
 
 namespace detail {
-
-/// Whether a step writes all of its map.
-template <class Step>
-inline constexpr bool fills_map = [] {
-    if constexpr (requires { Step::fills_map; })
-        return Step::fills_map;
-    else
-        return true;
-}();
-
-/// Whether the outputs of a step are probabilities, as those of a softmax.
-template <class Step>
-inline constexpr bool gives_probabilities = [] {
-    if constexpr (requires { Step::gives_probabilities; })
-        return Step::gives_probabilities;
-    else
-        return false;
-}();
 
 /// The largest |bias| + input · Σ |weight| of all outputs. `weights` holds [output][weight], then biases.
 [[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,

@@ -16,8 +16,8 @@ inline namespace TACTNET_ARCH {
 /// A convolution in 8 bits with its epilogue, by the method of least cost.
 template <class Input, class Output, kernels::frame_convolution Kernel>
 struct convolution_step<eight_bit_between<Input, Output>, Kernel>
-    : eight_bit_step<shape{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters},
-                     Kernel.output_stride()> {
+    : step_base<eight_bit, shape{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters},
+                Kernel.output_stride()> {
     static constexpr kernels::frame_convolution kernel = Kernel;
     static constexpr bool fills_map = Kernel.map_stride == 0;
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();

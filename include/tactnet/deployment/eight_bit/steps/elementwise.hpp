@@ -17,7 +17,7 @@ inline namespace TACTNET_ARCH {
 /// An elementwise activation in 8 bits: a clamp of bytes for a ReLU, otherwise a table with an output for
 /// each byte.
 template <class Function, shape Map, std::size_t Stride>
-struct activation_step<eight_bit, Function, Map, Stride> : eight_bit_step<Map, Stride> {
+struct activation_step<eight_bit, Function, Map, Stride> : step_base<eight_bit, Map, Stride> {
     static constexpr bool clamps = detail::is_relu<Function>();
     /// A clamp keeps the range of its input.
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", !clamps)};
@@ -58,7 +58,7 @@ struct activation_step<eight_bit::input_format, Function, Map, Stride>
 /// A separate batch norm in 8 bits, with or without ReLU: a weight of 16 bits per channel.
 template <class Input, shape Map, std::size_t Stride, bool Rectified>
 struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>
-    : eight_bit_step<Map, Stride> {
+    : step_base<eight_bit, Map, Stride> {
     static constexpr folded_arrays arrays{{"weight", folded_kind::numbers, {Map.channels}},
                                           {"bias", folded_kind::numbers, {Map.channels}},
                                           range_array("input"),
@@ -111,7 +111,7 @@ public:
 /// A square root in 8 bits, of the sensor's words or of bytes: √(x + offset) − √offset, and 0 for x < 0.
 template <class Input, shape Map, std::size_t Stride, class Offset>
 struct square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>
-    : eight_bit_step<Map, Stride> {
+    : step_base<eight_bit, Map, Stride> {
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
     static constexpr folded_arrays arrays{range_array("input"), range_array("output")};
     static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();

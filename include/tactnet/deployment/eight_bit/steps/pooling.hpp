@@ -18,8 +18,8 @@ inline namespace TACTNET_ARCH {
 /// A max pool in 8 bits: the largest byte stands for the largest number.
 template <sliding_window Window, std::size_t Stride>
 struct pool_step<eight_bit, Window, Stride>
-    : step_without_parameters<
-          eight_bit, shape{Window.output_rows(), Window.output_columns(), Window.input.channels}, Stride> {
+    : step_base<eight_bit, shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
+                Stride> {
     static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
         kernels::pool_frame<Window, Stride>(in, out);
     }
@@ -28,7 +28,7 @@ struct pool_step<eight_bit, Window, Stride>
 /// An average pool in 8 bits: sums of integers, divided as they are rounded.
 template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>
-    : eight_bit_step<shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
+    : step_base<eight_bit, shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
     static constexpr std::size_t number_elements = sizeof(Output); ///< bytes per number that it writes
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", writes_bytes)};
