@@ -13,7 +13,7 @@ function(tactnet_library_tests)
     endif()
 endfunction()
 
-# tactnet_test(room SOURCES file... [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED]
+# tactnet_test(room SOURCES file... [QUICK file...] [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED]
 #              [DATA] [FULL])
 #
 # One program test_<room> and one entry in CTest, or, for one that takes minutes, an entry <room>.<word> for the cases
@@ -21,12 +21,14 @@ endfunction()
 # in which no test case is left fails, rather than passing because nothing was wrong.
 #
 # FULLY_OPTIMISED is for rooms whose subject is the optimised code itself: the kernels, and what is built of them as
-# users build it. DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that
+# users build it; there, QUICK are files at -O1: those that compare many lists of layers with a reference, where most of
+# the time of compiling would go. They stand last, so that of a function that other files have, too, the linker takes
+# the fully optimised one. DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that
 # do not belong to the project (support/files/data_folder.hpp), and are an entry <room>.data of their own, which CTest
 # reports as skipped where the data are missing. FULL leaves the room to the full suite. COST is about what the test takes, so that CTest starts the
 # longest first.
 function(tactnet_test room)
-    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED;DATA;FULL" "TIMEOUT;COST" "SOURCES;LIBRARIES;PARTS")
+    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED;DATA;FULL" "TIMEOUT;COST" "SOURCES;QUICK;LIBRARIES;PARTS")
     if(test_UNPARSED_ARGUMENTS OR NOT test_SOURCES)
         message(FATAL_ERROR "tactnet_test(${room}): expected SOURCES file..., found '${ARGN}'.")
     endif()
@@ -36,7 +38,12 @@ function(tactnet_test room)
     if(NOT test_COST)
         set(test_COST 20)
     endif()
-    add_executable(test_${room} ${test_SOURCES})
+    add_executable(test_${room} ${test_SOURCES} ${test_QUICK})
+    if(test_QUICK)
+        set_source_files_properties(
+            ${test_QUICK} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1> SKIP_PRECOMPILE_HEADERS ON
+        )
+    endif()
     tactnet_use(test_${room})
     if(test_FULLY_OPTIMISED)
         set(kind optimised)

@@ -54,4 +54,16 @@ void check_learns() {
     CHECK(last < 0.75 * first); // 0.9⁵ ≈ 0.59
 }
 
+/// At the smallest size and at an odd one between two published resolutions; TACTNET_TEST_EVERY_SIZE takes more.
+template <template <tactnet::shape> class Network>
+void check_learns_at_sizes() {
+    check_learns<Network<tactnet::shape{7, 13, 1}>>();
+    check_learns<Network<tactnet::shape{13, 29, 1}>>();
+#ifdef TACTNET_TEST_EVERY_SIZE
+    check_learns<Network<tactnet::shape{8, 13, 1}>>();
+    check_learns<Network<tactnet::shape{28, 50, 1}>>();
+    check_learns<Network<tactnet::shape{11, 50, 1}>>();
+#endif
+}
+
 } // namespace support

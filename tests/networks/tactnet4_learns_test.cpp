@@ -2,11 +2,9 @@
 
 #include <networks/learns.hpp>
 
-using namespace tactnet;
+template <tactnet::shape Image>
+using network = tactnet::tactnet4<Image, 5>;
 
-// The smallest and the largest size, odd ones, and one between two published resolutions.
-TEST_CASE_TEMPLATE("tactnet4: learns at any size", Network, tactnet4<shape{7, 13, 1}, 5>,
-                   tactnet4<shape{8, 13, 1}, 5>, tactnet4<shape{13, 29, 1}, 5>, tactnet4<shape{28, 50, 1}, 5>,
-                   tactnet4<shape{11, 50, 1}, 5>) {
-    support::check_learns<Network>();
+TEST_CASE("tactnet4: learns at any size") {
+    support::check_learns_at_sizes<network>();
 }
