@@ -1,11 +1,16 @@
 #pragma once
 
+#include <tactnet/sensors/text/measures.hpp>
+#include <tactnet/text/quoting.hpp>
+
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 /// What the user asks for.
 struct arguments {
@@ -34,4 +39,42 @@ struct usage_error : std::runtime_error {
 };
 
 /// Throws usage_error.
-arguments read_arguments(std::span<const char* const> words);
+inline arguments read_arguments(std::span<const char* const> words) {
+    arguments result;
+    const auto next = [&](std::size_t& at, const char* what) {
+        if (++at >= words.size())
+            throw usage_error(std::string("expected ") + what + ", found the end of the command line");
+        return words[at];
+    };
+    bool only_files = false;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string_view word = words[i];
+        if (only_files || word.size() < 2 || word.front() != '-') {
+            if (!result.file.empty())
+                throw usage_error("expected one file, found " + tactnet::in_quotes(word) + " as well");
+            result.file = word;
+        } else if (word == "--") {
+            only_files = true;
+        } else if (word == "--help" || word == "-h") {
+            result.help = true;
+        } else if (word == "--csv") {
+            result.csv = true;
+        } else if (word == "--map") {
+            result.map = next(i, "a map behind --map");
+        } else if (word == "--picture") {
+            const std::string_view number = next(i, "the number of a frame behind --picture");
+            result.picture = tactnet::whole_number(number);
+            if (!result.picture)
+                throw usage_error("expected the number of a frame behind --picture, found " +
+                                  tactnet::in_quotes(number));
+            result.picture_file = next(i, "a file to draw to behind --picture N");
+        } else {
+            throw usage_error("unknown option " + tactnet::in_quotes(word));
+        }
+    }
+    if (result.csv && result.picture)
+        throw usage_error("expected --csv or --picture, found both");
+    if (result.file.empty() && !result.help)
+        throw usage_error("expected a file");
+    return result;
+}

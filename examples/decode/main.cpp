@@ -6,7 +6,7 @@
 
 #include "arguments.hpp"
 #if defined(TACTNET_DECODE_DRAWS)
-#include "picture.hpp"
+#include <decode_image.hpp>
 #endif
 
 #include <tactnet/io/file_error.hpp>
@@ -81,14 +81,26 @@ void print_frame(const tactnet::frame_view& frame, const tactnet::recording_desc
     print(text);
 }
 
-void draw_frame(const arguments& asked, const tactnet::frame_view& frame, tactnet::pressure_unit unit) {
 #if defined(TACTNET_DECODE_DRAWS)
-    draw(asked.picture_file, frame, unit);
-#else
-    static_cast<void>(asked), static_cast<void>(frame), static_cast<void>(unit);
-    throw usage_error("this program was built without PNG, which --picture needs");
-#endif
+/// Draws a frame as a PNG file, eight pixels per tactel: counts up to 255 unchanged, anything else so that
+/// the largest cell is white. Throws tactnet::file_error.
+void draw(const std::filesystem::path& path, const tactnet::frame_view& frame, tactnet::pressure_unit unit) {
+    constexpr std::size_t side = 8;
+    const float largest = *std::max_element(frame.cells.begin(), frame.cells.end());
+    const bool counts = unit == tactnet::pressure_unit::raw && largest <= 255;
+    const float scale = counts || largest == 0 ? 1 : 255 / largest;
+    std::vector<std::uint8_t> pixels;
+    pixels.reserve(frame.cells.size() * side * side);
+    for (std::size_t y = 0; y < frame.rows * side; ++y)
+        for (std::size_t x = 0; x < frame.columns * side; ++x)
+            pixels.push_back(static_cast<std::uint8_t>(std::lround(frame(y / side, x / side) * scale)));
+    write_png(path, frame.rows * side, frame.columns * side, pixels);
 }
+#else
+void draw(const std::filesystem::path&, const tactnet::frame_view&, tactnet::pressure_unit) {
+    throw usage_error("this program was built without PNG, which --picture needs");
+}
+#endif
 
 /// Which cells the user's map gives a tactel; empty without a map.
 std::vector<std::uint8_t> read_mask(const std::filesystem::path& map) {
@@ -131,7 +143,7 @@ void decode(const arguments& asked) {
         if (asked.csv)
             print_frame(frame, decoder.description());
         if (asked.picture == frame.number) {
-            draw_frame(asked, frame, decoder.description().unit);
+            draw(asked.picture_file, frame, decoder.description().unit);
             drawn = true;
         }
     };
