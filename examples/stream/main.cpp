@@ -81,9 +81,11 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
 int main(int count, char** arguments) {
     ignore_broken_pipes();
     const bool own = count == 3 && std::strcmp(arguments[2], "own") == 0;
-    if (count != 2 && !own) {
-        std::fputs("usage: tactnet_stream WEIGHTS [own] <STREAM\n", stderr);
-        return 2;
+    const bool help =
+        count == 2 && (std::strcmp(arguments[1], "--help") == 0 || std::strcmp(arguments[1], "-h") == 0);
+    if (help || (count != 2 && !own)) {
+        std::fputs("usage: tactnet_stream WEIGHTS [own] <STREAM\n", help ? stdout : stderr);
+        return help ? 0 : 2;
     }
     try {
         const auto model = tactnet::load_model<network>(arguments[1]);

@@ -7,7 +7,6 @@
 
 #include "commands/commands.hpp"
 #include "console/standard_streams.hpp"
-#include "console/suggestion.hpp"
 #include "methods/description.hpp"
 #include "usage_error.hpp"
 
@@ -17,12 +16,15 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <exception>
 #include <new>
 #include <printable.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -30,6 +32,38 @@
 namespace {
 
 using command_list = std::vector<std::pair<CLI::App*, command>>;
+
+/// The slips that lead from one word to the other: a letter too many, too few, another one, two exchanged
+/// (optimal string alignment).
+std::size_t slips(std::string_view a, std::string_view b) {
+    const std::size_t width = b.size() + 1;
+    std::vector<std::size_t> table((a.size() + 1) * width);
+    const auto at = [&](std::size_t i, std::size_t j) -> std::size_t& { return table[i * width + j]; };
+    for (std::size_t i = 0; i <= a.size(); ++i)
+        for (std::size_t j = 0; j <= b.size(); ++j) {
+            if (i == 0 || j == 0) {
+                at(i, j) = i + j;
+                continue;
+            }
+            at(i, j) = std::min({at(i - 1, j) + 1, at(i, j - 1) + 1,
+                                 at(i - 1, j - 1) + static_cast<std::size_t>(a[i - 1] != b[j - 1])});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                at(i, j) = std::min(at(i, j), at(i - 2, j - 2) + 1);
+        }
+    return table.back();
+}
+
+/// The name that was most likely meant: it differs by two slips at most, and by less than half of it. Empty
+/// if there is none.
+std::string closest_name(std::string_view typed, const std::vector<std::string>& names) {
+    std::string closest;
+    std::size_t fewest = 3;
+    for (const std::string& name : names)
+        if (typed.size() <= name.size() + 2) // a longer one is no slip, and a large table
+            if (const std::size_t n = slips(typed, name); n < fewest && 2 * n < name.size())
+                fewest = n, closest = name;
+    return closest;
+}
 
 /// A sentence on what was meant, if a command or an option is nearly one that there is.
 std::string suggestion(const command_list& commands, const std::vector<std::string>& arguments) {
@@ -75,6 +109,7 @@ int run(int count, char** arguments) {
             std::string(program_instruction_set()) + ")",
         "tactnet");
     program.require_subcommand(1);
+    program.option_defaults()->always_capture_default();
     command_list commands;
     for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate,
                            add_study, add_recommend, add_check}) {

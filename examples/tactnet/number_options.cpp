@@ -4,13 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <functional>
-#include <limits>
-#include <string>
 #include <system_error>
-#include <utility>
 
 namespace {
 
@@ -24,22 +21,16 @@ std::optional<Number> all_of(std::string_view text, Form form) {
     return value;
 }
 
-template <class Accepts>
-CLI::Validator check(std::string expected, std::string description, Accepts accepts) {
-    return CLI::Validator(
-        [expected = std::move(expected), accepts](const std::string& text) {
-            return accepts(text) ? std::string()
-                                 : fmt::format("expected {}, found {}", expected, tactnet::in_quotes(text));
-        },
-        std::move(description));
-}
-
-template <class Accepts>
-CLI::Validator number_check(std::string expected, std::string description, Accepts accepts) {
-    return check(std::move(expected), std::move(description), [accepts](const std::string& text) {
-        const auto value = number_of(text);
-        return value && accepts(*value);
-    });
+/// A check that the text is a number, by `read`, and acceptable.
+template <class Read, class Accepts>
+CLI::Validator check(std::string expected, std::string description, Read read, Accepts accepts) {
+    return {[expected = std::move(expected), read, accepts](const std::string& text) {
+                const auto value = read(text);
+                return value && accepts(*value)
+                           ? std::string()
+                           : fmt::format("expected {}, found {}", expected, tactnet::in_quotes(text));
+            },
+            std::move(description)};
 }
 
 } // namespace
@@ -61,22 +52,24 @@ std::optional<double> number_of(std::string_view text) {
     return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
-    return check(fmt::format("a whole number from {} to {}", least, most),
-                 fmt::format("INT in [{} - {}]", least, most), [least, most](const std::string& text) {
-                     const auto value = whole_number_of(text);
-                     return value && *value >= least && *value <= most;
-                 });
+std::optional<std::pair<std::size_t, std::size_t>> size_of(std::string_view text) {
+    const std::size_t middle = std::min(text.find('x'), text.size());
+    const auto rows = whole_number_of(text.substr(0, middle)),
+               columns = whole_number_of(text.substr(std::min(middle + 1, text.size())));
+    return rows && columns ? std::optional(std::pair<std::size_t, std::size_t>(*rows, *columns))
+                           : std::nullopt;
 }
 
-CLI::Validator seed() {
-    return whole_number(0, std::numeric_limits<std::uint64_t>::max());
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+    return check(fmt::format("a whole number from {} to {}", least, most),
+                 fmt::format("{} to {}", least, most), whole_number_of,
+                 [=](std::uint64_t value) { return value >= least && value <= most; });
 }
 
 CLI::Validator positive_number() {
-    return number_check("a number above 0", "POSITIVE", [](double value) { return value > 0; });
+    return check("a number above 0", "above 0", number_of, [](double value) { return value > 0; });
 }
 
 CLI::Validator share() {
-    return number_check("a share from 0 to below 1", "FLOAT in [0 - 1)", is_share);
+    return check("a share from 0 to below 1", "0 to below 1", number_of, is_share);
 }

@@ -1,20 +1,25 @@
 #pragma once
 
-// What counts as a number on the command line and in what weight files say of their training: digits, a point
-// and an exponent, of a value that the type holds. Every option that takes a number checks it by one of
-// these.
+// What counts as a number on the command line and in the metadata of weight files: digits, a point and an
+// exponent, of a value that the type holds. CLI11 also takes nan, "true" and octal digits, so every option
+// that takes a number has one of these checks.
 
 #include <CLI/CLI.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 
 /// Decimal digits without leading zeros, which others read as octal, or hexadecimal ones after 0x. Nothing
 /// for other text, or from 2^64 on.
 std::optional<std::uint64_t> whole_number_of(std::string_view text);
 /// A finite number, decimal. Nothing for other text such as nan and inf, or beyond what a double holds.
 std::optional<double> number_of(std::string_view text);
+/// Rows and columns, of text such as 28x50.
+std::optional<std::pair<std::size_t, std::size_t>> size_of(std::string_view text);
 
 /// Whether it is a share of a whole of which something is left: 0 to below 1.
 constexpr bool is_share(double value) {
@@ -23,8 +28,9 @@ constexpr bool is_share(double value) {
 
 /// Checks for CLI11; both limits are allowed values.
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most);
-/// Any whole number that 64 bits hold.
-CLI::Validator seed();
+inline CLI::Validator seed() {
+    return whole_number(0, std::numeric_limits<std::uint64_t>::max());
+}
 /// A number above 0.
 CLI::Validator positive_number();
 /// A number from 0 to below 1.

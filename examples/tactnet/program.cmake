@@ -2,194 +2,176 @@
 #     NETWORKS network… [SIZES size…] [TRUNKS trunk…] [CLASSES number] [EIGHT_BIT network…]
 #     [HEADER file NAMESPACE namespace])
 #
-# The program `tactnet` with these networks: a unit is compiled for each network at each of the sizes (28x50), or at its
-# own as in tactnet4=28x50,7x13. TRUNKS are networks trained on photographs that methods begin with, at all sizes.
-# Networks are the library's, or templates of a header of one's own, `namespace::network<input, classes>`, where a - in a
-# name stands for a _. EIGHT_BIT are those of them that are compiled in 8 bits too, at all their sizes or as in
-# tactnet4=28x50, each in a unit of its own. The property TACTNET_UNITS of the target tells what was compiled, as
-# network_size and network_size_in_8_bits.
+# The program `tactnet` with these networks, each compiled for each of the SIZES (28x50), or for sizes of its own as in
+# tactnet4=28x50,7x13; in every list commas and semicolons mean the same. EIGHT_BIT are those that are compiled in 8 bits
+# too. TRUNKS are networks trained on photographs that methods begin with, at all sizes. Networks are the library's, or
+# templates of a header of one's own, `namespace::network<input, classes>`, where a - in a name stands for a _. The property
+# TACTNET_UNITS of the target lists what was compiled, as network_size and network_size_in_8_bits.
 #
 # The target <target>_code_bytes, which no other builds, compiles what recognises a frame of each network alone and writes
 # how many bytes that takes beside the weights, to <target>_code_bytes.csv beside the program.
 
-find_program(TACTNET_SIZE NAMES size llvm-size DOC "tells the bytes of object files")
+find_program(TACTNET_SIZE NAMES size llvm-size DOC "prints the bytes of object files")
 mark_as_advanced(TACTNET_SIZE)
 
-# Sets <rows> and <columns> of a size.
-macro(tactnet_split_size size)
-    if(NOT "${size}" MATCHES "^([1-9][0-9]*)x([1-9][0-9]*)$")
-        message(FATAL_ERROR "tactnet_add_program: expected sizes such as 28x50, found '${size}'.")
-    endif()
-    set(rows "${CMAKE_MATCH_1}")
-    set(columns "${CMAKE_MATCH_2}")
-endmacro()
+# Sets `result` to network_size for each network and size.
+function(tactnet_networks_at_sizes result entries sizes)
+    string(REPLACE "," ";" entries "${entries}")
+    set(list "")
+    foreach(entry IN LISTS entries)
+        set(own "${entry}") # one more size of the network before it
+        if(entry MATCHES "^([a-z][a-z0-9_-]*)(=(.*))?$")
+            set(network "${CMAKE_MATCH_1}")
+            set(own "${CMAKE_MATCH_3}")
+            if(NOT CMAKE_MATCH_2)
+                set(own "${sizes}")
+            endif()
+        endif()
+        string(REPLACE "," ";" own "${own}")
+        foreach(size IN LISTS own)
+            if(NOT network OR NOT size MATCHES "^[1-9][0-9]*x[1-9][0-9]*$")
+                message(FATAL_ERROR "tactnet_add_program: expected a network or network=28x50,7x13, found '${entry}' (${size}).")
+            endif()
+            list(APPEND list "${network}_${size}")
+        endforeach()
+        if(NOT own)
+            message(FATAL_ERROR "tactnet_add_program: expected sizes of ${network}, as ${network}=28x50 or by SIZES.")
+        endif()
+    endforeach()
+    set(${result} "${list}" PARENT_SCOPE)
+endfunction()
+
+# Writes a source file that includes headers and defines one function, which returns `expression`.
+function(tactnet_write_unit file headers declarations function expression)
+    file(CONFIGURE OUTPUT "${file}" CONTENT "// Generated.\n${headers}\n${declarations}${function};\n\n${function} {
+    return ${expression};\n}\n" @ONLY)
+endfunction()
 
 function(tactnet_add_program target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "CLASSES;HEADER;NAMESPACE" "NETWORKS;SIZES;TRUNKS;EIGHT_BIT")
-    if(arg_UNPARSED_ARGUMENTS OR NOT arg_NETWORKS)
-        message(FATAL_ERROR "tactnet_add_program: expected NETWORKS and other keywords, found '${arg_UNPARSED_ARGUMENTS}'.")
+    if(arg_UNPARSED_ARGUMENTS OR NOT arg_NETWORKS OR (arg_HEADER AND NOT arg_NAMESPACE))
+        message(FATAL_ERROR "tactnet_add_program: expected NETWORKS, and NAMESPACE with HEADER, found '${ARGN}'.")
     endif()
-    get_property(templates GLOBAL PROPERTY TACTNET_PROGRAM_SOURCE_DIR)
-    set(units_dir "${CMAKE_CURRENT_BINARY_DIR}/${target}_units")
-    set(program_classes "${arg_CLASSES}")
-    if(NOT program_classes)
-        set(program_classes 22)
+    tactnet_networks_at_sizes(networks "${arg_NETWORKS}" "${arg_SIZES}")
+    list(TRANSFORM networks REPLACE ".*_" "" OUTPUT_VARIABLE all_sizes)
+    list(REMOVE_DUPLICATES all_sizes)
+    tactnet_networks_at_sizes(eight_bit "${arg_EIGHT_BIT}" "${all_sizes}")
+    string(REPLACE "," ";" trunks "${arg_TRUNKS}")
+    set(classes 22)
+    if(arg_CLASSES)
+        set(classes "${arg_CLASSES}")
     endif()
     set(namespace tactnet)
-    set(own_include "")
-    if(arg_HEADER AND NOT arg_NAMESPACE)
-        message(FATAL_ERROR "tactnet_add_program: expected NAMESPACE, in which HEADER has the networks.")
-    endif()
     if(arg_HEADER)
-        get_filename_component(header "${arg_HEADER}" ABSOLUTE)
-        set(own_include "#include \"${header}\"\n")
         set(namespace "${arg_NAMESPACE}")
+        get_filename_component(header "${arg_HEADER}" ABSOLUTE)
     endif()
+    get_property(program_folder GLOBAL PROPERTY TACTNET_PROGRAM_SOURCE_DIR)
+    set(folder "${CMAKE_CURRENT_BINARY_DIR}/${target}_units")
 
-    # Those in 8 bits, as network or network_size.
-    set(eight_bit "")
-    foreach(entry IN LISTS arg_EIGHT_BIT)
-        if(NOT entry MATCHES "^([^=]+)(=(.+))?$")
-            message(FATAL_ERROR "tactnet_add_program: expected EIGHT_BIT network or network=size,size, found '${entry}'.")
-        endif()
+    foreach(unit IN LISTS networks)
+        string(REGEX MATCH "^(.*)_(([0-9]+)x([0-9]+))$" unit "${unit}")
         set(network "${CMAKE_MATCH_1}")
-        string(REPLACE "," ";" sizes "${CMAKE_MATCH_3}")
-        if(NOT sizes)
-            list(APPEND eight_bit "${network}")
-        endif()
-        foreach(size IN LISTS sizes)
-            tactnet_split_size("${size}")
-            list(APPEND eight_bit "${network}_${size}")
-        endforeach()
-    endforeach()
-
-    set(unit_sources "")
-    set(frame_sources "")
-    set(frame_networks "")
-    set(all_unit_declarations "")
-    set(unit_calls "")
-    set(all_units "")
-    set(all_sizes "")
-    foreach(entry IN LISTS arg_NETWORKS)
-        if(NOT entry MATCHES "^([^=]+)(=(.+))?$")
-            message(FATAL_ERROR "tactnet_add_program: expected a network or network=size,size, found '${entry}'.")
-        endif()
-        set(network "${CMAKE_MATCH_1}")
-        string(REPLACE "," ";" sizes "${CMAKE_MATCH_3}")
-        if(NOT sizes)
-            set(sizes "${arg_SIZES}")
-        endif()
-        if(NOT sizes)
-            message(FATAL_ERROR "tactnet_add_program: expected sizes of ${network}, as ${network}=28x50 or by SIZES.")
-        endif()
+        set(size "${CMAKE_MATCH_2}")
+        set(extents "${CMAKE_MATCH_3}, ${CMAKE_MATCH_4}")
         string(MAKE_C_IDENTIFIER "${network}" alias)
-        set(qualified "${namespace}::${alias}")
-        # Those that begin with weights learnt from photographs.
-        if(network MATCHES "-nn$")
-            set(family of_photographs)
-            set(unit_includes
-                "#include <tactnet/transfer/as_photograph.hpp>\n#include <tactnet/transfer/networks.hpp>\n"
-            )
-        else()
-            set(family of_touches)
-            set(unit_includes "#include <tactnet/networks.hpp>\n")
+        set(template "${namespace}::${alias}")
+        set(type "${template}<tactnet::shape{${extents}, 1}, ${classes}>")
+        set(family touches)
+        set(headers "#include <tactnet/networks.hpp>\n")
+        set(training "${template}_training({${extents}})")
+        if(network MATCHES "-nn$") # begins with weights learnt from photographs
+            set(family photographs)
+            set(headers "#include <tactnet/transfer/as_photograph.hpp>\n#include <tactnet/transfer/networks.hpp>\n")
         endif()
-        string(APPEND unit_includes "${own_include}")
-        foreach(size IN LISTS sizes)
-            tactnet_split_size("${size}")
-            set(training "std::nullopt")
-            if(NOT arg_HEADER)
-                set(training "${qualified}_training({${rows}, ${columns}})")
-            endif()
-            set(unit "${alias}_${size}")
-            # Two forms of a network may be the same type at a size: the unit asks the compiler.
-            set(unit_declarations "std::unique_ptr<compiled_network> make_${unit}();\n")
-            set(unit_twins "")
-            foreach(twin IN LISTS twins_${family}_${size})
-                string(APPEND unit_declarations "std::unique_ptr<compiled_network> make_${twin}_${size}();\n")
-                string(APPEND unit_twins
-                       "    if constexpr (std::is_same_v<Network, ${namespace}::${twin}<input, classes>>)\n"
-                       "        return make_${twin}_${size}();\n    else\n"
-                )
-            endforeach()
-            set(source "${units_dir}/${unit}.cpp")
-            configure_file("${templates}/methods/networks/unit.cpp.in" "${source}" @ONLY)
-            list(APPEND twins_${family}_${size} "${alias}")
-            list(APPEND unit_sources "${source}")
-            list(APPEND all_units "${network}_${size}")
-            list(APPEND all_sizes "${size}")
-            string(APPEND all_unit_declarations "std::unique_ptr<compiled_network> make_${unit}();\n")
-            set(bytes nullptr)
-            set(format single_precision)
-            set(eight_bit_include "")
-            configure_file("${templates}/methods/networks/frame.cpp.in" "${units_dir}/frames/${unit}.cpp" @ONLY)
-            list(APPEND frame_sources "${units_dir}/frames/${unit}.cpp")
-            list(APPEND frame_networks "${network}/${size},32")
-            if("${network}" IN_LIST eight_bit OR "${network}_${size}" IN_LIST eight_bit)
-                set(source "${units_dir}/${unit}_in_8_bits.cpp")
-                configure_file("${templates}/methods/networks/eight_bit/unit.cpp.in" "${source}" @ONLY)
-                list(APPEND unit_sources "${source}")
-                set(format eight_bit)
-                set(eight_bit_include "#include <tactnet/deployment/eight_bit.hpp>\n")
-                set(frame "${units_dir}/frames/${unit}_in_8_bits.cpp")
-                configure_file("${templates}/methods/networks/frame.cpp.in" "${frame}" @ONLY)
-                list(APPEND frame_sources "${frame}")
-                list(APPEND frame_networks "${network}/${size},8")
-                list(APPEND all_units "${network}_${size}_in_8_bits")
-                set(bytes "make_eight_bit_${unit}()")
-                string(APPEND all_unit_declarations "std::unique_ptr<compiled_eight_bit> ${bytes};\n")
-            endif()
-            string(APPEND unit_calls
-                   "    list.push_back(make_network_method(\"${network}\", make_${unit}(), \"${qualified}\", ${training},\n"
-                   "                                       ${bytes}));\n"
+        if(arg_HEADER)
+            string(APPEND headers "#include \"${header}\"\n")
+            set(training std::nullopt)
+        endif()
+        set(name "${alias}_${size}")
+        set(function "compiled_network make_${name}()")
+        # Two networks may be the same type at a size: the compiler finds out.
+        tactnet_write_unit(
+            "${folder}/${name}.cpp" "#include \"methods/networks/compile.hpp\"\n${headers}" "${${family}_${size}_functions}"
+            "${function}" "compile_network<${type}, ${template}<tactnet::shape{${extents}, 1}, 1>${${family}_${size}_twins}>()"
+        )
+        string(APPEND ${family}_${size}_functions "${function};\n")
+        string(APPEND ${family}_${size}_twins ", twin<${type}, make_${name}>")
+        string(APPEND functions "${function};\n")
+        list(APPEND sources "${folder}/${name}.cpp")
+        list(APPEND compiled "${unit}")
+        set(formats single_precision,32,)
+        set(bytes nullptr)
+        if("${unit}" IN_LIST eight_bit)
+            list(APPEND formats eight_bit,8,_in_8_bits)
+            set(bytes "make_${name}_in_8_bits()")
+            set(function "std::unique_ptr<compiled_eight_bit> ${bytes}")
+            tactnet_write_unit(
+                "${folder}/${name}_in_8_bits.cpp" "#include \"methods/networks/compile_eight_bit.hpp\"\n${headers}" ""
+                "${function}" "std::make_unique<eight_bit_code<${type}>>()"
+            )
+            string(APPEND functions "${function};\n")
+            list(APPEND sources "${folder}/${name}_in_8_bits.cpp")
+            list(APPEND compiled "${unit}_in_8_bits")
+        endif()
+        string(APPEND calls "\n    methods.push_back(make_network_method(\"${network}\", make_${name}(), \"${template}\", ${training}, ${bytes}));")
+        foreach(format IN LISTS formats)
+            string(REGEX MATCH "(.*),(.*),(.*)" format "${format}")
+            set(view "tactnet::deployed<${type}, tactnet::${CMAKE_MATCH_1}>::view_type")
+            set(frame "${folder}/frames/${name}${CMAKE_MATCH_3}.cpp")
+            list(APPEND frames "${frame}")
+            list(APPEND frame_networks "${network}/${size},${CMAKE_MATCH_2}")
+            tactnet_write_unit(
+                "${frame}" "#include <tactnet/deployment.hpp>\n#include <tactnet/deployment/eight_bit.hpp>\n${headers}"
+                "using view = ${view};\n"
+                "tactnet::frame_status recognise(const view::packed_weights& weights, const std::uint8_t* counts, float* logits, view::workspace& memory) noexcept"
+                "view(weights).infer(tactnet::tensor_view<const std::uint8_t, view::input_shape>(counts), std::span<float, view::outputs>(logits, view::outputs), memory)"
             )
         endforeach()
     endforeach()
-    # Behind the networks, heads and support vector machines for images of each size.
-    list(REMOVE_DUPLICATES all_sizes)
+    # Behind the networks: support vector machines and heads for images of each size.
     foreach(size IN LISTS all_sizes)
-        tactnet_split_size("${size}")
-        set(source "${units_dir}/surf_${size}.cpp")
-        configure_file("${templates}/methods/support_vector_machines/surf_unit.cpp.in" "${source}" @ONLY)
-        list(APPEND unit_sources "${source}")
-        string(APPEND all_unit_declarations "std::vector<std::unique_ptr<method>> make_svm_methods_${size}();\n")
-        string(APPEND unit_calls
-               "    for (auto& svm : make_svm_methods_${size}())\n        list.push_back(std::move(svm));\n"
-               "    for (auto& svm : make_trunk_svm_methods(${rows}, ${columns}, trunks))\n"
-               "        list.push_back(std::move(svm));\n"
-               "    for (auto& head : make_trunk_head_methods(${rows}, ${columns}, trunks))\n"
-               "        list.push_back(std::move(head));\n"
+        string(REPLACE "x" ", " extents "${size}")
+        set(function "std::unique_ptr<image_features> make_surf_features_${size}()")
+        tactnet_write_unit(
+            "${folder}/surf_${size}.cpp" "#include \"methods/support_vector_machines/surf_features.hpp\"\n" "" "${function}"
+            "std::make_unique<surf_features<tactnet::shape{${extents}}>>()"
         )
+        string(APPEND functions "${function};\n")
+        list(APPEND sources "${folder}/surf_${size}.cpp")
+        string(APPEND sizes "\n    add_methods_behind_features(methods, {${extents}}, make_surf_features_${size}, trunks);")
     endforeach()
-    # Trunks take photographs, which images of all sizes become: a unit each.
-    set(trunk_calls "")
-    foreach(trunk IN LISTS arg_TRUNKS)
-        if(NOT trunk MATCHES "^[a-z0-9]+$")
-            message(FATAL_ERROR "tactnet_add_program: expected trunks such as squeezenet, found '${trunk}'.")
-        endif()
-        set(source "${units_dir}/trunk_${trunk}.cpp")
-        configure_file("${templates}/methods/trunks/unit.cpp.in" "${source}" @ONLY)
-        list(APPEND unit_sources "${source}")
-        string(APPEND all_unit_declarations "std::shared_ptr<const compiled_trunk> make_trunk_${trunk}();\n")
-        list(APPEND trunk_calls "make_trunk_${trunk}()")
+    # Trunks take photographs, which images of all sizes become.
+    foreach(trunk IN LISTS trunks)
+        set(function "std::shared_ptr<const compiled_trunk> make_trunk_${trunk}()")
+        tactnet_write_unit(
+            "${folder}/trunk_${trunk}.cpp" "#include \"methods/trunks/compile.hpp\"\n" "" "${function}"
+            "compile_trunk<trunks::${trunk}, ${classes}>()"
+        )
+        string(APPEND functions "${function};\n")
+        list(APPEND sources "${folder}/trunk_${trunk}.cpp")
+        string(APPEND trunk_calls "make_trunk_${trunk}(), ")
     endforeach()
-    list(JOIN trunk_calls ", " trunk_calls)
-    set(unit_declarations "${all_unit_declarations}")
-    configure_file("${templates}/methods/method_list.cpp.in" "${units_dir}/method_list.cpp" @ONLY)
+    file(CONFIGURE OUTPUT "${folder}/method_list.cpp" CONTENT "// Generated: all methods that were compiled in.
+#include \"methods/method_list.hpp\"\n\n${functions}
+std::vector<std::unique_ptr<method>> make_methods() {
+    const std::vector<std::shared_ptr<const compiled_trunk>> trunks{${trunk_calls}};
+    std::vector<std::unique_ptr<method>> methods;${calls}${sizes}
+    return methods;\n}\n" @ONLY)
 
-    add_library(${target}_units OBJECT ${unit_sources})
+    add_library(${target}_units OBJECT ${sources})
     add_executable(
         ${target} $<TARGET_OBJECTS:tactnet_program_commands> $<TARGET_OBJECTS:tactnet_program_scenes>
-                  $<TARGET_OBJECTS:${target}_units>
-                  "${units_dir}/method_list.cpp"
+                  $<TARGET_OBJECTS:${target}_units> "${folder}/method_list.cpp"
     )
     foreach(part IN ITEMS ${target}_units ${target})
         tactnet_use(${part})
         target_link_libraries(${part} PRIVATE tactnet_program_parts)
     endforeach()
     target_link_libraries(${target} PRIVATE tactnet::simulation tactnet_quick_to_compile)
+    set_target_properties(${target} PROPERTIES TACTNET_UNITS "${compiled}")
     if(TACTNET_SIZE)
-        add_library(${target}_frames OBJECT EXCLUDE_FROM_ALL ${frame_sources})
+        add_library(${target}_frames OBJECT EXCLUDE_FROM_ALL ${frames})
         tactnet_use(${target}_frames)
         set_target_properties(${target}_frames PROPERTIES UNITY_BUILD OFF)
         add_custom_target(
@@ -198,10 +180,9 @@ function(tactnet_add_program target)
                 "${CMAKE_COMMAND}" "-DSIZE=${TACTNET_SIZE}" "-DNETWORKS=${frame_networks}"
                 "-DOBJECTS=$<TARGET_OBJECTS:${target}_frames>"
                 "-DOUTPUT=$<TARGET_FILE_DIR:${target}>/${target}_code_bytes.csv" -P
-                "${templates}/methods/networks/code_bytes.cmake"
+                "${program_folder}/methods/networks/code_bytes.cmake"
             DEPENDS $<TARGET_OBJECTS:${target}_frames>
             VERBATIM
         )
     endif()
-    set_target_properties(${target} PROPERTIES TACTNET_UNITS "${all_units}")
 endfunction()

@@ -16,7 +16,7 @@ endfunction()
 
 run("${program}" simulate --out touches --per-class 10)
 set(data --data touches)
-run("${program}" train ${data} --network roots --rows 7 --columns 13 --resize --epochs 12 --output float.safetensors)
+run("${program}" train ${data} --method roots --rows 7 --columns 13 --resize --epochs 12 --output float.safetensors)
 foreach(to IN ITEMS bytes.safetensors roots.hpp)
     run("${program}" export --weights float.safetensors --bits 8 ${data} --resize --namespace rooted --output ${to})
 endforeach()

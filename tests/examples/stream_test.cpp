@@ -109,6 +109,9 @@ TEST_SUITE("stream") {
                   std::string::npos);
         }
         CHECK(run_program(program).status == 2);
+        const auto help = run_program(program + " --help");
+        CHECK(help.status == 0);
+        CHECK(help.out == "usage: tactnet_stream WEIGHTS [own] <STREAM\n");
         CHECK(run_program(program + " /no/such/file </dev/null").error.find("expected a file") !=
               std::string::npos);
         const auto full = run(" >/dev/full", plain);

@@ -3,6 +3,7 @@
 #include "commands/commands.hpp"
 #include "console/standard_streams.hpp"
 #include "data/folder_check.hpp"
+#include "methods/training_settings.hpp"
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
@@ -134,9 +135,6 @@ command add_check(CLI::App& program) {
         "check",
         "Show what is in a folder of images and what is wrong with it, and whether it is the paper's");
     auto folder = std::make_shared<std::string>();
-    app->add_option("--data", *folder,
-                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
-        ->type_name("FOLDER")
-        ->required();
+    add_data_option(*app, *folder);
     return [folder] { return check_data(*folder); };
 }

@@ -2,7 +2,7 @@
 
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
-#include "data/regular_file.hpp"
+#include "data/input_file.hpp"
 #include "files/output_files.hpp"
 #include "usage_error.hpp"
 
@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <interrupt.hpp>
-#include <optional>
 #include <printable.hpp>
 #include <string>
 #include <system_error>
@@ -38,13 +37,12 @@ std::string progress_text(const std::vector<tactnet::epoch_report>& history, std
                               duration_text(left));
 }
 
-/// Nothing, or why the checkpoint could not be written.
-std::optional<std::string> keep(network_training& training, const checkpoint_options& checkpoint,
-                                const tactnet::file_metadata& settings) {
+/// Empty, or why the checkpoint could not be written.
+std::string keep(network_training& training, const checkpoint_options& checkpoint) {
     try {
         make_folder_of(checkpoint.path);
-        training.save_checkpoint(checkpoint.path, settings);
-        return std::nullopt;
+        training.save_checkpoint(checkpoint.path, checkpoint.settings);
+        return {};
     } catch (const tactnet::file_error& error) {
         return error.what();
     } catch (const usage_error& error) {
@@ -52,90 +50,73 @@ std::optional<std::string> keep(network_training& training, const checkpoint_opt
     }
 }
 
-/// Tells whether it is done.
-bool run(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,
-         const tactnet::file_metadata& settings) {
-    progress line;
-    const stopwatch watch;
-    const std::size_t before = training.history().size();
-    double saved = 0;
-    while (!training.finished()) {
-        if (interrupted()) {
-            line.end_line();
-            return false;
-        }
-        training.advance();
-        const double seconds = watch.seconds();
-        line.show(progress_text(training.history(), epochs, training.images_per_epoch(), before, seconds),
-                  training.finished());
-        if (seconds - saved > 60 * checkpoint.minutes) {
-            if (const auto problem = keep(training, checkpoint, settings)) {
-                line.end_line();
-                tell("warning: no checkpoint of epoch {} ({}); the training goes on\n",
-                     training.history().size(), printable(*problem));
-            }
-            saved = seconds;
-        }
-    }
-    return true;
-}
-
 } // namespace
 
-void check_no_checkpoint(const std::filesystem::path& path) {
-    std::error_code code;
-    if (std::filesystem::is_regular_file(path, code))
-        throw usage_error(fmt::format("{}: expected no checkpoint here, found one of an unfinished training; "
-                                      "--resume goes on from it, --afresh gives it up, --checkpoint takes "
-                                      "another name",
-                                      path.string()));
-}
-
-void check_given_up(const std::filesystem::path& path) {
+void check_no_checkpoint(const std::filesystem::path& path, bool afresh) {
     std::error_code code;
     if (!std::filesystem::is_regular_file(path, code))
         return;
+    if (!afresh)
+        refuse("{}: expected no checkpoint here, found one of an unfinished training; --resume goes on from "
+               "it, --afresh gives it up, --checkpoint takes another name",
+               path.string());
     std::string format;
     try {
         const auto file = tactnet::safetensors_source::open(path, tactnet::checksum_rule::ignore);
         if (const auto found = file.metadata().find("format"); found != file.metadata().end())
             format = found->second;
-    } catch (const tactnet::file_error&) { // someone else's file, as far as one can tell
+    } catch (const tactnet::file_error&) { // someone else's file
     }
     if (format != "tactnet checkpoint")
-        throw usage_error(
-            fmt::format("{}: expected a checkpoint, which --afresh gives up, found another file; "
-                        "--checkpoint takes another name",
-                        path.string()));
+        refuse("{}: expected a checkpoint, which --afresh gives up, found another file; --checkpoint takes "
+               "another name",
+               path.string());
 }
 
-void check_resumable(const std::filesystem::path& path, const tactnet::file_metadata& settings) {
-    check_no_device(path);
-    tactnet::check_checkpoint(path, settings);
+void check_resumable(const checkpoint_options& checkpoint) {
+    check_no_device(checkpoint.path);
+    tactnet::check_checkpoint(checkpoint.path, checkpoint.settings);
 }
 
-void keep_unwritten(network_training& training, const checkpoint_options& checkpoint,
-                    const tactnet::file_metadata& settings) {
-    if (const auto problem = keep(training, checkpoint, settings))
-        tell("warning: no checkpoint of the finished training either ({})\n", printable(*problem));
+void keep_unwritten(network_training& training, const checkpoint_options& checkpoint) {
+    if (const std::string problem = keep(training, checkpoint); !problem.empty())
+        tell("warning: no checkpoint of the finished training either ({})\n", printable(problem));
     else
         tell("the finished training is kept: the same command with --resume writes what comes of it, from "
              "{}\n",
              printable(checkpoint.path.string()));
 }
 
-bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint,
-                const tactnet::file_metadata& settings) {
+bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint) {
     if (checkpoint.resume)
-        if (training.load_checkpoint(checkpoint.path, settings) == tactnet::checksum_state::absent)
+        if (training.load_checkpoint(checkpoint.path, checkpoint.settings) == tactnet::checksum_state::absent)
             tell("{}: no checksum in it, so that damage may go unnoticed\n",
                  printable(checkpoint.path.string()));
     catch_interrupts();
-    if (run(training, epochs, checkpoint, settings))
+    progress line;
+    const stopwatch watch;
+    const std::size_t before = training.history().size();
+    double saved = 0;
+    while (!training.finished() && !interrupted()) {
+        training.advance();
+        const double seconds = watch.seconds();
+        line.show(progress_text(training.history(), epochs, training.images_per_epoch(), before, seconds),
+                  training.finished());
+        if (seconds - saved <= 60 * checkpoint.minutes)
+            continue;
+        saved = seconds;
+        if (const std::string problem = keep(training, checkpoint); !problem.empty()) {
+            line.end_line();
+            tell("warning: no checkpoint of epoch {} ({}); the training goes on\n", training.history().size(),
+                 printable(problem));
+        }
+    }
+    if (training.finished())
         return true;
-    if (const auto problem = keep(training, checkpoint, settings))
-        throw usage_error(fmt::format("stopped after epoch {} of {}, without a checkpoint of it: {}",
-                                      training.history().size(), epochs, *problem));
+    line.end_line();
+    if (const std::string problem = keep(training, checkpoint); !problem.empty())
+        refuse("stopped after epoch {} of {}, without a checkpoint of it: {}", training.history().size(),
+               epochs, problem);
     tell("stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
          training.history().size(), epochs, printable(checkpoint.path.string()));
     return false;

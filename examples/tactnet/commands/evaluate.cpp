@@ -19,6 +19,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -37,13 +38,10 @@ namespace {
 std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options& o) {
     std::vector<std::pair<std::size_t, std::size_t>> sizes;
     for (const std::string& text : o.sizes) {
-        const std::size_t middle = std::min(text.find('x'), text.size());
-        const auto rows = whole_number_of(std::string_view(text).substr(0, middle)),
-                   columns =
-                       whole_number_of(std::string_view(text).substr(std::min(middle + 1, text.size())));
-        if (!rows || !columns)
-            throw usage_error(fmt::format("--sizes: expected sizes such as 28x50, found '{}'", text));
-        sizes.emplace_back(*rows, *columns);
+        const auto size = size_of(text);
+        if (!size)
+            refuse("--sizes: expected sizes such as 28x50, found '{}'", text);
+        sizes.push_back(*size);
     }
     if (sizes.empty())
         sizes.emplace_back(o.training.rows, o.training.columns);
@@ -77,6 +75,15 @@ std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<
     return files;
 }
 
+/// TactNet-4 and TactNet-6, if they are there.
+std::vector<std::string> default_methods() {
+    std::vector<std::string> names;
+    for (const std::string name : {"tactnet4", "tactnet6"})
+        if (std::ranges::any_of(all_methods(), [&](const auto& m) { return m->name == name; }))
+            names.push_back(name);
+    return names.empty() ? std::vector{default_method()} : names;
+}
+
 /// All that was asked for. Throws usage_error.
 std::vector<candidate> candidates_of(const evaluate_options& o) {
     std::vector<candidate> chosen;
@@ -86,11 +93,15 @@ std::vector<candidate> candidates_of(const evaluate_options& o) {
             training.rows = rows, training.columns = columns;
             chosen.push_back({&find_method(name, rows, columns), training, nullptr});
         }
-    const bool any =
-        std::ranges::any_of(chosen, [](const candidate& c) { return c.what->pretrained().has_value(); });
+    // A setting for some of the methods is no mistake of the others.
+    const bool pretrained = std::ranges::any_of(
+                   chosen, [](const candidate&c) { return c.what->pretrained().has_value(); }),
+               network = std::ranges::any_of(chosen, [](const candidate&c) { return c.what->is_network(); });
     for (candidate& c : chosen) {
-        if (any && !c.what->pretrained()) // it is for the others
+        if (pretrained && !c.what->pretrained())
             c.training.pretrained.clear();
+        if (network && !c.what->is_network())
+            c.training = without_epochs(c.training);
         static_cast<void>(recipe_for(*c.what, c.training));
     }
     return chosen;
@@ -100,8 +111,7 @@ std::vector<candidate> candidates_of(const evaluate_options& o) {
 void check(const evaluate_options& o, const split_plan& plan, const std::vector<candidate>& chosen) {
     check_seeds(plan);
     if (o.training.shares.test <= 0)
-        throw usage_error(
-            "--test: expected a share above 0, since accuracy is measured on these images, found 0");
+        refuse("--test: expected a share above 0, since accuracy is measured on these images, found 0");
     const std::vector<named_file> outputs = outputs_of(o, chosen);
     check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
     tidy_folders_of(outputs);
@@ -161,42 +171,28 @@ int evaluate(const evaluate_options& o) {
 void add_run_options(CLI::App& app, evaluate_options& o) {
     app.add_option("--split", o.split,
                    "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'")
-        ->check(CLI::IsMember({"both", "random", "blocked"}))
-        ->capture_default_str();
-    app.add_option("--splits", o.splits, "Splits of each kind, 1 to 10000")
-        ->type_name("N")
-        ->check(whole_number(1, 10'000))
-        ->capture_default_str();
-    app.add_option("--seed", o.first_seed, "Seed of the first split; the others follow")
-        ->type_name("N")
-        ->check(seed())
-        ->capture_default_str();
+        ->check(CLI::IsMember({"both", "random", "blocked"}));
+    app.add_option("--splits", o.splits, "Splits of each kind")->check(whole_number(1, 10'000));
+    app.add_option("--seed", o.first_seed, "Seed of the first split; the others follow")->check(seed());
     app.add_option("--results", o.results,
-                   "Folder for results; finished trainings found there are not done again")
-        ->type_name("FOLDER")
-        ->capture_default_str();
+                   "Folder for results; finished trainings found there are not done again");
     app.add_flag("--afresh", o.afresh,
                  "Forget finished trainings found there, as one should when the library itself has changed");
-    app.add_option(
-           "--jobs,--threads", o.jobs,
-           "Trainings at the same time, 1 to 1024; the results do not depend on it (default: one a core)")
-        ->type_name("N")
+    app.add_option("--jobs,--threads", o.jobs,
+                   "Trainings at the same time; the results do not depend on it (default: one a core)")
         ->check(whole_number(1, 1024));
 }
 
 /// What options for trainings say about a weight file.
 void take_weight_options(const CLI::App& app, evaluate_options& o) {
     if (!o.training.pretrained.empty())
-        throw usage_error("--pretrained: expected a training, found --weights, whose file holds all that it "
-                          "needs");
+        refuse("--pretrained: expected a training, found --weights, whose file holds all that it needs");
     if (o.training.bits == 8)
-        throw usage_error(
-            "--bits: expected a training, found --weights, whose file says itself of how many bits "
-            "its weights are");
+        refuse("--bits: expected a training, found --weights, whose file says itself of how many bits its "
+               "weights are");
     o.weights.resize = o.training.resize;
     if (o.methods.size() > 1)
-        throw usage_error(
-            fmt::format("--method: expected one method for one weight file, found {}", o.methods.size()));
+        refuse("--method: expected one method for one weight file, found {}", o.methods.size());
     if (!o.methods.empty())
         o.weights.method = o.methods.front();
     if (app.count("--rows") > 0)
@@ -211,19 +207,15 @@ command add_evaluate(CLI::App& program) {
     auto* app =
         program.add_subcommand("evaluate", "Train and test methods on many splits, or test a weight file");
     auto o = std::make_shared<evaluate_options>();
-    app->add_option("--data", o->data,
-                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
-        ->type_name("FOLDER")
-        ->required();
-    app->add_option("--method,--network", o->methods,
-                    "Methods, separated by commas; of " + method_names() + " (default: tactnet4,tactnet6)")
-        ->type_name("NAME,...")
+    add_data_option(*app, o->data);
+    app->add_option("--method", o->methods,
+                    fmt::format("Methods, separated by commas; of {} (default: {})", method_names(),
+                                fmt::join(default_methods(), ",")))
         ->delimiter(',');
     add_training_options(*app, o->training);
     app->add_option("--sizes", o->sizes,
                     "Several sizes, such as 28x50,14x25, instead of --rows and --columns; images of another "
                     "size need --resize")
-        ->type_name("SIZE,...")
         ->delimiter(',');
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "
@@ -232,12 +224,11 @@ command add_evaluate(CLI::App& program) {
     add_weight_options(*app, o->weights, false);
     app->add_option("--images", o->images,
                     "With --weights: the 'test' images of the split it was trained on, or 'all'")
-        ->check(CLI::IsMember({"test", "all"}))
-        ->capture_default_str();
+        ->check(CLI::IsMember({"test", "all"}));
     return [o, app] {
         if (o->weights.weights.empty()) {
             if (o->methods.empty())
-                o->methods = {"tactnet4", "tactnet6"};
+                o->methods = default_methods();
             return evaluate(*o);
         }
         take_weight_options(*app, *o);

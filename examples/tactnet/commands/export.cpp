@@ -51,23 +51,20 @@ bool is_weight_file(const export_options& o) {
 /// Throws usage_error for options that do not go together.
 void check(const export_options& o) {
     if (!tactnet::is_namespace_name(o.namespace_name))
-        throw usage_error(fmt::format("--namespace: expected a name such as gripper or gripper::tactile, "
-                                      "found {}",
-                                      tactnet::in_quotes(o.namespace_name)));
+        refuse("--namespace: expected a name such as gripper or gripper::tactile, found {}",
+               tactnet::in_quotes(o.namespace_name));
     if (o.bits == 8 && o.data.empty())
-        throw usage_error(
-            "--bits: expected --data with the images of the training, which tell what numbers a "
-            "network in 8 bits must hold, found none");
+        refuse(
+            "--bits: expected --data with the images of the training, which tell what numbers a network in "
+            "8 bits must hold, found none");
     if (o.bits != 8 && !o.data.empty())
-        throw usage_error("--data: expected --bits 8, for which images are, found single precision");
+        refuse("--data: expected --bits 8, for which images are, found single precision");
     if (is_weight_file(o) && !o.weights.classes.empty())
-        throw usage_error(
-            "--classes: expected a header to write, found a weight file, which keeps the names of "
-            "the other");
+        refuse("--classes: expected a header to write, found a weight file, which keeps the names of the "
+               "other");
     if (o.bits != 8 && is_weight_file(o))
-        throw usage_error(
-            "--output: expected --bits 8, with which a weight file becomes another, or the name of "
-            "a header, found a name that ends in .safetensors");
+        refuse("--output: expected --bits 8, with which a weight file becomes another, or the name of a "
+               "header, found a name that ends in .safetensors");
 }
 
 /// The network of the file in 8 bits.
@@ -102,9 +99,8 @@ int export_network(const export_options& o) {
     const loaded_weights weights = load_weights(o.weights);
     const auto* network = dynamic_cast<const trained_network*>(weights.trained.get());
     if (network == nullptr)
-        throw usage_error(fmt::format("{}: expected a network, found the {} {}, which cannot be written as a "
-                                      "header",
-                                      o.weights.weights, weights.what->kind(), weights.what->name));
+        refuse("{}: expected a network, found the {} {}, which cannot be written as a header",
+               o.weights.weights, weights.what->kind(), weights.what->name);
     const std::vector<std::uint8_t> frames = selftest_frames(o.weights.weights, *weights.what);
     std::unique_ptr<trained_network> in_bytes;
     if (o.bits == 8) {
@@ -125,7 +121,7 @@ int export_network(const export_options& o) {
     try {
         text = network->header(says, std::span(frames).first(weights.what->rows * weights.what->columns));
     } catch (const std::invalid_argument& error) { // variances below zero, numbers without end
-        throw usage_error(fmt::format("{}: {}", o.weights.weights, error.what()));
+        refuse("{}: {}", o.weights.weights, error.what());
     }
     make_folder_of(o.output);
     tactnet::write_file(o.output, text);
@@ -147,21 +143,17 @@ command add_export(CLI::App& program) {
         ->required();
     add_bits_option(*app, o->bits,
                     "8: turn weights in single precision into 8 bits; a file in 8 bits needs no such option");
-    app->add_option("--data", o->data, "With --bits 8: the folder of images that the network was trained on")
-        ->type_name("FOLDER");
+    app->add_option("--data", o->data, "With --bits 8: the folder of images that the network was trained on");
     app->add_option(
            "--images", o->images,
            "Of these the 'training' images of the split it was trained on, or 'all': never those that "
            "it is judged by")
-        ->check(CLI::IsMember({"training", "all"}))
-        ->capture_default_str();
-    app->add_option("--namespace", o->namespace_name, "Namespace of everything in it (default: tactile)")
-        ->type_name("NAME");
+        ->check(CLI::IsMember({"training", "all"}));
+    app->add_option("--namespace", o->namespace_name, "Namespace of everything in it");
     app->add_option(
            "--packing", o->packing,
            "When weights are brought into the order of use (default: when-compiling if there are few "
            "enough for the usual limits of compilers)")
-        ->type_name("WHEN")
         ->check(CLI::IsMember({"when-compiling", "at-start"}));
     return [o] { return export_network(*o); };
 }

@@ -92,11 +92,10 @@ int recommend(const recommend_options& o) {
     const auto fastest = *std::ranges::min_element(all, {}, &studied_network::microseconds);
     std::erase_if(all, [&](const studied_network& n) { return !fits(n, o); });
     if (all.empty())
-        throw usage_error(
-            fmt::format("expected a budget that a network of {} keeps, found none; the fastest, "
-                        "{} {}x{}{}, takes {:.2f} µs and {} bytes",
-                        path.string(), fastest.method, fastest.rows, fastest.columns,
-                        fastest.bits == 8 ? " in 8 bits" : "", fastest.microseconds, fastest.bytes));
+        refuse("expected a budget that a network of {} keeps, found none; the fastest, {} {}x{}{}, takes "
+               "{:.2f} µs and {} bytes",
+               path.string(), fastest.method, fastest.rows, fastest.columns,
+               fastest.bits == 8 ? " in 8 bits" : "", fastest.microseconds, fastest.bytes);
     // A mean over few splits says little beside one over many.
     const std::size_t most = std::ranges::max_element(all, {}, &studied_network::splits)->splits;
     std::erase_if(all, [&](const studied_network& n) { return n.splits < most; });
@@ -119,21 +118,15 @@ command add_recommend(CLI::App& program) {
     auto* app = program.add_subcommand(
         "recommend", "The most accurate network of a study that keeps a budget, and its type in C++");
     auto o = std::make_shared<recommend_options>();
-    app->add_option("--results", o->results, "Folder of a study")->type_name("FOLDER")->capture_default_str();
+    app->add_option("--results", o->results, "Folder of a study");
     app->add_option("--microseconds", o->microseconds, "The most that a frame may take")
-        ->type_name("T")
         ->check(positive_number());
     app->add_option("--bytes", o->bytes, "The most that its weights may take")
-        ->type_name("N")
         ->check(whole_number(1, 1'000'000'000'000));
     app->add_option("--rows", o->rows, "Rows of the sensor, or fewer after resizing")
-        ->type_name("N")
         ->check(whole_number(1, 100'000));
-    app->add_option("--columns", o->columns, "Columns, likewise")
-        ->type_name("N")
-        ->check(whole_number(1, 100'000));
+    app->add_option("--columns", o->columns, "Columns, likewise")->check(whole_number(1, 100'000));
     app->add_option("--split", o->split, "Splits that count: 'random' or 'blocked'")
-        ->check(CLI::IsMember({"random", "blocked"}))
-        ->capture_default_str();
+        ->check(CLI::IsMember({"random", "blocked"}));
     return [o] { return recommend(*o); };
 }

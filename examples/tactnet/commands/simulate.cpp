@@ -4,9 +4,9 @@
 #include "commands/scenes.hpp"
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
-#include "data/regular_file.hpp"
-#include "number_options.hpp"
+#include "data/input_file.hpp"
 #include "files/output_files.hpp"
+#include "number_options.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/partial_file.hpp>
@@ -46,10 +46,7 @@ struct simulate_options {
 };
 
 const simulated_scene& scene_of(std::string_view name) {
-    for (const simulated_scene& scene : simulated_scenes())
-        if (scene.name == name)
-            return scene;
-    throw usage_error(fmt::format("--scene: there is no scene {}", tactnet::in_quotes(name)));
+    return *std::ranges::find(simulated_scenes(), name, &simulated_scene::name); // CLI11 has checked the name
 }
 
 /// Throws file_error where the folder's note says anything else.
@@ -186,27 +183,17 @@ command add_simulate(CLI::App& program) {
                     "Folder to write: one subfolder a class, each with 28 x 50 8-bit PNG images")
         ->type_name("FOLDER")
         ->required();
-    app->add_option("--per-class", o->per_class, "Images of each class, 1 to 100000")
-        ->type_name("N")
-        ->check(whole_number(1, 100'000))
-        ->capture_default_str();
+    app->add_option("--per-class", o->per_class, "Images of each class")->check(whole_number(1, 100'000));
     app->add_option("--seed", o->seed, "Of everything that is drawn; the same seed gives the same bits")
-        ->type_name("N")
-        ->check(seed())
-        ->capture_default_str();
+        ->check(seed());
     std::vector<std::string> names;
     std::string says = "What is simulated:";
     for (const simulated_scene& scene : simulated_scenes()) {
         says += fmt::format("{} '{}' {}", names.empty() ? "" : ";", scene.name, scene.says);
         names.emplace_back(scene.name);
     }
-    app->add_option("--scene", o->scene, says)
-        ->type_name("NAME")
-        ->check(CLI::IsMember(names))
-        ->capture_default_str();
-    app->add_option("--threads", o->threads,
-                    "Threads, 1 to 1024; the images do not depend on it (default: one a core)")
-        ->type_name("N")
+    app->add_option("--scene", o->scene, says)->check(CLI::IsMember(names));
+    app->add_option("--threads", o->threads, "Threads; the images do not depend on it (default: one a core)")
         ->check(whole_number(1, 1024));
     return [o] { return simulate(*o); };
 }

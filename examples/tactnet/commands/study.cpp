@@ -3,7 +3,6 @@
 #include "commands/commands.hpp"
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
-#include "console/waiting.hpp"
 #include "evaluation/candidates.hpp"
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
@@ -56,8 +55,7 @@ shard shard_of(const std::string& text) {
     const auto index = whole_number_of(std::string_view(text).substr(0, slash)),
                count = whole_number_of(std::string_view(text).substr(std::min(slash + 1, text.size())));
     if (!index || !count || *index < 1 || *index > *count)
-        throw usage_error(
-            fmt::format("--shard: expected a part of all such as 1/4, from 1 on, found '{}'", text));
+        refuse("--shard: expected a part of all such as 1/4, from 1 on, found '{}'", text);
     return {*index - 1, *count};
 }
 
@@ -73,8 +71,7 @@ void merge(const study_options& o, result_list& results) {
     for (const std::string& folder : o.merged) {
         const auto path = std::filesystem::path(folder) / "evaluation.jsonl";
         if (!std::filesystem::exists(path))
-            throw usage_error(
-                fmt::format("--merge: expected a folder of results, found no {}", path.string()));
+            refuse("--merge: expected a folder of results, found no {}", path.string());
         std::size_t taken = 0;
         const result_list others(path);
         for (const auto& [settings, result] : others.all())
@@ -219,16 +216,15 @@ void check(const study_options& o, const study_plan& plan) {
     if (std::ranges::any_of(plan.candidates, [](const candidate& c) { return c.what->keeps_features(); }))
         check_outside_classes(o.data, {{"--results", folder / "features" / "any"}});
     if (plan.candidates.empty())
-        throw usage_error(
-            "--methods, --sizes, --recipes: expected something to study, found nothing that can "
-            "be trained");
+        refuse(
+            "--methods, --sizes, --recipes: expected something to study, found nothing that can be trained");
 }
 
 int study(const study_options& o) {
     const std::filesystem::path folder = o.results;
     const shard part = shard_of(o.shard);
     if (o.report_only && part.count > 1)
-        throw usage_error("--report-only, --shard: expected one of them, found both; a part has no report");
+        refuse("--report-only, --shard: expected one of them, found both; a part has no report");
     study_plan plan = plan_of(o);
     check(o, plan);
     const std::vector<peer_time> peers = peer_times(o);
@@ -308,14 +304,9 @@ command add_study(CLI::App& program) {
     auto* app = program.add_subcommand(
         "study", "Train and time all methods at all sizes, beside the paper's results, on one page");
     auto o = std::make_shared<study_options>();
-    app->add_option("--data", o->data,
-                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
-        ->type_name("FOLDER")
-        ->required();
+    add_data_option(*app, o->data);
     app->add_option("--results", o->results,
-                    "Folder for results; what is found there is not done again, by any number of programs")
-        ->type_name("FOLDER")
-        ->capture_default_str();
+                    "Folder for results; what is found there is not done again, by any number of programs");
     std::set<std::string> names, sizes;
     for (const auto& m : all_methods()) {
         names.insert(m->name);
@@ -329,41 +320,30 @@ command add_study(CLI::App& program) {
         ->check(CLI::IsMember(sizes));
     app->add_option("--recipes", o->recipes, "Some of 'default', 'thorough' and 'published'")
         ->delimiter(',')
-        ->check(CLI::IsMember(recipe_names()))
-        ->capture_default_str();
+        ->check(CLI::IsMember(recipe_names()));
     app->add_option("--split", o->split, "'random', 'blocked' or 'both'")
-        ->check(CLI::IsMember({"both", "random", "blocked"}))
-        ->capture_default_str();
-    app->add_option("--splits", o->splits, "Splits of each kind, 1 to 10000")
-        ->type_name("N")
-        ->check(whole_number(1, 10'000))
-        ->capture_default_str();
+        ->check(CLI::IsMember({"both", "random", "blocked"}));
+    app->add_option("--splits", o->splits, "Splits of each kind")->check(whole_number(1, 10'000));
     app->add_option(
            "--pretrained", o->pretrained,
            "Networks trained on photographs, such as squeezenet=FILE, for the methods that begin with "
            "one")
-        ->type_name("NAME=FILE,...")
         ->delimiter(',');
     app->add_option("--peers", o->peers,
                     "Other libraries' times for the same networks, drawn beside: tables of "
                     "benchmark_inference, made on "
                     "this machine")
-        ->type_name("FILE,...")
         ->delimiter(',');
     app->add_option("--code-bytes", o->code_bytes,
                     "What networks take of a program beside their weights: the table that the target "
-                    "tactnet_program_code_bytes writes")
-        ->type_name("FILE");
+                    "tactnet_program_code_bytes writes");
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
-    app->add_option("--jobs", o->jobs, "Trainings at the same time, 1 to 1024 (default: one a core)")
-        ->type_name("N")
+    app->add_option("--jobs", o->jobs, "Trainings at the same time (default: one a core)")
         ->check(whole_number(1, 1024));
-    app->add_option("--shard", o->shard, "One part of all trainings, such as 2/8, for one machine of eight")
-        ->type_name("PART/ALL");
+    app->add_option("--shard", o->shard, "One part of all trainings, such as 2/8, for one machine of eight");
     app->add_option("--merge", o->merged, "Folders of other parts, whose trainings are taken over")
-        ->type_name("FOLDER,...")
         ->delimiter(',');
     app->add_flag("--report-only", o->report_only,
                   "Train and time nothing; write what is there, by other versions and instruction sets too");

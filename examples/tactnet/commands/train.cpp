@@ -34,7 +34,7 @@ namespace {
 
 struct train_options {
     training_settings training;
-    std::string data, method = "tactnet6", split = "random", output, checkpoint, plots;
+    std::string data, method = default_method(), split = "random", output, checkpoint, plots;
     std::uint64_t seed = 0;
     std::size_t threads = 1; // more pay on an idle machine only: their barriers wait for every core
     std::size_t selftest = 4;
@@ -60,16 +60,6 @@ std::vector<std::uint8_t> selftest_images(std::size_t count, std::size_t rows, s
     return pixels;
 }
 
-/// A support vector machine, all at once: Ctrl-C ends the program, and leaves nothing. Behind a network
-/// Ctrl-C is seen afterwards, and leaves the features.
-void run_once(training_run& training, const std::string& data) {
-    try {
-        training.advance();
-    } catch (const std::invalid_argument& error) { // nothing to tell apart, nothing to describe
-        throw usage_error(fmt::format("{}: {}", data, error.what()));
-    }
-}
-
 /// What a training leaves.
 struct output_files {
     std::filesystem::path weights, checkpoint, features;
@@ -79,47 +69,38 @@ struct output_files {
 
 /// Throws usage_error where they cannot be written, or should not.
 output_files files_for(const method& what, const train_options& o) {
+    if (!what.is_network() && o.resume)
+        refuse("--resume: expected a network, found {}, which is trained in one go", o.method);
     const std::filesystem::path weights = o.output;
     const std::filesystem::path folder =
         o.plots.empty() ? weights.parent_path() : std::filesystem::path(o.plots);
     output_files files{weights, o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint,
                        o.output + ".features", folder / weights.stem()};
-    if (!what.is_network() && o.resume)
-        throw usage_error(
-            fmt::format("--resume: expected a network, found {}, which is trained in one go", o.method));
-    const std::string reports = o.plots.empty() ? "--output" : "--plots";
-    std::vector<named_file> outputs{{"--output", files.weights}};
-    const auto add_pictures = [&](const char* ending) {
-        std::ranges::move(picture_files(reports, files.reports.string() + ending),
-                          std::back_inserter(outputs));
-    };
-    add_pictures(".confusion");
+    const std::string option = o.plots.empty() ? "--output" : "--plots", reports = files.reports.string();
+    std::vector<named_file> outputs{{"--output", files.weights}}, more;
+    std::vector<named_file> claimed{{"--output", files.weights}, {option, reports + ".confusion"}};
     if (what.is_network()) {
         outputs.push_back({"--checkpoint", files.checkpoint});
-        outputs.push_back({reports, files.reports.string() + ".learning.jsonl"});
-        add_pictures(".learning");
+        claimed.push_back(outputs.back());
+        more = picture_files(option, reports + ".learning");
+        more.push_back({option, reports + ".learning.jsonl"});
     }
-    if (what.keeps_features())
+    if (what.keeps_features()) {
         outputs.push_back({"--output", files.features});
+        claimed.push_back(outputs.back());
+    }
+    std::ranges::move(picture_files(option, reports + ".confusion"), std::back_inserter(more));
+    std::ranges::move(more, std::back_inserter(outputs));
     check_regular(outputs);
     check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
-    std::vector<named_file> written{{"--output", files.weights},
-                                    {reports, files.reports.string() + ".confusion"}};
-    if (what.is_network())
-        written.push_back({"--checkpoint", files.checkpoint});
-    if (what.keeps_features())
-        written.push_back({"--output", files.features});
     files.claimed = std::make_unique<claims>();
-    for (const auto& [option, path] : written)
+    for (const auto& [of, path] : claimed)
         if (!files.claimed->take(path))
-            throw usage_error(
-                fmt::format("{}: expected a file that no other program is about to write, found "
-                            "another training at work on {}",
-                            option, printable(path.string())));
-    if (what.is_network() && o.afresh)
-        check_given_up(files.checkpoint);
-    else if (what.is_network() && !o.resume)
-        check_no_checkpoint(files.checkpoint);
+            refuse("{}: expected a file that no other program is about to write, found another training at "
+                   "work on {}",
+                   of, printable(path.string()));
+    if (what.is_network() && !o.resume)
+        check_no_checkpoint(files.checkpoint, o.afresh);
     tidy_folders_of(outputs);
     return files;
 }
@@ -142,7 +123,7 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
                        fmt::format("{}, {} split {}", title, o.split, o.seed), test, classes);
 }
 
-/// Tests what a training has left, and writes it. Gives a line about it.
+/// Tests and writes the result of a training. Returns a line about it.
 std::string finish(const train_options& o, const output_files& files, const image_data& data,
                    const training_run& training, const method& what, tactnet::file_metadata metadata,
                    double seconds, tactnet::thread_pool& threads) {
@@ -187,15 +168,17 @@ std::string finish(const train_options& o, const output_files& files, const imag
     return line + '\n';
 }
 
-/// What a pretrained network makes of the images. False if interrupted.
-bool prepare(pretrained_weights& network, const image_data& data, const output_files& files,
-             tactnet::thread_pool& threads) {
-    catch_interrupts();
-    const bool done = network.prepare(data, {files.features, false}, threads);
-    if (!done)
-        tell("stopped; the same command goes on with what is left, from {}\n",
-             printable(files.features.string()));
-    return done;
+/// Trains. Returns false if interrupted: what is there goes on with the same command.
+bool run(training_run& training, const train_options& o, std::size_t epochs,
+         const checkpoint_options& checkpoint) {
+    if (auto* by_epochs = dynamic_cast<network_training*>(&training))
+        return run_epochs(*by_epochs, epochs, checkpoint);
+    try {
+        training.advance();
+    } catch (const std::invalid_argument& error) { // nothing to tell apart, nothing to describe
+        refuse("{}: {}", o.data, error.what());
+    }
+    return !interrupted(); // which is looked at only where features were computed before
 }
 
 int train(const train_options& o) {
@@ -208,87 +191,46 @@ int train(const train_options& o) {
     const tactnet::split_rule rule = split_rule_of(o.split);
     tactnet::data_split split =
         tactnet::split_data(data.images.labels, classes.size(), rule, o.seed, o.training.shares);
-    const tactnet::file_metadata settings = describe_training(what, o.training, rule, o.seed, data);
-
+    const checkpoint_options checkpoint{files.checkpoint, o.checkpoint_minutes, o.resume,
+                                        describe_training(what, o.training, rule, o.seed, data)};
     if (o.resume) // before anything is found that another training may have kept
-        check_resumable(files.checkpoint, settings);
+        check_resumable(checkpoint);
     const auto from = load_start(what, o.training, classes);
-
     auto begins_with = open_pretrained(what, o.training);
 
     tactnet::thread_pool threads(o.threads);
-    if (begins_with && !prepare(*begins_with, data, files, threads))
-        return interrupted_by_user;
+    const auto stopped = [&] {
+        tell("stopped; the same command goes on with what is left, from {}\n",
+             printable(files.features.string()));
+        return int{interrupted_by_user};
+    };
+    if (begins_with) {
+        catch_interrupts();
+        if (!begins_with->prepare(data, {files.features, false}, threads))
+            return stopped();
+    }
     const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads, begins_with);
     begins_with.reset(); // the training has what it needs of it
     start(*training, from.get());
-    auto* const epochs = dynamic_cast<network_training*>(training.get());
     const std::string size =
-        epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.learnable(classes.size()))) : "";
+        what.is_network() ? fmt::format(" {} parameters:", grouped(what.learnable(classes.size()))) : "";
     tell("{} {}x{}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method, what.rows,
          what.columns, classes.size(), size, training->split().training.size(),
          training->split().validation.size(), training->split().test.size());
-
-    const checkpoint_options checkpoint{files.checkpoint, o.checkpoint_minutes, o.resume};
     const stopwatch watch;
-    if (epochs == nullptr) {
-        run_once(*training, o.data);
-        if (interrupted()) { // which is looked at only where features were found before
-            tell("stopped; the same command goes on with what is left, from {}\n",
-                 printable(files.features.string()));
-            return interrupted_by_user;
-        }
-    } else if (!run_epochs(*epochs, recipe.epochs, checkpoint, settings))
-        return interrupted_by_user;
+    if (!run(*training, o, recipe.epochs, checkpoint))
+        return what.is_network() ? int{interrupted_by_user} : stopped();
     const double seconds = watch.seconds();
-
     std::string line;
     try {
-        line = finish(o, files, data, *training, what, settings, seconds, threads);
+        line = finish(o, files, data, *training, what, checkpoint.settings, seconds, threads);
     } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
-        if (epochs != nullptr)
-            keep_unwritten(*epochs, checkpoint, settings);
+        if (auto* by_epochs = dynamic_cast<network_training*>(training.get()))
+            keep_unwritten(*by_epochs, checkpoint);
         throw;
     }
     print(line);
     return success;
-}
-
-/// How a training is run, and what it leaves besides weights.
-void add_run_options(CLI::App& app, train_options& o) {
-    app.add_option("--split", o.split,
-                   "'random', or 'blocked': neighbours in the order of recording stay together")
-        ->check(CLI::IsMember({"random", "blocked"}))
-        ->capture_default_str();
-    app.add_option("--seed", o.seed, "Of the split, the first weights and the order; any whole number from 0")
-        ->type_name("N")
-        ->check(seed())
-        ->capture_default_str();
-    app.add_option("--threads", o.threads, "Threads, 1 to 1024; the result does not depend on it")
-        ->capture_default_str()
-        ->type_name("N")
-        ->check(whole_number(1, 1024));
-    app.add_option("--checkpoint", o.checkpoint,
-                   "Where a stopped training is kept (default: OUTPUT.checkpoint)")
-        ->type_name("FILE");
-    app.add_option("--checkpoint-every", o.checkpoint_minutes,
-                   "Minutes between checkpoints of a running training, above 0")
-        ->type_name("MINUTES")
-        ->check(positive_number())
-        ->capture_default_str();
-    auto* resume =
-        app.add_flag("--resume", o.resume, "Go on from the checkpoint, to the same bits as in one go");
-    app.add_flag("--afresh", o.afresh, "Start anew though there is a checkpoint, and give that up")
-        ->excludes(resume);
-    app.add_option("--plots", o.plots,
-                   "Folder for curves and confusion matrix (default: that of the weight file)")
-        ->type_name("FOLDER");
-    app.add_option(
-           "--self-test", o.selftest,
-           "Made-up images kept in the weight file with what came of them, 0 to 100; loading checks them")
-        ->type_name("N")
-        ->check(whole_number(0, 100))
-        ->capture_default_str();
 }
 
 } // namespace
@@ -297,13 +239,8 @@ command add_train(CLI::App& program) {
     auto* app = program.add_subcommand("train", "Train a network, the head of a frozen one or a support "
                                                 "vector machine on a folder of images, and save it");
     auto o = std::make_shared<train_options>();
-    app->add_option("--data", o->data,
-                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
-        ->type_name("FOLDER")
-        ->required();
-    app->add_option("--method,--network", o->method, "One of " + method_names())
-        ->type_name("NAME")
-        ->capture_default_str();
+    add_data_option(*app, o->data);
+    app->add_option("--method", o->method, "One of " + method_names());
     app->add_option("--output", o->output, "Weight file to write; curves and confusion matrix go beside it")
         ->type_name("FILE")
         ->required();
@@ -311,6 +248,25 @@ command add_train(CLI::App& program) {
     add_bits_option(*app, o->training.bits,
                     "Of a weight in the file: 32, single precision, or 8, with the ranges of maps from the "
                     "training images");
-    add_run_options(*app, *o);
+    app->add_option("--split", o->split,
+                    "'random', or 'blocked': neighbours in the order of recording stay together")
+        ->check(CLI::IsMember({"random", "blocked"}));
+    app->add_option("--seed", o->seed, "Of the split, the first weights and the order")->check(seed());
+    app->add_option("--threads", o->threads, "Threads; the result does not depend on it")
+        ->check(whole_number(1, 1024));
+    app->add_option("--checkpoint", o->checkpoint,
+                    "Where a stopped training is kept (default: OUTPUT.checkpoint)");
+    app->add_option("--checkpoint-every", o->checkpoint_minutes,
+                    "Minutes between checkpoints of a running training")
+        ->check(positive_number());
+    auto* resume =
+        app->add_flag("--resume", o->resume, "Go on from the checkpoint, to the same bits as in one go");
+    app->add_flag("--afresh", o->afresh, "Start anew though there is a checkpoint, and give that up")
+        ->excludes(resume);
+    app->add_option("--plots", o->plots,
+                    "Folder for curves and confusion matrix (default: that of the weight file)");
+    app->add_option("--self-test", o->selftest,
+                    "Made-up images kept in the weight file with what came of them; loading checks them")
+        ->check(whole_number(0, 100));
     return [o] { return train(*o); };
 }

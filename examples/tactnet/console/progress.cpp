@@ -5,8 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <interrupt.hpp>
+#include <thread>
 #include <unistd.h>
+#include <utility>
 
 progress::progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
@@ -39,4 +43,14 @@ std::string duration_text(double seconds) {
     if (whole < 3600)
         return fmt::format("{} min {} s", whole / 60, whole % 60);
     return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}
+
+bool wait_until(const std::function<bool()>& ready, const std::string& sentence) {
+    for (bool told = false; !ready(); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
+        if (interrupted())
+            return false;
+        if (!std::exchange(told, true))
+            tell("{}\n", sentence);
+    }
+    return true;
 }

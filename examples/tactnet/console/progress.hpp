@@ -1,9 +1,10 @@
 #pragma once
 
-// Tells a waiting user how far things are: on one line of a terminal, as a line every few seconds elsewhere.
-// Goes to the standard error, so that results can be redirected.
+// Reports to a waiting user: on one line of a terminal, as a line every few seconds elsewhere. It goes to the
+// standard error, so that results can be redirected.
 
 #include <cstddef>
+#include <functional>
 #include <stopwatch.hpp>
 #include <string>
 
@@ -24,3 +25,6 @@ private:
 
 /// "12 s", "3 min 20 s", "2 h 5 min".
 std::string duration_text(double seconds);
+
+/// Asks until it is `ready`, and prints once what is waited for. False if interrupted.
+bool wait_until(const std::function<bool()>& ready, const std::string& sentence);

@@ -1,7 +1,6 @@
 #include "data/folder_check.hpp"
 
-#include "data/fingerprint.hpp"
-#include "data/regular_file.hpp"
+#include "data/input_file.hpp"
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/images/set.hpp>
@@ -35,8 +34,7 @@ checked_image checked(const tactnet::image_folder::file& file, tactnet::grey_ima
     fingerprint print;
     print.add(image.rows);
     print.add(image.columns);
-    for (const std::uint8_t p : image.pixels)
-        print.mix(p);
+    print.mix_all(image.pixels);
     found.pixels = print.value();
     return found;
 }

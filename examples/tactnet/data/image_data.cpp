@@ -1,7 +1,6 @@
 #include "data/image_data.hpp"
 
-#include "data/fingerprint.hpp"
-#include "data/regular_file.hpp"
+#include "data/input_file.hpp"
 
 #include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/io/read_file.hpp>
@@ -31,40 +30,30 @@ void keep_as_taken(image_data& data, const tactnet::grey_image& image) {
         data.taken.pixels.insert(data.taken.pixels.end(), image.pixels.begin(), image.pixels.end());
 }
 
-std::string fingerprint_of(const std::vector<std::uint8_t>& pixels) {
-    fingerprint print;
-    for (const std::uint8_t pixel : pixels)
-        print.mix(pixel);
-    return print.text();
-}
-
 } // namespace
 
 image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns,
                      bool resize) {
     const tactnet::image_folder list = tactnet::list_image_folder(folder);
     image_data data;
-    if (resize)
-        data.images =
-            tactnet::load_images(list, rows, columns, decode_image, [&](const tactnet::grey_image& image) {
-                keep_as_taken(data, image);
-                return resized(image, rows, columns);
-            });
-    else
-        data.images = tactnet::load_images(list, rows, columns, decode_image);
+    data.images = resize ? tactnet::load_images(list, rows, columns, decode_image,
+                                                [&](const tactnet::grey_image& image) {
+                                                    keep_as_taken(data, image);
+                                                    return resized(image, rows, columns);
+                                                })
+                         : tactnet::load_images(list, rows, columns, decode_image);
     if (data.taken.pixels.size() != data.images.size() * data.taken.size.size()) // not all have that size
         data.taken = {};
-    else
-        data.taken.fingerprint = fingerprint_of(data.taken.pixels);
-    fingerprint print;
+    fingerprint taken, print;
+    taken.mix_all(data.taken.pixels);
+    data.taken.fingerprint = taken.text();
     print.add(rows);
     print.add(columns);
     for (const std::string& name : data.images.classes)
         print.add(name);
     for (const std::size_t label : data.images.labels)
         print.add(label);
-    for (const std::uint8_t pixel : data.images.pixels)
-        print.mix(pixel);
+    print.mix_all(data.images.pixels);
     data.fingerprint = print.text();
     return data;
 }

@@ -2,7 +2,7 @@
 
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
-#include "data/fingerprint.hpp"
+#include "data/input_file.hpp"
 #include "files/claims.hpp"
 #include "methods/weights.hpp"
 

@@ -1,6 +1,6 @@
 #include "files/line_file.hpp"
 
-#include "data/regular_file.hpp"
+#include "data/input_file.hpp"
 #include "files/output_files.hpp"
 
 #include <tactnet/io/read_file.hpp>

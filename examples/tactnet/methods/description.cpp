@@ -1,7 +1,6 @@
 #include "methods/description.hpp"
 
-#include "data/fingerprint.hpp"
-#include "methods/pretrained.hpp"
+#include "data/input_file.hpp"
 
 #include <tactnet/detail/instruction_set.hpp>
 #include <tactnet/text/quoting.hpp>
@@ -9,7 +8,10 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <mutex>
 #include <string>
+#include <type_traits>
 #include <variant>
 
 // Structured bindings take all fields of a struct or do not compile: a new one stops the compiler here, and a
@@ -62,26 +64,14 @@ std::string text(const std::variant<Rules...>& rule) {
 }
 
 std::string text(tactnet::input_rule rule) {
-    switch (rule) {
-    case tactnet::input_rule::subtract_mean:
-        return "mean";
-    case tactnet::input_rule::scale:
-        return "scale";
-    case tactnet::input_rule::counts:
-        break;
-    }
-    return "counts";
+    return rule == tactnet::input_rule::subtract_mean ? "mean"
+           : rule == tactnet::input_rule::scale       ? "scale"
+                                                      : "counts";
 }
 std::string text(tactnet::augmentation_rule rule) {
-    switch (rule) {
-    case tactnet::augmentation_rule::none:
-        return "none";
-    case tactnet::augmentation_rule::each_epoch:
-        return "each-epoch";
-    case tactnet::augmentation_rule::sixfold:
-        break;
-    }
-    return "sixfold";
+    return rule == tactnet::augmentation_rule::none         ? "none"
+           : rule == tactnet::augmentation_rule::each_epoch ? "each-epoch"
+                                                            : "sixfold";
 }
 
 std::string text(const tactnet::augmentation_ranges& ranges) {
@@ -90,7 +80,7 @@ std::string text(const tactnet::augmentation_ranges& ranges) {
     std::string all =
         fmt::format("reflect rows {} columns {} translation {} rotation {} scale {} pressure {}",
                     reflect_rows, reflect_columns, translation, rotation, scale, pressure);
-    if (shear != 0) // of which descriptions made before say nothing, and mean none
+    if (shear != 0)
         all += fmt::format(" shear {}", shear);
     if (erase != 0)
         all += fmt::format(" erase {}", erase);
@@ -101,6 +91,16 @@ std::string text(const tactnet::augmentation_ranges& ranges) {
 
 std::string_view program_instruction_set() {
     return tactnet::instruction_set; // on another one the same training rounds differently
+}
+
+std::string pretrained_fingerprint(const std::string& path) {
+    static std::mutex mutex;
+    static std::map<std::string, std::string> known;
+    const std::lock_guard lock(mutex);
+    std::string& print = known[path];
+    if (print.empty())
+        print = file_fingerprint(path);
+    return print;
 }
 
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
@@ -126,7 +126,7 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
         {"patience", text(patience)},
     };
     static_cast<void>(varies_as_taken); // of images that were taken larger: see describe_training
-    // Of what follows descriptions made before say nothing, and mean the default.
+    // Left out where they are the default, so that the committed results of the study are found.
     if (pretrained_rate != 1)
         all["pretrained_rate"] = text(pretrained_rate);
     if (sharpness_radius != 0)
@@ -165,7 +165,7 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
                                          tactnet::split_rule rule, std::uint64_t seed,
                                          const image_data& data) {
     tactnet::file_metadata all{
-        {"network", what.name}, // of every method: as files made before say it
+        {"network", what.name}, // of every method
         {"rows", fmt::to_string(what.rows)},
         {"columns", fmt::to_string(what.columns)},
         {"data", data.fingerprint},
@@ -175,7 +175,7 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         {"test_share", fmt::to_string(s.shares.test)},
     };
     all.merge(describe_program());
-    if (s.bits == 8) // of which descriptions made before say nothing, and mean single precision
+    if (s.bits == 8)
         all["bits"] = "8";
     if (!s.start.empty())
         all["start"] = file_fingerprint(s.start);

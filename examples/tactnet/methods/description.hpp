@@ -9,6 +9,7 @@
 #include <tactnet/io/model_file.hpp>
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 /// All of a recipe. A field that a recipe gets anew does not compile until it is here.
@@ -16,6 +17,9 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe);
 
 /// Throws tactnet::file_error unless the metadata of a file say all of this.
 void require_metadata(const tactnet::safetensors& file, const tactnet::file_metadata& expected);
+
+/// Differs when any byte of the file differs. Computed once for each name while the program runs.
+std::string pretrained_fingerprint(const std::string& path);
 
 /// As the library names it, for example simd_avx2_fma; sse2 or scalar in it tells of a forgotten -march.
 std::string_view program_instruction_set();

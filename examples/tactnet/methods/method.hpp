@@ -61,10 +61,14 @@ struct weight_file {
     std::shared_ptr<tactnet::safetensors_source> trunk{};
 };
 
+struct any_model;
+
 /// What a training leaves: a network with its weights, or a support vector machine with its features.
 class trained_method {
 public:
     virtual ~trained_method() = default;
+    /// Its parameters, of a network in single precision; else null.
+    virtual const any_model* model() const { return nullptr; }
     /// Of a weight: 8, or 32 in single precision.
     virtual std::size_t bits() const { return 32; }
     virtual const std::vector<std::string>& classes() const = 0;

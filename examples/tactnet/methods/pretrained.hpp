@@ -3,18 +3,35 @@
 // Networks that others have trained on photographs, which methods begin with: what a user gives by
 // --pretrained, and what stays the same from training to training.
 
-#include "methods/photograph_networks.hpp"
-
 #include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/tensor/shape.hpp>
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <string>
+#include <string_view>
 
 struct image_data;
-struct training_settings;
-class method;
+
+struct photograph_network {
+    std::string_view name;        ///< in the names of methods: "squeezenet"
+    std::string_view title;       ///< in sentences: "SqueezeNet 1.1"
+    std::string_view torchvision; ///< what makes it there: "squeezenet1_1"
+    tactnet::shape photograph;    ///< what it was trained on
+};
+
+namespace photograph_networks {
+
+inline constexpr photograph_network squeezenet{
+    "squeezenet", "SqueezeNet 1.1", "squeezenet1_1", {227, 227, 3}},
+    alexnet{"alexnet", "AlexNet", "alexnet", {224, 224, 3}},
+    resnet50{"resnet50", "ResNet-50", "resnet50", {224, 224, 3}},
+    vgg16{"vgg16", "VGG16", "vgg16", {224, 224, 3}};
+
+inline constexpr std::array all{squeezenet, alexnet, resnet50, vgg16};
+
+} // namespace photograph_networks
 
 /// The file that a method needs, for sentences.
 struct pretrained_file {
@@ -23,7 +40,7 @@ struct pretrained_file {
     std::size_t bytes; ///< that its arrays take in single precision
 };
 
-/// Where what was found of images is kept.
+/// Where features of images are kept.
 struct feature_place {
     std::filesystem::path path;
     bool is_folder; ///< of files that are named by what is in them; else one file, by this name
@@ -33,20 +50,8 @@ struct feature_place {
 class pretrained_weights {
 public:
     virtual ~pretrained_weights() = default;
-    /// Finds ahead what all trainings on these images have in common, and keeps it in `place`, where another
-    /// call goes on however this one was stopped. Tells how far it is. False if it was interrupted. The
-    /// images must outlive this.
-    virtual bool prepare(const image_data& data, const feature_place& place,
-                         tactnet::thread_pool& threads) = 0;
+    /// Computes what all trainings on these images have in common, and keeps it in `place`, where another
+    /// call goes on however this one was stopped. Returns false if it was interrupted. The images must
+    /// outlive this.
+    virtual bool prepare(const image_data&, const feature_place&, tactnet::thread_pool&) { return true; }
 };
-
-/// Throws usage_error when the settings name a file for a method that has no use for it, and when they name
-/// none for one that needs it: then with what it must be and how to make it.
-void check_pretrained(const method& what, const training_settings& settings);
-
-/// The file in the settings, opened; nothing for a method that needs none. Throws as check_pretrained, and
-/// tactnet::file_error.
-std::shared_ptr<pretrained_weights> open_pretrained(const method& what, const training_settings& settings);
-
-/// Differs when any byte of the file differs. Found once for each name while the program runs.
-std::string pretrained_fingerprint(const std::string& path);

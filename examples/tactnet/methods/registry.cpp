@@ -22,11 +22,17 @@ const method& find_method(std::string_view name, std::size_t rows, std::size_t c
         sizes += fmt::format("{}{}x{}", sizes.empty() ? "" : ", ", m->rows, m->columns);
     }
     if (sizes.empty())
-        throw usage_error(fmt::format("--method: expected one of {}, found '{}'", method_names(), name));
-    throw usage_error(
-        fmt::format("--rows, --columns: expected a size that {} was compiled for ({}), found {}x{}; "
-                    "sizes are chosen when building, by TACTNET_PROGRAM_SIZES",
-                    name, sizes, rows, columns));
+        refuse("--method: expected one of {}, found '{}'", method_names(), name);
+    refuse("--rows, --columns: expected a size that {} was compiled for ({}), found {}x{}; sizes are chosen "
+           "when building, by TACTNET_PROGRAM_SIZES",
+           name, sizes, rows, columns);
+}
+
+std::string default_method() {
+    // The paper's best, if it is there; else the first.
+    const bool known =
+        std::ranges::any_of(all_methods(), [](const auto& m) { return m->name == "tactnet6"; });
+    return known ? "tactnet6" : all_methods().front()->name;
 }
 
 std::string method_names() {

@@ -22,5 +22,8 @@ const method& find_method(std::string_view name, std::size_t rows, std::size_t c
 /// Throws tactnet::file_error when a data folder has more classes than the method can tell apart.
 void check_capacity(const method& what, const std::string& data, std::size_t classes);
 
+/// What is trained where nobody says which.
+std::string default_method();
+
 /// Each once: "tactnet4, tactnet6, …".
 std::string method_names();

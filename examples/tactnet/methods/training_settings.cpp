@@ -4,24 +4,62 @@
 #include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 namespace {
 
-tactnet::recipe published_recipe(const method& what) {
-    if (!what.published)
-        throw usage_error(fmt::format(
-            "--recipe: expected default, since nothing was published for {}, found published", what.name));
-    return tactnet::recipe::published(what.rows, what.columns, *what.published);
+/// Throws usage_error when the settings name a file for a method that has no use for it, and when they name
+/// none for one that needs it: then with what it must be and how to make it.
+void check_pretrained(const method& what, const training_settings& settings) {
+    const auto file = what.pretrained();
+    if (!file && !settings.pretrained.empty())
+        refuse("--pretrained: expected a method that begins with a network trained on photographs, found {}, "
+               "which learns all by itself",
+               what.name);
+    if (file && settings.pretrained.empty())
+        refuse(
+            "--pretrained: {0} expects a file of {1}'s weights, found none. It is a safetensors file with "
+            "torchvision's names ({2}, ...) in float32, float16 or bfloat16, at least {3:.1f} MB in float32, "
+            "trained on photographs of {4} x {5} with torchvision's normalisation, or with an array "
+            "'input_mean' of three numbers that are subtracted from counts of 0 to 255. Python makes it "
+            "where "
+            "torchvision and safetensors are: import torchvision; from safetensors.torch import save_file; "
+            "save_file(torchvision.models.{6}(weights=\"IMAGENET1K_V1\").state_dict(), "
+            "\"{6}.safetensors\"); see docs/transfer.md",
+            what.name, file->network.title, file->array, static_cast<double>(file->bytes) * 1e-6,
+            file->network.photograph.rows, file->network.photograph.columns, file->network.torchvision);
 }
 
-tactnet::recipe thorough_recipe(const method& what) {
-    if (!may_be_thorough(what))
-        throw usage_error(
-            fmt::format("--recipe: expected default or published, since a thorough training is one of a "
-                        "network that begins by chance, not of {}; found thorough",
-                        what.name));
-    return what.default_recipe().thorough();
+/// Throws usage_error for settings that do not go with a method.
+void check_settings(const method& what, const training_settings& s) {
+    if (!is_share(s.shares.validation + s.shares.test))
+        refuse("--validation, --test: expected shares that leave some images for training, found {} and {}",
+               s.shares.validation, s.shares.test);
+    check_pretrained(what, s);
+    check_bits(what, s.bits);
+    if (!what.is_network() && is_for_networks(s))
+        refuse("--epochs, --batch, --rate, --input, --augmentation, --start: expected a network, found {}, "
+               "which is not trained by epochs",
+               what.name);
+    if (what.pretrained() && !s.start.empty())
+        refuse("--start: expected a network that begins with random weights, found {}, which begins with "
+               "those of --pretrained",
+               what.name);
+    if (what.keeps_features() && s.augmentation && *s.augmentation != "none")
+        refuse("--augmentation: expected none, since features of images are found once, for {}; found {}",
+               what.name, *s.augmentation);
+    if (what.is_network() && what.keeps_features() && s.batch == 1U)
+        refuse("--batch: expected 0 or at least 2, since batch norms learn nothing from one row of features, "
+               "for {}; found 1",
+               what.name);
+    if (what.pretrained() && s.input && *s.input != "scale")
+        refuse("--input: expected scale, as weights learnt from photographs want it, for {}; found {}",
+               what.name, *s.input);
+    if (s.recipe == "published" && !what.published)
+        refuse("--recipe: expected default, since nothing was published for {}, found published", what.name);
+    if (s.recipe == "thorough" && !may_be_thorough(what))
+        refuse("--recipe: expected default or published, since a thorough training is one of a network that "
+               "begins by chance, not of {}; found thorough",
+               what.name);
 }
 
 } // namespace
@@ -35,31 +73,29 @@ bool may_be_thorough(const method& what) {
     return what.is_network() && !what.pretrained();
 }
 
+void add_data_option(CLI::App& command, std::string& folder) {
+    command
+        .add_option("--data", folder,
+                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
+        ->type_name("FOLDER")
+        ->required();
+}
+
 void add_training_options(CLI::App& command, training_settings& s, const std::string& pretrained) {
-    command.add_option("--rows", s.rows, "Rows of an image, tactels")
-        ->type_name("N")
-        ->check(whole_number(1, 4096))
-        ->capture_default_str();
-    command.add_option("--columns", s.columns, "Columns of an image, tactels")
-        ->type_name("N")
-        ->check(whole_number(1, 4096))
-        ->capture_default_str();
+    command.add_option("--rows", s.rows, "Rows of an image, tactels")->check(whole_number(1, 4096));
+    command.add_option("--columns", s.columns, "Columns of an image, tactels")->check(whole_number(1, 4096));
     command.add_flag("--resize", s.resize,
                      "Resize images of another size (bicubic); without it they are an error");
     command
         .add_option(
             "--recipe", s.recipe,
             "How to train: 'default', 'thorough' (the same for longer), or as 'published' with the network")
-        ->check(CLI::IsMember(recipe_names()))
-        ->capture_default_str();
+        ->check(CLI::IsMember(recipe_names()));
     command.add_option("--epochs", s.epochs, "Most epochs (default: the recipe's)")
-        ->type_name("N")
         ->check(whole_number(1, 1'000'000));
     command.add_option("--batch", s.batch, "Images a step, 0 is all (default: the recipe's)")
-        ->type_name("N")
         ->check(whole_number(0, 1'000'000));
-    command.add_option("--rate", s.rate, "Highest learning rate, above 0 (default: the recipe's)")
-        ->type_name("X")
+    command.add_option("--rate", s.rate, "Highest learning rate (default: the recipe's)")
         ->check(positive_number());
     command
         .add_option("--input", s.input,
@@ -71,46 +107,35 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
                     "New images: 'none', drawn anew 'each-epoch', or five for each image once: 'sixfold' "
                     "(default: the recipe's)")
         ->check(CLI::IsMember({"none", "each-epoch", "sixfold"}));
+    command.add_option(
+        "--start", s.start,
+        "Begin with the network of this weight file, such as one trained on simulated images, in place of "
+        "random weights; the default recipe then takes 0.3 of its rate");
+    command.add_option(pretrained, s.pretrained,
+                       "For methods that begin with a network trained on photographs, such as "
+                       "squeezenet-svm: its weights, a safetensors file with torchvision's names");
     command
-        .add_option(
-            "--start", s.start,
-            "Begin with the network of this weight file, such as one trained on simulated images, in place "
-            "of random weights; the default recipe then takes 0.3 of its rate")
-        ->type_name("FILE");
-    command
-        .add_option(pretrained, s.pretrained,
-                    "For methods that begin with a network trained on photographs, such as squeezenet-svm: "
-                    "its weights, a safetensors file with torchvision's names")
-        ->type_name("FILE");
-    command
-        .add_option("--validation", s.shares.validation,
-                    "Share of each class to choose the best epoch by, 0 to below 1")
-        ->type_name("SHARE")
-        ->check(share())
-        ->capture_default_str();
-    command.add_option("--test", s.shares.test, "Share of each class kept for the test, 0 to below 1")
-        ->type_name("SHARE")
-        ->check(share())
-        ->capture_default_str();
+        .add_option("--validation", s.shares.validation, "Share of each class to choose the best epoch by")
+        ->check(share());
+    command.add_option("--test", s.shares.test, "Share of each class kept for the test")->check(share());
 }
 
 void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for) {
-    command.add_option("--bits", bits, what_for)
-        ->type_name("N")
-        ->check(CLI::IsMember({8, 32}))
-        ->capture_default_str();
+    command.add_option("--bits", bits, what_for)->check(CLI::IsMember({8, 32}));
 }
 
 void check_bits(const method& what, std::size_t bits) {
     if (bits != 8 || what.has_eight_bit_form())
         return;
     if (!what.may_have_eight_bit_form())
-        throw usage_error(fmt::format("--bits: expected a network that is trained from random weights, found "
-                                      "the {} {}, which has no form in 8 bits",
-                                      what.kind(), what.name));
-    throw usage_error(fmt::format("--bits: expected a network whose form in 8 bits was compiled in, found {} "
-                                  "{}x{}; those are chosen when building, by TACTNET_PROGRAM_EIGHT_BIT",
-                                  what.name, what.rows, what.columns));
+        refuse(
+            "--bits: expected a network that is trained from random weights, found the {} {}, which has no "
+            "form in 8 bits",
+            what.kind(), what.name);
+    refuse(
+        "--bits: expected a network whose form in 8 bits was compiled in, found {} {}x{}; those are chosen "
+        "when building, by TACTNET_PROGRAM_EIGHT_BIT",
+        what.name, what.rows, what.columns);
 }
 
 tactnet::split_rule split_rule_of(std::string_view name) {
@@ -121,42 +146,21 @@ std::string_view name_of(tactnet::split_rule rule) {
     return rule == tactnet::split_rule::blocked ? "blocked" : "random";
 }
 
+bool is_for_networks(const training_settings& s) {
+    return s.epochs || s.batch || s.rate || s.input || s.augmentation || !s.start.empty();
+}
+
+training_settings without_epochs(training_settings s) {
+    s.epochs.reset(), s.batch.reset(), s.rate.reset(), s.input.reset(), s.augmentation.reset();
+    s.start.clear();
+    return s;
+}
+
 tactnet::recipe recipe_for(const method& what, const training_settings& s) {
-    if (!is_share(s.shares.validation + s.shares.test))
-        throw usage_error(
-            fmt::format("--validation, --test: expected shares that leave some images for training, "
-                        "found {} and {}",
-                        s.shares.validation, s.shares.test));
-    check_pretrained(what, s);
-    check_bits(what, s.bits);
-    if (!what.is_network() &&
-        (s.epochs || s.batch || s.rate || s.input || s.augmentation || !s.start.empty()))
-        throw usage_error(
-            fmt::format("--epochs, --batch, --rate, --input, --augmentation, --start: expected a network, "
-                        "found {}, which is not trained by epochs",
-                        what.name));
-    if (what.pretrained() && !s.start.empty())
-        throw usage_error(
-            fmt::format("--start: expected a network that begins with random weights, found {}, "
-                        "which begins with those of --pretrained",
-                        what.name));
-    if (what.keeps_features() && s.augmentation && *s.augmentation != "none")
-        throw usage_error(
-            fmt::format("--augmentation: expected none, since features of images are found once, for {}; "
-                        "found {}",
-                        what.name, *s.augmentation));
-    if (what.is_network() && what.keeps_features() && s.batch == 1U)
-        throw usage_error(
-            fmt::format("--batch: expected 0 or at least 2, since batch norms learn nothing from "
-                        "one row of features, for {}; found 1",
-                        what.name));
-    if (what.pretrained() && s.input && *s.input != "scale")
-        throw usage_error(
-            fmt::format("--input: expected scale, as weights learnt from photographs want it, for {}; "
-                        "found {}",
-                        what.name, *s.input));
-    tactnet::recipe r = s.recipe == "published"  ? published_recipe(what)
-                        : s.recipe == "thorough" ? thorough_recipe(what)
+    check_settings(what, s);
+    tactnet::recipe r = s.recipe == "published"
+                            ? tactnet::recipe::published(what.rows, what.columns, *what.published)
+                        : s.recipe == "thorough" ? what.default_recipe().thorough()
                                                  : what.default_recipe();
     if (s.epochs)
         r.epochs = *s.epochs;
@@ -176,4 +180,9 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
                          : *s.augmentation == "each-epoch" ? tactnet::augmentation_rule::each_epoch
                                                            : tactnet::augmentation_rule::sixfold;
     return r;
+}
+
+std::shared_ptr<pretrained_weights> open_pretrained(const method& what, const training_settings& settings) {
+    check_pretrained(what, settings);
+    return what.pretrained() ? what.open_pretrained(settings.pretrained) : nullptr;
 }

@@ -8,6 +8,7 @@
 #include <tactnet/training/recipe.hpp>
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,7 +37,9 @@ struct training_settings {
 void add_training_options(CLI::App& command, training_settings& settings,
                           const std::string& pretrained = "--pretrained");
 
-/// --bits, for `settings`.
+/// --data, which is required.
+void add_data_option(CLI::App& command, std::string& folder);
+/// --bits.
 void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for);
 
 /// Throws usage_error for 8 bits unless the method has such a form.
@@ -51,5 +54,14 @@ const std::vector<std::string>& recipe_names();
 /// Whether it can be trained by the thorough recipe: a network that begins by chance.
 bool may_be_thorough(const method& what);
 
+/// Whether some setting is one of a training by epochs, which support vector machines do not have.
+bool is_for_networks(const training_settings& settings);
+/// The same settings without those.
+training_settings without_epochs(training_settings settings);
+
 /// The recipe for a method, with the user's changes. Throws usage_error.
 tactnet::recipe recipe_for(const method& what, const training_settings& settings);
+
+/// The file of a pretrained network in the settings, opened; null for a method that needs none. Throws
+/// usage_error where it is missing or of no use, and tactnet::file_error.
+std::shared_ptr<pretrained_weights> open_pretrained(const method& what, const training_settings& settings);

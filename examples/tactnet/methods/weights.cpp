@@ -2,10 +2,10 @@
 
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
-#include "data/regular_file.hpp"
+#include "data/input_file.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
-#include "methods/trunks/prefix.hpp"
+#include "methods/trunks/compiled.hpp"
 #include "number_options.hpp"
 #include "usage_error.hpp"
 
@@ -24,29 +24,22 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
         ->type_name("FILE")
         ->required(required);
     if (required) { // elsewhere these exist already, for other purposes too
-        command
-            .add_option("--method,--network", o.method,
-                        "For weight files that do not say it: one of " + method_names())
-            ->type_name("NAME");
+        command.add_option("--method", o.method,
+                           "For weight files that do not say it: one of " + method_names());
         command.add_option("--rows", o.rows, "Likewise: rows of an image, tactels")
-            ->type_name("N")
             ->check(whole_number(1, 4096));
         command.add_option("--columns", o.columns, "Likewise: columns of an image, tactels")
-            ->type_name("N")
             ->check(whole_number(1, 4096));
         command.add_flag("--resize", o.resize,
                          "Resize images of another size (bicubic); without it they are an error");
     }
     command
         .add_option("--epsilon", o.epsilon,
-                    "What batch norms add to a variance, above 0 (default: the file's, else 1e-5)")
-        ->type_name("X")
+                    "What batch norms add to a variance (default: the file's, else 1e-5)")
         ->check(positive_number());
-    command
-        .add_option("--classes", o.classes,
-                    "Names of the classes: a text file with a line each, or a folder with a subfolder each "
-                    "(default: the file's, else class_00, class_01, ...)")
-        ->type_name("PATH");
+    command.add_option("--classes", o.classes,
+                       "Names of the classes: a text file with a line each, or a folder with a subfolder "
+                       "each (default: the file's, else class_00, class_01, ...)");
 }
 
 namespace {
@@ -94,17 +87,15 @@ loaded_weights load_weights(const weight_options& o) {
     const std::string name = o.method.empty() ? says.network : o.method;
     const auto rows = o.rows ? o.rows : says.rows, columns = o.columns ? o.columns : says.columns;
     if (name.empty() || !rows || !columns)
-        throw usage_error(
-            fmt::format("{}: expected metadata that say which method it is for, or --method, --rows and "
-                        "--columns, found neither",
-                        o.weights));
+        refuse("{}: expected metadata that say which method it is for, or --method, --rows and --columns, "
+               "found neither",
+               o.weights);
     if (!says.network.empty() && says.network != name)
-        throw usage_error(fmt::format("{}: expected weights of {} as --method says, found those of {}",
-                                      o.weights, name, says.network));
+        refuse("{}: expected weights of {} as --method says, found those of {}", o.weights, name,
+               says.network);
     const method& what = find_method(name, *rows, *columns);
     if (!what.is_network() && o.epsilon)
-        throw usage_error(
-            fmt::format("--epsilon: expected a network, found {}, which has no batch norms", name));
+        refuse("--epsilon: expected a network, found {}, which has no batch norms", name);
     loaded_weights result{&what, nullptr, {}, !says.classes.empty() || !o.classes.empty(), file.metadata()};
     result.trained = result.what->load(whole, o.epsilon);
     result.classes = result.trained->classes();
@@ -138,9 +129,8 @@ std::shared_ptr<const trained_method> load_start(const method& what, const train
     const auto says = loaded.metadata.find("input");
     const std::string wanted = describe_method(what, recipe_for(what, settings)).at("input");
     if (says != loaded.metadata.end() && says->second != wanted)
-        throw usage_error(
-            fmt::format("--start: expected a network of inputs by '{}', found one by '{}'; see --input",
-                        wanted, says->second));
+        refuse("--start: expected a network of inputs by '{}', found one by '{}'; see --input", wanted,
+               says->second);
     return std::move(loaded.trained);
 }
 
@@ -155,6 +145,6 @@ std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
     try {
         return dynamic_cast<const trained_network&>(trained).in_eight_bits(images, chosen);
     } catch (const std::invalid_argument& error) { // numbers without end, images that are broken
-        throw usage_error(fmt::format("--bits: {}", error.what()));
+        refuse("--bits: {}", error.what());
     }
 }

@@ -30,15 +30,10 @@ std::string training(const workshop& shop, const std::string& more) {
            "' --method tactnet4 --rows 7 --columns 13 --seed 5 " + more;
 }
 
-void wait_for_first_epoch(const workshop& shop) {
-    for (int i = 0; i < 6000 && shop.error_so_far().find("epoch 1 of") == std::string::npos; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-}
-
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("faults: messages that cannot be shown are dropped") {
+    TEST_CASE("standard error: messages that cannot be shown are dropped") {
         const workshop shop;
         for (const char* end : {"2>/dev/full", "2>&-", "2>&- >&-", "2> >(true)"}) {
             CAPTURE(end);
@@ -48,7 +43,7 @@ TEST_SUITE("program") {
             };
             CHECK(bash(training(shop, "--epochs 3 --afresh --output net")) == (silent ? 2 : 0));
             CHECK(fs::exists(shop / "net")); // as it should be, with nothing of what was printed in it
-            CHECK(shop.run({"export", "--weights", "net", "--output", "net.hpp"}).status == 0);
+            CHECK(shop.run("export --weights net --output net.hpp").status == 0);
             CHECK(bash(program() + " classify --weights nothing nothing") == 2);
             CHECK(bash(program() + " trian") == 2);
             CHECK(bash(program() + " evaluate --data '" + shop.data().string() +
@@ -58,9 +53,9 @@ TEST_SUITE("program") {
         }
     }
 
-    TEST_CASE("faults: results that cannot be printed are no success") {
+    TEST_CASE("standard output: results that cannot be printed are no success") {
         const workshop shop;
-        REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
+        REQUIRE(shop.train("--epochs 2 --output net").status == 0);
         const std::string image = " '" + (shop.data() / "left" / "image0.png").string() + "'";
         for (const char* end : {" >/dev/full", " >&-"})
             for (const std::string& command :
@@ -70,9 +65,7 @@ TEST_SUITE("program") {
                 CAPTURE(command + end);
                 const program_result result = in_shell(shop, command + end);
                 CHECK(result.status == 2);
-                CHECK_MESSAGE(result.error.find("standard output: expected to write all results") !=
-                                  std::string::npos,
-                              result.error);
+                says(result.error, "standard output: expected to write all results");
             }
         // Nobody reads the pipe: an error too, and no end by a signal.
         CHECK(in_shell(shop, "exec bash -c \"set -o pipefail; { sleep 1; " + program() + " list; } | true\"")
@@ -82,51 +75,49 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "other.checkpoint"));
     }
 
-    TEST_CASE("faults: one file under two names is refused") {
+    TEST_CASE("output files: one file under two names is refused") {
         const workshop shop;
-        REQUIRE(shop.train({"--epochs", "2", "--output", "net"}).status == 0);
+        REQUIRE(shop.train("--epochs 2 --output net").status == 0);
         const std::string kept = text_of(shop / "net");
         fs::create_symlink("net", shop / "link");
         fs::create_hard_link(shop / "net", shop / "hard");
         fs::create_symlink("later", shop / "dangling");
         fs::create_directory_symlink(".", shop / "here");
         tactnet::write_file(shop / "names", "one\ntwo\nthree\n");
-        const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& sentence) {
+        const auto refuses = [&](const words& arguments, const std::string& sentence) {
             shop.refuses(arguments, sentence);
             CHECK(text_of(shop / "net") == kept);
         };
-        const auto training_refuses = [&](const std::vector<std::string>& more, const std::string& sentence) {
+        const auto training_refuses = [&](const words& more, const std::string& sentence) {
             refuses(shop.train_arguments(more), sentence);
         };
-        training_refuses({"--output", "w", "--checkpoint", "w"},
+        training_refuses("--output w --checkpoint w",
                          "--output and --checkpoint: expected different files, found 'w' for both");
-        training_refuses({"--output", "w", "--checkpoint", "./here/w"}, "which are the same");
-        training_refuses({"--output", "later", "--checkpoint", "dangling"}, "which are the same");
-        training_refuses({"--output", "net", "--checkpoint", "link", "--afresh"}, "which are the same");
-        training_refuses({"--output", "net", "--checkpoint", "hard", "--afresh"}, "which are the same");
-        training_refuses({"--output", "net", "--start", "link"}, "--start and --output: expected different");
-        training_refuses({"--output", "w", "--start", "net", "--checkpoint", "net", "--afresh"},
+        training_refuses("--output w --checkpoint ./here/w", "which are the same");
+        training_refuses("--output later --checkpoint dangling", "which are the same");
+        training_refuses("--output net --checkpoint link --afresh", "which are the same");
+        training_refuses("--output net --checkpoint hard --afresh", "which are the same");
+        training_refuses("--output net --start link", "--start and --output: expected different");
+        training_refuses("--output w --start net --checkpoint net --afresh",
                          "--start and --checkpoint: expected different");
-        training_refuses({"--output", "w", "--checkpoint", "w.learning.csv"},
+        training_refuses("--output w --checkpoint w.learning.csv",
                          "--checkpoint and --output: expected different");
-        training_refuses({"--output", "w", "--checkpoint", "net", "--afresh"},
+        training_refuses("--output w --checkpoint net --afresh",
                          "net: expected a checkpoint, which --afresh gives up, found another file");
         for (const char* output : {"net", "link", "hard", "here/net"})
             refuses({"export", "--weights", "net", "--output", output},
                     "--weights and --output: expected different files");
-        refuses({"export", "--weights", "net", "--classes", "names", "--output", "names"},
+        refuses("export --weights net --classes names --output names",
                 "--classes and --output: expected different files");
         fs::create_directory(shop / "results");
         fs::create_symlink("../net", shop / "results" / "table.csv");
-        refuses({"evaluate", "--data", shop.data().string(), "--method", "tactnet4", "--rows", "7",
-                 "--columns", "13", "--start", "net"},
+        refuses("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --start net",
                 "--start and --results: expected different files");
         fs::create_symlink("../net", shop / "results" / "confusion_net.csv");
-        refuses({"evaluate", "--data", shop.data().string(), "--weights", "net"},
-                "--weights and --results: expected different files");
+        refuses("evaluate --data DATA --weights net", "--weights and --results: expected different files");
     }
 
-    TEST_CASE("faults: nothing is written among the images") {
+    TEST_CASE("output files: nothing is written among the images") {
         const workshop shop;
         for (const char* output : {"left/net", "new/net", "left/image0.png"})
             shop.refuses(shop.train_arguments({"--output", (shop.data() / output).string()}),
@@ -139,7 +130,7 @@ TEST_SUITE("program") {
         CHECK(shop.train({"--epochs", "1", "--output", (shop.data() / "net").string()}).status == 0);
     }
 
-    TEST_CASE("faults: names are tried before the work") {
+    TEST_CASE("output files: names are tried before the work") {
         const workshop shop;
         const auto refuses = [&](const std::string& output, const std::string& sentence) {
             // By its first word of progress a training would tell that it has begun.
@@ -151,57 +142,56 @@ TEST_SUITE("program") {
         refuses("new/" + std::string(300, 'a') + "/net", "'File name too long'");
         refuses(std::string(250, 'a'), "'File name too long'"); // its reports' names are longer
         refuses("/dev/null", "--output: expected the name of a file, found a device or a pipe at /dev/null");
-        shop.refuses(shop.train_arguments({"--output", "net", "--checkpoint", "/dev/null"}),
+        shop.refuses(shop.train_arguments("--output net --checkpoint /dev/null"),
                      "--checkpoint: expected the name of a file, found a device or a pipe");
         CHECK(fs::exists("/dev/null"));
     }
 
-    TEST_CASE("faults: a checkpoint that cannot be written does not end a training") {
+    TEST_CASE("checkpoint: one that cannot be written does not end a training") {
         const workshop shop;
         // In blocks of 512 bytes: enough for the weights, not for a checkpoint with three times as much.
         const program_result trained =
             in_shell(shop, "ulimit -f 100 && " + training(shop, "--epochs 40 --output net "
                                                                 "--checkpoint-every 0.00001"));
         CHECK_MESSAGE(trained.status == 0, trained.error);
-        CHECK(trained.error.find("warning: no checkpoint of epoch ") != std::string::npos);
-        CHECK(trained.error.find("'File too large'); the training goes on") != std::string::npos);
+        says(trained.error, "warning: no checkpoint of epoch ");
+        says(trained.error, "'File too large'); the training goes on");
         CHECK(fs::exists(shop / "net"));
 
         // No room even for the weights: told, and no end by SIGXFSZ.
         const program_result full =
             in_shell(shop, "ulimit -f 10 && " + training(shop, "--epochs 2 --output full"));
         CHECK(full.status == 2);
-        CHECK(full.error.find("full: expected to write all bytes, found 'File too large'") !=
-              std::string::npos);
+        says(full.error, "full: expected to write all bytes, found 'File too large'");
         CHECK_FALSE(fs::exists(shop / "full"));
     }
 
-    TEST_CASE("faults: a training whose results cannot be written is kept") {
+    TEST_CASE("checkpoint: a training whose results cannot be written is kept") {
         const workshop shop;
         // What the weights need is taken away while the training runs.
-        const auto arguments = [&](std::vector<std::string> more) {
-            more.insert(more.end(), {"--epochs", "1500", "--output", "out/net", "--checkpoint", "kept"});
+        const auto arguments = [&](words more) {
+            more += "--epochs 1500 --output out/net --checkpoint kept";
             return shop.train_arguments(more);
         };
         const pid_t child = shop.start(arguments({}));
-        wait_for_first_epoch(shop);
+        shop.wait_for_first_epoch();
         fs::create_directories(shop / "out" / "net" / "in the way");
         const outcome failed = shop.wait(child);
         CHECK(failed.status == 2);
-        CHECK_MESSAGE(failed.error.find("the finished training is kept") != std::string::npos, failed.error);
+        says(failed.error, "the finished training is kept");
         fs::remove_all(shop / "out");
-        CHECK(shop.run(arguments({"--resume"})).status == 0);
+        CHECK(shop.run(arguments("--resume")).status == 0);
         CHECK_FALSE(fs::exists(shop / "kept"));
-        REQUIRE(shop.train({"--epochs", "1500", "--output", "whole"}).status == 0);
+        REQUIRE(shop.train("--epochs 1500 --output whole").status == 0);
         CHECK(text_of(shop / "out" / "net") == text_of(shop / "whole"));
     }
 
-    TEST_CASE("faults: a closed terminal leaves a checkpoint") {
+    TEST_CASE("checkpoint: a closed terminal leaves one") {
         const workshop shop;
         const auto before = std::signal(SIGHUP, SIG_DFL); // nohup has it ignored, by children too
-        const pid_t child = shop.start(shop.train_arguments({"--epochs", "100000", "--output", "net"}));
+        const pid_t child = shop.start(shop.train_arguments("--epochs 100000 --output net"));
         std::signal(SIGHUP, before);
-        wait_for_first_epoch(shop);
+        shop.wait_for_first_epoch();
         // By the shell and by the system; what comes before the one in front of it is caught counts as the
         // same.
         for (int i = 0; i < 10; ++i) {
@@ -213,27 +203,27 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "net.checkpoint"));
     }
 
-    TEST_CASE("faults: what a killed program left half-written goes with the next run") {
+    TEST_CASE("output files: what a killed program left half-written goes with the next run") {
         const workshop shop;
         const std::string name = ".tactnet-17-0.partial";
         fs::create_directories(shop / "results");
         fs::create_directories(shop / "plots");
         for (const char* folder : {".", "results", "plots"})
             tactnet::write_file(shop / folder / name, "half");
-        REQUIRE(shop.train({"--epochs", "1", "--output", "net", "--plots", "plots"}).status == 0);
+        REQUIRE(shop.train("--epochs 1 --output net --plots plots").status == 0);
         CHECK_FALSE(fs::exists(shop / name.c_str()));
         CHECK_FALSE(fs::exists(shop / "plots" / name));
         CHECK(fs::exists(shop / "results" / name));
         tactnet::write_file(shop / name.c_str(), "half");
-        REQUIRE(shop.run({"export", "--weights", "net", "--output", "net.hpp"}).status == 0);
+        REQUIRE(shop.run("export --weights net --output net.hpp").status == 0);
         CHECK_FALSE(fs::exists(shop / name.c_str()));
-        REQUIRE(shop.run({"evaluate", "--data", shop.data().string(), "--weights", "net"}).status == 0);
+        REQUIRE(shop.run("evaluate --data DATA --weights net").status == 0);
         CHECK_FALSE(fs::exists(shop / "results" / name));
 
         // A simulation goes on, also with nothing else in its folder.
         fs::create_directory(shop / "made");
         tactnet::write_file(shop / "made" / name, "half");
-        const std::vector<std::string> simulation{"simulate", "--out", "made", "--per-class", "1"};
+        const words simulation("simulate --out made --per-class 1");
         REQUIRE(shop.run(simulation).status == 0);
         CHECK_FALSE(fs::exists(shop / "made" / name));
         tactnet::write_file(shop / "made" / "rock" / name, "half");
@@ -241,11 +231,11 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "made" / "rock" / name));
     }
 
-    TEST_CASE("faults: two trainings of one file are refused, however it is named") {
+    TEST_CASE("output files: two trainings of one file are refused, however it is named") {
         const workshop shop;
         fs::create_directory_symlink(".", shop / "here");
-        const pid_t first = shop.start(shop.train_arguments({"--epochs", "1000000", "--output", "new/net"}));
-        wait_for_first_epoch(shop);
+        const pid_t first = shop.start(shop.train_arguments("--epochs 1000000 --output new/net"));
+        shop.wait_for_first_epoch();
         const std::string told = "found another training at work on ";
         for (const char* more : {"--method tactnet4 --output new/net", "--method svm-linear --output new/net",
                                  "--method tactnet4 --output here/new/net --afresh",
@@ -255,17 +245,17 @@ TEST_SUITE("program") {
                 in_shell(shop, program() + " train --data '" + shop.data().string() +
                                    "' --rows 7 --columns 13 " + std::string(more));
             CHECK(second.status == 2);
-            CHECK_MESSAGE(second.error.find(told) != std::string::npos, second.error);
+            says(second.error, told);
         }
         // Beside it there is room, and a killed one has no claim any more.
         CHECK(in_shell(shop, training(shop, "--epochs 2 --output new/beside")).status == 0);
         kill(first, SIGKILL);
         CHECK(shop.wait(first).status == 1000 + SIGKILL);
-        CHECK(shop.train({"--epochs", "2", "--output", "new/net", "--afresh"}).status == 0);
+        CHECK(shop.train("--epochs 2 --output new/net --afresh").status == 0);
         for (const std::string& name : shop.everything())
             CHECK_MESSAGE(name.find(".lock") == std::string::npos, name);
         // A refused one leaves no folder.
-        shop.refuses(shop.train_arguments({"--output", "a/b/net", "--data", "nothing"}), "nothing");
+        shop.refuses(shop.train_arguments("--output a/b/net --data nothing"), "nothing");
     }
 
     TEST_CASE("claims: one holder at a time, while others come and go") {
@@ -309,28 +299,24 @@ TEST_SUITE("program") {
         CHECK(fs::is_empty(folder.path()));
     }
 
-    TEST_CASE("faults: a checkpoint without a checksum is taken, and told") {
+    TEST_CASE("checkpoint: one without a checksum is taken, and told") {
         const workshop shop;
-        const pid_t child = shop.start(shop.train_arguments({"--epochs", "1500", "--output", "net"}));
-        wait_for_first_epoch(shop);
+        const pid_t child = shop.start(shop.train_arguments("--epochs 1500 --output net"));
+        shop.wait_for_first_epoch();
         kill(child, SIGINT);
         REQUIRE(shop.wait(child).status == 130);
         // As an earlier version wrote it.
         tactnet::write_file(shop / "net.checkpoint", without_checksum(text_of(shop / "net.checkpoint")));
-        const outcome resumed = shop.train({"--epochs", "1500", "--output", "net", "--resume"});
+        const outcome resumed = shop.train("--epochs 1500 --output net --resume");
         CHECK_MESSAGE(resumed.status == 0, resumed.error);
-        CHECK(resumed.error.find("net.checkpoint: no checksum in it, so that damage may go unnoticed") !=
-              std::string::npos);
+        says(resumed.error, "net.checkpoint: no checksum in it, so that damage may go unnoticed");
     }
 
-    TEST_CASE("faults: evaluations in one folder share the work") {
+    TEST_CASE("evaluate: evaluations in one folder share the work") {
         const workshop shop;
-        const std::vector<std::string> arguments{"evaluate",  "--data",    shop.data().string(),
-                                                 "--method",  "tactnet4",  "--rows",
-                                                 "7",         "--columns", "13",
-                                                 "--epochs",  "60",        "--jobs",
-                                                 "1",         "--splits",  "6",
-                                                 "--results", "r"};
+        const words arguments(
+            "evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 60 --jobs 1 "
+            "--splits 6 --results r");
         const pid_t children[] = {shop.start(arguments), shop.start(arguments), shop.start(arguments)};
         for (const pid_t child : children)
             CHECK(shop.wait(child).status == 0);
@@ -340,8 +326,7 @@ TEST_SUITE("program") {
         // What a killed one had begun is done by another.
         fs::remove_all(shop / "r");
         const pid_t killed = shop.start(arguments), goes_on = shop.start(arguments);
-        for (int i = 0; i < 6000 && !fs::exists(shop / "r" / "evaluation.jsonl"); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        shop.wait_for_file("r/evaluation.jsonl");
         kill(killed, SIGKILL);
         CHECK(shop.wait(goes_on).status == 0);
         CHECK(shop.wait(killed).status == 1000 + SIGKILL);
@@ -350,13 +335,13 @@ TEST_SUITE("program") {
             CHECK_MESSAGE(name.find(".lock") == std::string::npos, name);
     }
 
-    TEST_CASE("faults: slips in commands, options and numbers are told in few words") {
+    TEST_CASE("arguments: slips in commands, options and numbers are told in few words") {
         const workshop shop;
-        shop.refuses({"trian", "--output", "net"}, "There is no 'trian'; did you mean 'train'?");
-        shop.refuses({"clasify"}, "did you mean 'classify'?");
-        shop.refuses(shop.train_arguments({"--output", "net", "--epocs", "2"}),
+        shop.refuses("trian --output net", "There is no 'trian'; did you mean 'train'?");
+        shop.refuses("clasify", "did you mean 'classify'?");
+        shop.refuses(shop.train_arguments("--output net --epocs 2"),
                      "There is no '--epocs'; did you mean '--epochs'?");
-        CHECK(shop.run({"frobnicate"}).error.find("did you mean") == std::string::npos);
+        CHECK(shop.run("frobnicate").error.find("did you mean") == std::string::npos);
         for (const char* value : {"0", "-1", "inf", "nan", "much"}) {
             shop.refuses(shop.train_arguments({"--output", "net", "--rate", value}),
                          "--rate: expected a number above 0, found '" + std::string(value) + "'");

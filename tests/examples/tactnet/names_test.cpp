@@ -125,7 +125,7 @@ TEST_SUITE("program") {
         const workshop shop;
         const auto train = [&](const std::string& script) {
             const own_gnuplot fake(shop.work() / "bin", script);
-            const outcome result = shop.train({"--network", "svm-linear", "--output", "out/it's"});
+            const outcome result = shop.train({"--method", "svm-linear", "--output", "out/it's"});
             CHECK_MESSAGE(result.status == 0, result.error);
             return result.error;
         };
@@ -187,13 +187,13 @@ TEST_SUITE("program") {
              {std::vector<std::string>{"list", hostile},
               {"list", "--classes", hostile},
               {"classify", "--weights", hostile, hostile},
-              {"train", "--data", shop.data().string(), "--output", "net", "--network", hostile}}) {
+              {"train", "--data", shop.data().string(), "--output", "net", "--method", hostile}}) {
             const outcome result = shop.run(arguments);
             CHECK(result.status == 2);
             CHECK_MESSAGE(result.error.find('\x1B') == std::string::npos, result.error);
             CHECK_MESSAGE(result.error.find("\\x1b[2J") != std::string::npos, result.error);
         }
-        const outcome trained = shop.train({"--network", "svm-linear", "--output", hostile + "/net"});
+        const outcome trained = shop.train({"--method", "svm-linear", "--output", hostile + "/net"});
         CHECK(trained.status == 0);
         CHECK(trained.out.starts_with(shown + "/net: trained in "));
         CHECK(trained.error.find('\x1B') == std::string::npos);
@@ -211,7 +211,7 @@ TEST_SUITE("program") {
 
     TEST_CASE("names: pipes are not waited for") {
         const workshop shop;
-        REQUIRE(shop.train({"--network", "svm-linear", "--output", "net"}).status == 0);
+        REQUIRE(shop.train({"--method", "svm-linear", "--output", "net"}).status == 0);
         const fs::path image = shop.data() / "left" / "image0.png";
         for (const char* name : {"pipe", "pipe.png"})
             REQUIRE(mkfifo((shop / name).c_str(), 0600) == 0);

@@ -40,7 +40,7 @@ TEST_SUITE("program") {
     TEST_CASE("number_options: numbers that mean nothing are refused, for every option of every command") {
         const workshop shop;
         const std::string data = shop.data().string();
-        const std::vector<std::string> train = shop.train_arguments({"--output", "net"}),
+        const std::vector<std::string> train = shop.train_arguments("--output net"),
                                        evaluate{"evaluate", "--data", data},
                                        simulate{"simulate", "--out", "made"},
                                        weights{"classify", "--weights", "net", "image.png"}, listing{"list"};
@@ -87,48 +87,43 @@ TEST_SUITE("program") {
 
     TEST_CASE("evaluate: seeds that run over, and tests without images, are refused; the last seed is not") {
         const workshop shop;
-        const auto arguments = [&](std::vector<std::string> more) {
-            more.insert(more.begin(),
-                        {"evaluate", "--data", shop.data().string(), "--rows", "7", "--columns", "13",
-                         "--method", "svm-linear", "--results", "r", "--split", "random"});
+        const auto arguments = [&](words more) {
+            more = words("evaluate --data DATA --rows 7 --columns 13 --method svm-linear --results r --split "
+                         "random") +
+                   more;
             return more;
         };
-        shop.refuses(arguments({"--seed", "18446744073709551615", "--splits", "3"}),
+        shop.refuses(arguments("--seed 18446744073709551615 --splits 3"),
                      "--seed, --splits: expected seeds below 2^64 for all splits, found 3 of them from "
                      "18446744073709551615 on");
-        const outcome last = shop.run(arguments({"--seed", "18446744073709551615", "--splits", "1"}));
+        const outcome last = shop.run(arguments("--seed 18446744073709551615 --splits 1"));
         CHECK_MESSAGE(last.status == 0, last.error);
         CHECK(last.out.find("nan") == std::string::npos);
-        CHECK(text_of(shop / "r/evaluation.jsonl").find("\"seed\":\"18446744073709551615\"") !=
-              std::string::npos);
+        says(text_of(shop / "r/evaluation.jsonl"), "\"seed\":\"18446744073709551615\"");
 
         // Two images a class, of which a small share is none.
         for (const char* name : {"left", "middle, of all", "right"})
             for (std::size_t i = 2; i < images_per_class; ++i)
                 fs::remove(shop.data() / name / ("image" + std::to_string(i) + ".png"));
         shop.refuses(
-            arguments({"--test", "0.1"}),
+            arguments("--test 0.1"),
             "data: expected enough images for a test, of which --test takes a share of 0.1, found 6 of 3 "
             "classes");
     }
 
     TEST_CASE("evaluate: a split in the metadata of --weights that means nothing is refused") {
         const workshop shop;
-        REQUIRE(shop.train({"--network", "svm-linear", "--output", "net"}).status == 0);
-        const auto says = [&](const char* key, const char* value, const std::string& sentence) {
-            const auto file = tactnet::safetensors::read(shop / "net");
-            tactnet::safetensors_writer writer;
-            writer.metadata = file.metadata();
-            writer.metadata[key] = value;
-            for (const auto& [tensor, entry] : file.tensors())
-                writer.add(tensor, entry.type, entry.extents, file.bytes(tensor));
-            writer.write(shop / "says");
-            shop.refuses({"evaluate", "--weights", "says", "--data", shop.data().string()}, sentence);
+        REQUIRE(shop.train("--method svm-linear --output net").status == 0);
+        const auto refuses = [&](const char* key, const char* value, const std::string& sentence) {
+            rewrite_metadata(shop / "net", shop / "says", key, value);
+            shop.refuses("evaluate --weights says --data DATA", sentence);
         };
-        says("test_share", "nan", "metadata 'test_share': expected a share from 0 to below 1, found 'nan'");
-        says("validation_share", "inf", "metadata 'validation_share': expected a share from 0 to below 1");
-        says("validation_share", "0.9", "expected shares that leave some images for training, found 0.9 to ");
-        says("seed", "18446744073709551616", "metadata 'seed': expected a whole number below 2^64");
-        says("seed", "-1", "metadata 'seed': expected a whole number below 2^64, found '-1'");
+        refuses("test_share", "nan",
+                "metadata 'test_share': expected a share from 0 to below 1, found 'nan'");
+        refuses("validation_share", "inf", "metadata 'validation_share': expected a share from 0 to below 1");
+        refuses("validation_share", "0.9",
+                "expected shares that leave some images for training, found 0.9 to ");
+        refuses("seed", "18446744073709551616", "metadata 'seed': expected a whole number below 2^64");
+        refuses("seed", "-1", "metadata 'seed': expected a whole number below 2^64, found '-1'");
     }
 }

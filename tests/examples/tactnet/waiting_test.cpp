@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include <console/waiting.hpp>
+#include <console/progress.hpp>
 #include <csignal>
 #include <fcntl.h>
 #include <functional>

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <decode_image.hpp>
 #include <fcntl.h>
@@ -21,6 +22,7 @@
 #include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
 #include <sys/wait.h>
+#include <thread>
 #include <type_traits>
 #include <unistd.h>
 #include <vector>
@@ -31,9 +33,30 @@ namespace fs = std::filesystem;
 
 inline constexpr std::size_t rows = 7, columns = 13, images_per_class = 12;
 
+inline void says(const std::string& text, const std::string& part) {
+    CAPTURE(part);
+    CHECK_MESSAGE(text.find(part) != std::string::npos, text);
+}
+
 struct outcome {
     int status;
     std::string out, error;
+};
+
+/// Arguments of the program, of a line or a list; DATA stands for the workshop's folder of images.
+struct words : std::vector<std::string> {
+    using std::vector<std::string>::vector;
+    words(const std::vector<std::string>& list) : std::vector<std::string>(list) {}
+    words(const char* line) {
+        std::istringstream stream(line);
+        for (std::string word; stream >> word;)
+            push_back(word);
+    }
+    words& operator+=(const words& more) {
+        insert(end(), more.begin(), more.end());
+        return *this;
+    }
+    friend words operator+(words first, const words& more) { return first += more; }
 };
 
 /// The program with its own folder to work in: <folder>/work.
@@ -58,9 +81,9 @@ public:
     fs::path work() const { return folder_ / "work"; }
     fs::path operator/(const char* name) const { return work() / name; }
 
-    pid_t start(const std::vector<std::string>& arguments) const {
-        std::vector<std::string> texts{TACTNET_PROGRAM};
-        texts.insert(texts.end(), arguments.begin(), arguments.end());
+    pid_t start(const words& arguments) const {
+        words texts = words{TACTNET_PROGRAM} + arguments;
+        std::replace(texts.begin(), texts.end(), std::string("DATA"), data().string());
         std::vector<char*> pointers;
         for (std::string& text : texts)
             pointers.push_back(text.data());
@@ -79,30 +102,42 @@ public:
         return child;
     }
     std::string error_so_far() const { return text_of(folder_ / "error"); }
+    void wait_for_first_epoch() const {
+        for (int i = 0; i < 6000 && error_so_far().find("epoch 1 of") == std::string::npos; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    void wait_for_file(const char* name) const {
+        for (int i = 0; i < 60'000 && !fs::exists(work() / name); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
     outcome wait(pid_t child) const {
         int status = 0;
         REQUIRE(waitpid(child, &status, 0) == child);
         return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), text_of(folder_ / "out"),
                 text_of(folder_ / "error")};
     }
-    outcome run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
+    outcome run(const words& arguments) const { return wait(start(arguments)); }
+
+    /// Exit status 0.
+    outcome succeeds(const words& arguments) const {
+        outcome result = run(arguments);
+        REQUIRE_MESSAGE(result.status == 0, result.error);
+        return result;
+    }
 
     /// A training of a second or less, with more arguments.
-    outcome train(const std::vector<std::string>& more) const { return run(train_arguments(more)); }
-    std::vector<std::string> train_arguments(const std::vector<std::string>& more) const {
-        const std::vector<std::pair<std::string, std::string>> usual{
-            {"--data", data().string()}, {"--network", "tactnet4"}, {"--rows", "7"},
-            {"--columns", "13"},         {"--threads", "1"},        {"--seed", "5"}};
-        std::vector<std::string> all{"train"};
-        for (const auto& [option, value] : usual)
-            if (std::find(more.begin(), more.end(), option) == more.end())
-                all.insert(all.end(), {option, value});
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+    outcome train(const words& more) const { return run(train_arguments(more)); }
+    words train_arguments(const words& more) const {
+        words all("train");
+        for (const words& usual : {words("--data DATA"), words("--method tactnet4"), words("--rows 7"),
+                                   words("--columns 13"), words("--threads 1"), words("--seed 5")})
+            if (std::find(more.begin(), more.end(), usual.front()) == more.end())
+                all += usual;
+        return all + more;
     }
 
     /// Exit status 2, the sentence, and nothing written.
-    void refuses(const std::vector<std::string>& arguments, const std::string& sentence) const {
+    void refuses(const words& arguments, const std::string& sentence) const {
         CAPTURE(sentence);
         const auto before = everything();
         const outcome result = run(arguments);

@@ -3,47 +3,84 @@
 // Compiles a network for the program. Included by the generated units only.
 
 #include "methods/networks/compiled.hpp"
-#include "methods/networks/deployed_network.hpp"
 
 #include <tactnet/deployment.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 
 #include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
 
-/// `OneClass` is the same network for a single class, of which nothing but the costs is asked.
-template <class Network, class OneClass>
-class network_code final : public compiled_network {
-    static constexpr tactnet::shape input = Network::input_shape;
-    using trainable = tactnet::trainable_network<Network>;
-    /// Images of the paper's array are varied as they were taken, and reduced.
-    static constexpr tactnet::shape array = tactnet::tekscan_6077::extents;
-    static constexpr bool smaller =
-        input != array && input.channels == 1 && input.rows <= array.rows && input.columns <= array.columns;
-
+template <class Network, class Format>
+class deployed_network final : public any_deployed {
 public:
-    network_code()
-        : compiled_network(input.rows, input.columns, Network::outputs, costs_of<Network>(),
-                           costs_of<OneClass>(), Network::takes_counts) {}
+    explicit deployed_network(tactnet::deployed<Network, Format> own) : own_(std::move(own)) {}
 
-    std::unique_ptr<tactnet::trainable> make() const override { return std::make_unique<trainable>(); }
-    std::string_view type() const override { return __PRETTY_FUNCTION__; }
-    std::vector<tactnet::parameter> describe() const override { return Network::describe(); }
-    std::unique_ptr<any_deployed> deploy(const any_model& model) const override {
-        return std::make_unique<deployed_network<Network, tactnet::single_precision>>(tactnet::deploy(
-            network_of(model), std::span(model.mean).template first<input.size()>(), model.scale));
+    bool infer(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
+               std::span<float> outputs) const override {
+        return own_.infer(frames, outputs, threads) == tactnet::frame_status::ok;
     }
-    tactnet::images_as_taken::variation variation_of(const tactnet::shape& taken) const override {
-        if constexpr (smaller)
-            return taken == array ? tactnet::images_as_taken::of<array, input>({}).vary : nullptr;
-        else
-            return nullptr;
+    bool gives_probabilities() const override { return Network::ends_in_softmax; }
+    std::string header(const tactnet::header_description& says,
+                       std::span<const std::uint8_t> frame) const override {
+        return tactnet::deployed_header(own_, says, frame.first<Network::input_shape.size()>());
     }
 
 private:
-    static const Network& network_of(const any_model& model) {
-        return static_cast<const trainable&>(*model.network).network();
-    }
+    tactnet::deployed<Network, Format> own_;
 };
+
+template <class Network>
+constexpr std::string_view type_as_spelled() {
+    return __PRETTY_FUNCTION__;
+}
+
+/// A network that is compiled elsewhere, which another one may be equal to.
+template <class Network, compiled_network (*Make)()>
+struct twin {
+    using network = Network;
+    static constexpr auto make = Make;
+};
+
+/// `OneClass` is the same network for a single class, of which only the costs are needed.
+template <class Network, class OneClass, class... Twins>
+compiled_network compile_network() {
+    if constexpr ((std::is_same_v<Network, typename Twins::network> || ...)) {
+        compiled_network same{};
+        static_cast<void>(
+            ((std::is_same_v<Network, typename Twins::network> && (same = Twins::make(), true)) || ...));
+        return same;
+    } else {
+        using trainable = tactnet::trainable_network<Network>;
+        static constexpr tactnet::shape input = Network::input_shape;
+        return {.input = input,
+                .outputs = Network::outputs,
+                .costs = costs_of<Network>(),
+                .costs_of_one = costs_of<OneClass>(),
+                .takes_counts = Network::takes_counts,
+                .type = type_as_spelled<Network>(),
+                .make = []() -> std::unique_ptr<tactnet::trainable> { return std::make_unique<trainable>(); },
+                .describe = [] { return Network::describe(); },
+                .deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
+                    return std::make_unique<deployed_network<Network, tactnet::single_precision>>(
+                        tactnet::deploy(static_cast<const trainable&>(*model.network).network(),
+                                        std::span(model.mean).template first<input.size()>(), model.scale));
+                },
+                .variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
+                    // Images of the paper's array are varied as they were taken, and reduced.
+                    constexpr tactnet::shape array = tactnet::tekscan_6077::extents;
+                    if constexpr (input != array && input.channels == 1 && input.rows <= array.rows &&
+                                  input.columns <= array.columns)
+                        if (taken == array)
+                            return tactnet::images_as_taken::of<array, input>({}).vary;
+                    return nullptr;
+                }};
+    }
+}

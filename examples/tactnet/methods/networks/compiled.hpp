@@ -1,30 +1,41 @@
 #pragma once
 
-// All of a network that is compiled for its type and size, as virtual functions. The program knows networks
-// by this alone, so that everything else is compiled once. See compile.hpp for the template behind it.
+// Everything that is compiled for a network's type and size, as functions. The program knows networks by this
+// alone, so that all else is compiled once. compile.hpp has the templates behind it.
 
 #include "methods/method.hpp"
-#include "methods/networks/any_model.hpp"
 
+#include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-/// The fastest form of a network, see tactnet::deploy.
+/// A network of any type, with everything it takes to recognise.
+struct any_model {
+    std::unique_ptr<tactnet::trainable> network;
+    std::vector<float> mean;
+    float scale = 1;
+    std::vector<std::string> classes;
+};
+
+/// A network in its fastest form, see tactnet::deploy.
 class any_deployed {
 public:
     virtual ~any_deployed() = default;
-    /// As many rows of outputs as frames, for frames one after the other. False for outputs that are not
+    /// A row of outputs for each frame, for frames one after the other. False for outputs that are not
     /// finite.
-    virtual bool recognise(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
-                           std::span<float> outputs) const = 0;
+    virtual bool infer(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
+                       std::span<float> outputs) const = 0;
     /// Whether outputs are probabilities, of a network that ends in a softmax; else they are logits.
     virtual bool gives_probabilities() const = 0;
     /// See tactnet::deployed_header.
@@ -32,32 +43,117 @@ public:
                                std::span<const std::uint8_t> frame) const = 0;
 };
 
-class compiled_network {
-public:
-    virtual ~compiled_network() = default;
-
-    const std::size_t rows, columns, outputs;
-    /// With all outputs, and with one alone.
-    const method_costs costs, costs_of_one;
-    const bool takes_counts; ///< see tactnet::basic_network
-
-    virtual std::unique_ptr<tactnet::trainable> make() const = 0;
-    /// All that decides what it computes, as the compiler spells its type.
-    virtual std::string_view type() const = 0;
-    /// Its arrays, without one of them being made.
-    virtual std::vector<tactnet::parameter> describe() const = 0;
+struct compiled_network {
+    tactnet::shape input;
+    std::size_t outputs;
+    method_costs costs, costs_of_one; ///< with all outputs, and with one alone
+    bool takes_counts;                ///< see tactnet::basic_network
+    std::string_view type;            ///< as the compiler spells it: everything that decides what it computes
+    std::unique_ptr<tactnet::trainable> (*make)();
+    std::vector<tactnet::parameter> (*describe)();
     /// Throws std::invalid_argument for parameters that cannot be deployed.
-    virtual std::unique_ptr<any_deployed> deploy(const any_model& model) const = 0;
+    std::unique_ptr<any_deployed> (*deploy)(const any_model& model);
     /// How images of that size are varied and reduced; null where that was not compiled in.
-    virtual tactnet::images_as_taken::variation variation_of(const tactnet::shape& taken) const = 0;
+    tactnet::images_as_taken::variation (*variation_of)(const tactnet::shape& taken);
 
-protected:
-    compiled_network(std::size_t rows_, std::size_t columns_, std::size_t outputs_, method_costs costs_,
-                     method_costs costs_of_one_, bool takes_counts_)
-        : rows(rows_),
-          columns(columns_),
-          outputs(outputs_),
-          costs(costs_),
-          costs_of_one(costs_of_one_),
-          takes_counts(takes_counts_) {}
+    std::size_t pixels() const { return input.size(); }
+    tactnet::stored_arrays arrays() const { return tactnet::stored_arrays_of(describe(), outputs); }
+    /// For a number of classes: outputs that stand for no class are no part of the network, and each costs
+    /// the same.
+    method_costs costs_for(std::size_t classes) const;
+};
+
+/// The result of calibration.
+struct calibrated_numbers {
+    std::vector<float> folded;
+    /// Root mean square differences of outputs from those in single precision, on the images: with these
+    /// weights, and with merely rounded ones.
+    double output_error, output_error_of_rounded;
+};
+
+/// A network's form in 8 bits.
+class compiled_eight_bit {
+public:
+    virtual ~compiled_eight_bit() = default;
+    virtual tactnet::folded_layout layout() const = 0;
+    /// Ranges and weights from images one after the other. Throws std::invalid_argument for a model that has
+    /// no form in 8 bits.
+    virtual calibrated_numbers calibrate(const any_model& model,
+                                         std::span<const std::uint8_t> images) const = 0;
+    /// Throws std::invalid_argument for numbers that cannot be.
+    virtual std::unique_ptr<any_deployed> deploy(std::span<const float> folded) const = 0;
+};
+
+/// `type`: without what is between the brackets: "tactnet::tactnet6". `published`: how the network was
+/// trained where it was published, if it was. `bytes`: its form in 8 bits, or null.
+std::unique_ptr<method> make_network_method(std::string_view name, const compiled_network& code,
+                                            std::string_view type,
+                                            std::optional<tactnet::published_training> published,
+                                            std::unique_ptr<compiled_eight_bit> bytes);
+
+/// A model in 8 bits; `images` are those of its training, of which `chosen` give the ranges of its maps.
+/// Throws std::invalid_argument for a model that has no such form.
+std::unique_ptr<trained_network>
+make_eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes, const any_model& model,
+                       const tactnet::labelled_images& images, std::span<const std::size_t> chosen);
+/// From a file in 8 bits. Throws tactnet::file_error.
+std::unique_ptr<trained_network> load_eight_bit_network(const compiled_network& code,
+                                                        const compiled_eight_bit& bytes,
+                                                        const tactnet::safetensors& file);
+/// Bytes of its arrays in a file for so many classes, without the mean image.
+std::size_t eight_bit_parameter_bytes(const compiled_eight_bit& bytes, std::size_t classes);
+
+/// The values of each array, in the order of `describe`.
+std::vector<std::span<float>> arrays_of(tactnet::trainable& network);
+/// Random parameters, for timing.
+void draw_arrays(tactnet::trainable& network);
+
+/// The model as a file has it, without its self-test. A view of the model; `image` is the shape of the file's
+/// images.
+tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tactnet::stored_arrays arrays);
+/// A model with the contents of a file. Rows of outputs that stand for no class become zero, and so does a
+/// mean that is not stored. Throws tactnet::file_error.
+any_model load_model(const compiled_network& code, const tactnet::safetensors& file, tactnet::shape image,
+                     std::optional<double> epsilon);
+
+/// A row for each of `count` samples, with one number a class. make(i, numbers) writes sample i: counts, or
+/// features.
+std::vector<float> logits_of(const any_model& model, std::size_t count,
+                             const std::function<void(std::size_t, std::span<float>)>& make);
+/// Throws std::runtime_error: logits are not finite.
+[[noreturn]] void refuse_logits();
+/// Of rows of `outputs` logits or probabilities, of which those of `classes` count. Throws
+/// std::runtime_error for some that are not finite.
+std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
+                                          std::size_t classes, bool are_probabilities = false);
+
+/// A training by epochs. `finish` makes a trained method of its best network; `kept` lives as long as the
+/// training.
+class epoch_training final : public network_training {
+public:
+    using finisher = std::function<std::unique_ptr<trained_method>(any_model)>;
+
+    epoch_training(std::unique_ptr<tactnet::trainable> network, const tactnet::recipe& recipe,
+                   const tactnet::labelled_samples& samples, tactnet::data_split split, std::uint64_t seed,
+                   tactnet::thread_pool& threads, finisher finish, std::shared_ptr<const void> kept = nullptr)
+        : kept_(std::move(kept)),
+          loop_(std::move(network), recipe, samples, std::move(split), seed, threads),
+          finish_(std::move(finish)) {}
+
+    tactnet::training_loop& loop() { return loop_; }
+    bool finished() const override { return loop_.finished(); }
+    void advance() override { loop_.run_epoch(); }
+    const std::vector<tactnet::epoch_report>& history() const override { return loop_.history(); }
+    std::size_t images_per_epoch() const override { return loop_.samples_per_epoch(); }
+    const tactnet::data_split& split() const override { return loop_.split(); }
+    void start_from(const trained_method& other) override;
+    void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override;
+    tactnet::checksum_state load_checkpoint(const std::filesystem::path& path,
+                                            const tactnet::file_metadata& settings) override;
+    std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override;
+
+private:
+    std::shared_ptr<const void> kept_;
+    tactnet::training_loop loop_;
+    finisher finish_;
 };

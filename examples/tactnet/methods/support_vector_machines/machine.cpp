@@ -1,16 +1,163 @@
 #include "methods/support_vector_machines/machine.hpp"
 
+#include <tactnet/runtime/random.hpp>
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <type_traits>
+
+namespace {
+
+std::string text(tactnet::multiclass scheme) {
+    return scheme == tactnet::multiclass::one_versus_one ? "one versus one" : "one versus rest";
+}
+tactnet::file_metadata own_settings(const linear_options& o) {
+    return {{"kernel", "linear"},
+            {"multiclass", text(tactnet::multiclass::one_versus_rest)},
+            {"loss", o.solver.loss == tactnet::linear_loss::hinge ? "hinge" : "squared hinge"},
+            {"bias", fmt::to_string(o.bias)},
+            {"solver_seed", fmt::to_string(o.solver.seed)}};
+}
+template <class Options>
+tactnet::file_metadata own_settings(const Options& o) {
+    tactnet::file_metadata all{
+        {"shrinking", fmt::to_string(o.solver.shrinking)},
+        {"cache_bytes", fmt::to_string(o.solver.cache_bytes)}, // rows that are computed apart round otherwise
+        {"kernel", "linear"}};
+    if constexpr (std::is_same_v<Options, product_options>) {
+        all["multiclass"] = text(tactnet::multiclass::one_versus_rest);
+        all["solver"] = "products";
+    } else {
+        all["multiclass"] = text(o.scheme);
+    }
+    if constexpr (std::is_same_v<Options, rbf_options>) {
+        all["kernel"] = "rbf";
+        all["gamma_rule"] = o.kernel.gamma ? fmt::to_string(*o.kernel.gamma) : "scale";
+    }
+    return all;
+}
+
+/// Numbers as features are: none below zero.
+std::vector<float> made_up_rows(std::size_t rows, std::size_t size) {
+    tactnet::random_stream random(1, tactnet::random_purposes::order);
+    std::vector<float> values(rows * size);
+    for (float& value : values)
+        value = static_cast<float>(random.uniform());
+    return values;
+}
+
+} // namespace
+
+tactnet::file_metadata describe(const svm_options& options) {
+    return std::visit(
+        [](const auto& o) {
+            tactnet::file_metadata all = own_settings(o);
+            all["cost"] = fmt::to_string(o.cost);
+            all["standardise"] = fmt::to_string(o.standardise);
+            all["tolerance"] = fmt::to_string(o.solver.tolerance);
+            all["iteration_limit"] = fmt::to_string(o.solver.iteration_limit);
+            return all;
+        },
+        options);
+}
+
+support_vector_machine support_vector_machine::train(const svm_options& options, feature_list rows,
+                                                     const label_list& labels,
+                                                     tactnet::thread_pool& threads) {
+    return std::visit(
+        [&]<class Options>(const Options& o) -> support_vector_machine {
+            if constexpr (std::is_same_v<Options, linear_options>)
+                return tactnet::train_linear_machine(rows, labels, o, threads).machine;
+            else if constexpr (std::is_same_v<Options, product_options>)
+                return tactnet::train_linear_machine_by_products(rows, labels, o, threads).machine;
+            else
+                return tactnet::train_kernel_machine(rows, labels, o, threads).machine;
+        },
+        options);
+}
+
+support_vector_machine support_vector_machine::load(const svm_options& options,
+                                                    const tactnet::safetensors& file) {
+    if (std::holds_alternative<pair_options>(options))
+        return tactnet::load_kernel_machine<tactnet::linear_kernel>(file);
+    if (std::holds_alternative<rbf_options>(options))
+        return tactnet::load_kernel_machine<tactnet::rbf_kernel>(file);
+    return tactnet::load_linear_machine(file);
+}
+
+support_vector_machine support_vector_machine::made_up(const svm_options& options, std::size_t features,
+                                                       std::size_t classes, std::size_t samples_of_class) {
+    const auto fill = [&](auto& parts, std::size_t machines) {
+        parts.features = features;
+        parts.labels = tactnet::all_samples(classes);
+        parts.offsets.resize(machines);
+    };
+    return std::visit(
+        [&]<class Options>(const Options& o) -> support_vector_machine {
+            if constexpr (requires { o.kernel; }) {
+                using kernel = std::remove_cvref_t<decltype(o.kernel)>;
+                tactnet::kernel_machine_parameters<kernel> parts;
+                fill(parts, tactnet::machine_count(classes, o.scheme));
+                parts.kernel = o.kernel;
+                parts.scheme = o.scheme;
+                parts.support_counts.assign(classes, samples_of_class);
+                parts.support_vectors = made_up_rows(classes * samples_of_class, features);
+                parts.coefficients.assign(classes * samples_of_class * parts.coefficients_each(), 0.5);
+                return tactnet::kernel_machine<kernel>(std::move(parts));
+            } else {
+                tactnet::linear_machine_parameters parts;
+                fill(parts, classes);
+                parts.weights = made_up_rows(classes, features);
+                return linear_machine(std::move(parts));
+            }
+        },
+        options);
+}
+
+void support_vector_machine::add_to(tactnet::safetensors_writer& writer) const {
+    std::visit([&](const auto& own) { tactnet::add_machine(writer, own); }, own_);
+}
+
+std::size_t support_vector_machine::features() const {
+    return std::visit([](const auto& own) { return own.features(); }, own_);
+}
+
+const label_list& support_vector_machine::labels() const {
+    return std::visit([](const auto& own) -> const label_list& { return own.parameters().labels; }, own_);
+}
+
+tactnet::multiclass support_vector_machine::scheme() const {
+    return std::visit(
+        [](const auto& own) {
+            if constexpr (requires { own.parameters().scheme; })
+                return own.parameters().scheme;
+            else
+                return tactnet::multiclass::one_versus_rest;
+        },
+        own_);
+}
+
+std::vector<double> support_vector_machine::values(feature_list rows, tactnet::thread_pool& threads) const {
+    return std::visit(
+        [&](const auto& own) {
+            if constexpr (requires { own.decision_values(rows, threads); })
+                return own.decision_values(rows, threads);
+            else
+                return own.decision_values(rows);
+        },
+        own_);
+}
 
 scored_class support_vector_machine::decide(std::span<const double> values) const {
     const std::size_t classes = labels().size();
-    const tactnet::multiclass by = scheme();
-    const std::size_t found = tactnet::decide(values, classes, by);
+    const std::size_t found = tactnet::decide(values, classes, scheme());
     double score = std::numeric_limits<double>::infinity();
-    if (by == tactnet::multiclass::one_versus_rest) {
+    if (scheme() == tactnet::multiclass::one_versus_rest) {
         score = values[found];
     } else { // a value for each pair: of two classes a single one
         std::size_t m = 0;
@@ -24,33 +171,4 @@ scored_class support_vector_machine::decide(std::span<const double> values) cons
         throw std::runtime_error(
             "expected finite decision values, found some that are not: the weights are broken");
     return {labels()[found], score};
-}
-
-support_vector_machine train_svm(feature_list rows, const label_list& labels, const linear_options& options,
-                                 tactnet::thread_pool& threads) {
-    return tactnet::train_linear_machine(rows, labels, options, threads).machine;
-}
-support_vector_machine train_svm(feature_list rows, const label_list& labels, const product_options& options,
-                                 tactnet::thread_pool& threads) {
-    return tactnet::train_linear_machine_by_products(rows, labels, options, threads).machine;
-}
-support_vector_machine train_svm(feature_list rows, const label_list& labels, const pair_options& options,
-                                 tactnet::thread_pool& threads) {
-    return tactnet::train_kernel_machine(rows, labels, options, threads).machine;
-}
-support_vector_machine train_svm(feature_list rows, const label_list& labels, const rbf_options& options,
-                                 tactnet::thread_pool& threads) {
-    return tactnet::train_kernel_machine(rows, labels, options, threads).machine;
-}
-support_vector_machine load_svm(const tactnet::safetensors& file, const linear_options&) {
-    return tactnet::load_linear_machine(file);
-}
-support_vector_machine load_svm(const tactnet::safetensors& file, const product_options&) {
-    return tactnet::load_linear_machine(file);
-}
-support_vector_machine load_svm(const tactnet::safetensors& file, const pair_options&) {
-    return tactnet::load_kernel_machine<tactnet::linear_kernel>(file);
-}
-support_vector_machine load_svm(const tactnet::safetensors& file, const rbf_options&) {
-    return tactnet::load_kernel_machine<tactnet::rbf_kernel>(file);
 }

@@ -1,21 +1,380 @@
-#include "methods/support_vector_machines/method.hpp"
+// Support vector machines as methods: on pixels, behind histograms of SURF words as in the paper's baseline,
+// and behind a network that was trained on photographs: the paper's SqueezeNet-SVM, AlexNet-SVM, ResNet50-SVM
+// and VGG16-SVM, and what does better than these.
 
-#include "methods/support_vector_machines/pixel_features.hpp"
-#include "methods/support_vector_machines/recipe.hpp"
-#include "methods/support_vector_machines/svm_method.hpp"
+#include "methods/description.hpp"
+#include "methods/frames.hpp"
+#include "methods/method_list.hpp"
+#include "methods/support_vector_machines/machine.hpp"
+#include "methods/trunks/features.hpp"
 
+#include <tactnet/features/surf_words.hpp>
+#include <tactnet/runtime/random.hpp>
+#include <tactnet/text/quoting.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
-std::vector<std::unique_ptr<method>> make_svm_methods(std::size_t rows, std::size_t columns,
-                                                      std::unique_ptr<image_features> (*surf)()) {
-    std::vector<std::unique_ptr<method>> list;
-    for (const svm_recipe& recipe : svm_recipes()) {
-        svm_method::feature_maker features = surf;
-        if (recipe.pixel_scale > 0)
-            features = [=]() -> std::unique_ptr<image_features> {
-                return std::make_unique<pixel_features>(rows * columns, recipe.pixel_scale);
-            };
-        list.push_back(std::make_unique<svm_method>(recipe, rows, columns, std::move(features)));
+namespace {
+
+/// Which machine, and which features in front of it: pixels by a scale, SURF words where that is 0, or those
+/// of a trunk.
+struct svm_recipe {
+    std::string_view name;
+    svm_options options;
+    float pixel_scale = 0;
+    std::string_view trunk{};
+    trunk_features_form form{};
+};
+
+const std::vector<svm_recipe>& svm_recipes() {
+    constexpr trunk_features_form pooled{trunk_pooling::pooled, true};
+    // Of the paper's: all values of a layer, a machine for each class, and the cost that belongs to a
+    // regularisation of one divided by the number of images.
+    static const std::vector<svm_recipe> all{
+        {"svm-linear", linear_options{.cost = 1}, 1.0f / 255},
+        {"svm-rbf", rbf_options{.cost = 10}, 1},
+        {"surf-svm", linear_options{.cost = tactnet::surf_settings{}.cost}},
+        {"squeezenet-svm", product_options{.cost = 1}, 0, "squeezenet"},
+        {"squeezenet-pooled-svm", pair_options{.cost = 1, .standardise = true}, 0, "squeezenet", pooled},
+        {"squeezenet-pooled-rbf",
+         rbf_options{.kernel = {.gamma = 0.03 / 1024}, .cost = 100, .standardise = true}, 0, "squeezenet",
+         pooled},
+        {"alexnet-svm", product_options{.cost = 1}, 0, "alexnet"},
+        {"resnet50-svm", product_options{.cost = 1}, 0, "resnet50"},
+        {"vgg16-svm", product_options{.cost = 1}, 0, "vgg16"},
+    };
+    return all;
+}
+
+/// The counts of an image, multiplied by a scale.
+class pixel_features final : public image_features {
+public:
+    pixel_features(std::size_t pixels, float scale) : pixels_(pixels), scale_(scale) {}
+
+    std::size_t size() const override { return pixels_; }
+    tactnet::file_metadata form() const override {
+        return {{"features", "pixels"}, {"input", "scale"}, {"input_scale", fmt::to_string(scale_)}};
     }
-    return list;
+    double rounding() const override { return 1e-3; }
+    std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
+                            tactnet::thread_pool&) const override {
+        std::vector<float> result;
+        for (const std::size_t image : chosen)
+            for (const std::uint8_t count : images.subspan(image * pixels_, pixels_))
+                result.push_back(static_cast<float>(count) * scale_);
+        return result;
+    }
+
+private:
+    std::size_t pixels_;
+    float scale_;
+};
+
+/// Those of a trunk. Without weights they only have costs.
+class features_of_trunk final : public image_features {
+public:
+    features_of_trunk(feature_finder finder, std::shared_ptr<const trunk_features> own)
+        : finder_(std::move(finder)), own_(std::move(own)) {}
+
+    std::size_t size() const override { return finder_.size(); }
+    method_costs costs() const override { return finder_.costs(); }
+    tactnet::file_metadata form() const override { return finder_.describe(); }
+    double rounding() const override { return feature_rounding; }
+    std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
+                            tactnet::thread_pool& threads) const override {
+        return own_->rows(images, chosen, threads);
+    }
+    void save(tactnet::safetensors_writer& writer) const override { own_->add_to(writer); }
+    void load(const weight_file& file) override { own_ = trunk_features::stored(finder_, file); }
+
+private:
+    feature_finder finder_;
+    std::shared_ptr<const trunk_features> own_;
+};
+
+/// A support vector machine with the features in front of it.
+class trained_svm final : public trained_method {
+public:
+    trained_svm(tactnet::extent2d image, std::shared_ptr<const image_features> features,
+                support_vector_machine own, std::vector<std::string> classes)
+        : image_(image), features_(std::move(features)), own_(std::move(own)), classes_(std::move(classes)) {}
+
+    const std::vector<std::string>& classes() const override { return classes_; }
+    tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
+                                 tactnet::thread_pool& threads) const override {
+        tactnet::evaluation result{
+            std::numeric_limits<double>::quiet_NaN(), tactnet::confusion_matrix(images.classes), {}};
+        for (const scored_class& found : recognise_chosen(images.pixels, chosen, threads)) {
+            result.confusion.add(images.labels[chosen[result.recognised.size()]], found.label);
+            result.recognised.push_back(found.label);
+        }
+        return result;
+    }
+    std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        tactnet::thread_pool& threads) const override {
+        return recognise_chosen(images, all_of(images), threads);
+    }
+    void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
+              std::span<const std::uint8_t> selftest) const override {
+        tactnet::safetensors_writer writer;
+        writer.metadata = metadata;
+        writer.metadata["classes"] = nlohmann::json(classes_).dump();
+        features_->save(writer);
+        own_.add_to(writer);
+        if (!selftest.empty()) {
+            tactnet::thread_pool alone;
+            const label_list all = all_of(selftest);
+            const std::vector<double> values = values_of(selftest, all, alone);
+            writer.add("selftest.input", {all.size(), image_.rows, image_.columns}, selftest);
+            writer.add("selftest.values", {all.size(), values.size() / all.size()},
+                       std::span<const double>(values));
+        }
+        writer.write(path);
+    }
+    /// Throws tactnet::file_error when images in the file do not give their values.
+    void check_selftest(const tactnet::safetensors& file) const {
+        if (!file.contains("selftest.input") && !file.contains("selftest.values"))
+            return;
+        const std::vector<std::uint8_t> images = file.values<std::uint8_t>("selftest.input");
+        const label_list all = all_of(images);
+        file.require_extents("selftest.input", std::vector{all.size(), image_.rows, image_.columns});
+        tactnet::thread_pool alone;
+        const std::vector<double> found = values_of(images, all, alone),
+                                  expected = file.values<double>("selftest.values");
+        const std::size_t each = all.empty() ? 0 : found.size() / all.size();
+        file.require_extents("selftest.values", std::vector{all.size(), each});
+        double largest = 0;
+        for (const double value : expected)
+            largest = std::max(largest, std::abs(value));
+        for (std::size_t i = 0; i < expected.size(); ++i)
+            if (!(std::abs(found[i] - expected[i]) <= features_->rounding() * largest))
+                throw tactnet::file_error(file.file(),
+                                          fmt::format("self-test, image {}, machine {}", i / each, i % each),
+                                          fmt::format("the value {}", expected[i]), fmt::to_string(found[i]));
+    }
+
+private:
+    label_list all_of(std::span<const std::uint8_t> images) const {
+        return tactnet::all_samples(images.size() / (image_.rows * image_.columns));
+    }
+    std::vector<double> values_of(std::span<const std::uint8_t> images, const label_list& chosen,
+                                  tactnet::thread_pool& threads) const {
+        const std::vector<float> rows = features_->rows(images, chosen, threads);
+        return own_.values(feature_list(rows, features_->size()), threads);
+    }
+    std::vector<scored_class> recognise_chosen(std::span<const std::uint8_t> images,
+                                               std::span<const std::size_t> chosen,
+                                               tactnet::thread_pool& threads) const {
+        const std::size_t each = own_.machines();
+        std::vector<scored_class> result;
+        in_parts(
+            chosen.size(), each * sizeof(double) + features_->size() * sizeof(float),
+            [&](std::size_t first, std::size_t count) {
+                const auto part = chosen.subspan(first, count);
+                const std::vector<double> values = values_of(images, {part.begin(), part.end()}, threads);
+                for (std::size_t i = 0; i < count; ++i)
+                    result.push_back(own_.decide(std::span(values).subspan(i * each, each)));
+            });
+        return result;
+    }
+
+    tactnet::extent2d image_;
+    std::shared_ptr<const image_features> features_;
+    support_vector_machine own_;
+    std::vector<std::string> classes_;
+};
+
+/// The training of a support vector machine: a single step.
+class svm_training final : public training_run {
+public:
+    svm_training(tactnet::extent2d image, std::shared_ptr<image_features> features,
+                 const svm_options& options, const tactnet::labelled_images& images,
+                 tactnet::data_split split, tactnet::thread_pool& threads)
+        : image_(image),
+          features_(std::move(features)),
+          options_(options),
+          images_(images),
+          split_(std::move(split)),
+          threads_(threads) {}
+
+    bool finished() const override { return own_.has_value(); }
+    void advance() override {
+        features_->fit(images_.pixels, split_.training, threads_);
+        const std::vector<float> rows = features_->rows(images_.pixels, split_.training, threads_);
+        label_list labels;
+        for (const std::size_t image : split_.training)
+            labels.push_back(images_.labels[image]);
+        own_ =
+            support_vector_machine::train(options_, feature_list(rows, features_->size()), labels, threads_);
+    }
+    const tactnet::data_split& split() const override { return split_; }
+    std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override {
+        return std::make_unique<trained_svm>(image_, features_, *own_, classes);
+    }
+
+private:
+    tactnet::extent2d image_;
+    std::shared_ptr<image_features> features_;
+    const svm_options& options_;
+    std::optional<support_vector_machine> own_;
+    tactnet::labelled_images images_;
+    tactnet::data_split split_;
+    tactnet::thread_pool& threads_;
+};
+
+/// As many made-up touches as the paper trains with.
+constexpr std::size_t paper_classes = 22, paper_images_of_class = 32;
+
+std::vector<std::uint8_t> made_up_touches(tactnet::extent2d image) {
+    std::vector<std::uint8_t> pixels;
+    for (std::uint32_t i = 0; i < paper_classes * paper_images_of_class; ++i) {
+        tactnet::random_stream random(1, tactnet::random_purposes::order, i);
+        const double row = random.uniform(0, static_cast<double>(image.rows)),
+                     column = random.uniform(0, static_cast<double>(image.columns)),
+                     size = 2 + static_cast<double>(i % paper_classes);
+        for (std::size_t y = 0; y < image.rows; ++y)
+            for (std::size_t x = 0; x < image.columns; ++x) {
+                const double dy = static_cast<double>(y) - row, dx = static_cast<double>(x) - column;
+                const double pressure = std::max(0.0, 1 - (dy * dy + dx * dx) / (size * size));
+                pixels.push_back(static_cast<std::uint8_t>(200 * pressure + random.uniform(0, 8)));
+            }
+    }
+    return pixels;
+}
+
+class svm_method final : public method {
+public:
+    /// `trunk` may be null, for a recipe without one.
+    svm_method(const svm_recipe& recipe, tactnet::extent2d image, make_features* surf,
+               std::shared_ptr<const compiled_trunk> trunk)
+        : method(recipe.name, image.rows, image.columns, std::numeric_limits<std::size_t>::max()),
+          recipe_(recipe),
+          surf_(surf),
+          finder_{std::move(trunk), recipe.form, image} {}
+
+    bool is_network() const override { return false; }
+    bool keeps_features() const override { return finder_.trunk != nullptr; }
+    std::optional<pretrained_file> pretrained() const override {
+        return finder_.trunk ? std::optional(finder_.file()) : std::nullopt;
+    }
+    std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
+        return trunk_features::open(finder_, path);
+    }
+    tactnet::file_metadata parts() const override {
+        const auto features = make();
+        tactnet::file_metadata all = describe(recipe_.options);
+        all.merge(features->form());
+        all.merge(features->fit_settings());
+        return all;
+    }
+    /// Of a machine trained on the paper's number of images of each class, which all are support vectors at
+    /// the worst.
+    method_costs costs(std::size_t classes) const override {
+        const auto features = make();
+        const std::size_t inputs = features->size();
+        const bool has_kernel = std::holds_alternative<pair_options>(recipe_.options) ||
+                                std::holds_alternative<rbf_options>(recipe_.options);
+        const std::size_t products = classes * inputs * (has_kernel ? paper_images_of_class : 1);
+        method_costs result = features->costs();
+        result.parameters += products + (has_kernel ? 0 : classes);
+        result.multiply_adds += products;
+        result.multiply_adds_on_pixels += products;
+        result.parameter_bytes = result.parameters * sizeof(float);
+        result.activation_bytes = std::max(result.activation_bytes, inputs * sizeof(float));
+        return result;
+    }
+    std::size_t learnable(std::size_t classes) const override {
+        return costs(classes).parameters - (finder_.trunk ? finder_.trunk->costs.parameters : 0);
+    }
+    frame_work make_work(std::size_t) const override {
+        if (finder_.trunk)
+            return finder_.work([size = finder_.size(),
+                                 machine = support_vector_machine::made_up(
+                                     recipe_.options, finder_.size(), paper_classes, paper_images_of_class)](
+                                    std::span<const float> features) {
+                tactnet::thread_pool alone;
+                static_cast<void>(machine.values(feature_list(features, size), alone));
+            });
+        // The time of a machine depends on what it learnt.
+        std::vector<std::uint8_t> pixels = made_up_touches(finder_.image);
+        const label_list all = tactnet::all_samples(paper_classes * paper_images_of_class);
+        label_list labels;
+        for (const std::size_t i : all)
+            labels.push_back(i % paper_classes);
+        tactnet::thread_pool alone;
+        svm_training run(finder_.image, make(), recipe_.options, {pixels, labels, paper_classes},
+                         {all, {}, {}}, alone);
+        run.advance();
+        return [trained = std::shared_ptr(run.best({})), pixels = std::move(pixels),
+                each = finder_.image.area()](std::size_t frames) {
+            tactnet::thread_pool threads;
+            static_cast<void>(trained->recognise(std::span(pixels).first(frames * each), threads));
+        };
+    }
+    std::unique_ptr<training_run> train(const tactnet::recipe&, const tactnet::labelled_images& images,
+                                        tactnet::data_split split, std::uint64_t,
+                                        tactnet::thread_pool& threads,
+                                        const std::shared_ptr<pretrained_weights>& from) const override {
+        return std::make_unique<svm_training>(finder_.image,
+                                              make(std::dynamic_pointer_cast<const trunk_features>(from)),
+                                              recipe_.options, images, std::move(split), threads);
+    }
+    std::unique_ptr<trained_method> load(const weight_file& from, std::optional<double>) const override {
+        const tactnet::safetensors& file = from.arrays;
+        const tactnet::model_description says = tactnet::describe_model(file);
+        support_vector_machine own = support_vector_machine::load(recipe_.options, file);
+        std::shared_ptr<image_features> features = make();
+        require_metadata(file, {{"rows", fmt::to_string(rows)}, {"columns", fmt::to_string(columns)}});
+        require_metadata(file, features->form());
+        features->load(from);
+        if (own.features() != features->size())
+            throw tactnet::file_error(file.file(), "", fmt::format("{} features", features->size()),
+                                      fmt::to_string(own.features()));
+        if (own.labels().back() >= says.classes.size()) // they rise
+            throw tactnet::file_error(file.file(), "tensor 'labels'",
+                                      fmt::format("labels of {} classes", says.classes.size()),
+                                      fmt::to_string(own.labels().back()));
+        auto trained =
+            std::make_unique<trained_svm>(finder_.image, std::move(features), std::move(own), says.classes);
+        trained->check_selftest(file);
+        return trained;
+    }
+
+private:
+    std::unique_ptr<image_features> make(std::shared_ptr<const trunk_features> from = nullptr) const {
+        if (finder_.trunk)
+            return std::make_unique<features_of_trunk>(finder_, std::move(from));
+        if (recipe_.pixel_scale > 0)
+            return std::make_unique<pixel_features>(finder_.image.area(), recipe_.pixel_scale);
+        return surf_();
+    }
+
+    const svm_recipe& recipe_;
+    make_features* surf_;
+    feature_finder finder_; ///< without a trunk, just the size of images
+};
+
+} // namespace
+
+void add_methods_behind_features(std::vector<std::unique_ptr<method>>& methods, tactnet::extent2d image,
+                                 make_features* surf,
+                                 const std::vector<std::shared_ptr<const compiled_trunk>>& trunks) {
+    for (const svm_recipe& recipe : svm_recipes()) {
+        if (recipe.trunk.empty())
+            methods.push_back(std::make_unique<svm_method>(recipe, image, surf, nullptr));
+        for (const auto& trunk : trunks)
+            if (trunk->network.name == recipe.trunk)
+                methods.push_back(std::make_unique<svm_method>(recipe, image, surf, trunk));
+    }
+    for (auto& head : make_trunk_head_methods(image, trunks))
+        methods.push_back(std::move(head));
 }

@@ -2,7 +2,7 @@
 
 // Histograms of SURF words as in the paper's baseline. Included only by the generated units.
 
-#include "methods/support_vector_machines/image_features.hpp"
+#include "methods/support_vector_machines/features.hpp"
 
 #include <tactnet/features/surf_words.hpp>
 
@@ -23,8 +23,12 @@ class surf_features final : public image_features {
 
 public:
     std::size_t size() const override { return words; }
-    std::size_t multiply_adds() const override { return surf::most * words * tactnet::surf_values; }
-    std::size_t parameters() const override { return words * tactnet::surf_values; }
+    method_costs costs() const override {
+        method_costs all;
+        all.parameters = words * tactnet::surf_values;
+        all.multiply_adds = all.multiply_adds_on_pixels = surf::most * all.parameters;
+        return all;
+    }
     tactnet::file_metadata form() const override {
         return {{"features", "histograms of surf words"},
                 {"surf_step", fmt::format("{}x{}", grid.step.rows, grid.step.columns)},

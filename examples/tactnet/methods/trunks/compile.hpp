@@ -1,6 +1,6 @@
 #pragma once
 
-// Compiles a trunk for the program. Included by the generated units only.
+// Compiles a trunk for the program. Included by the generated units only, each of which compiles one.
 
 #include "methods/trunks/compiled.hpp"
 
@@ -17,61 +17,99 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <utility>
 
-template <class Network>
-class deployed_trunk final : public any_trunk {
-public:
-    explicit deployed_trunk(const Network& network) : own_(tactnet::deploy(network)) {}
+/// The trunks there are: a network each, up to the layer that the paper's authors took features from. A new
+/// one is a struct here and its name in TACTNET_PROGRAM_TRUNKS.
+namespace trunks {
 
-    bool run(tactnet::thread_pool& threads, std::span<const float> photographs,
-             std::span<float> maps) const override {
-        return own_.infer(photographs, maps, threads) == tactnet::frame_status::ok;
-    }
-
-private:
-    tactnet::deployed<Network> own_;
+struct squeezenet {
+    static constexpr photograph_network known = photograph_networks::squeezenet;
+    using network = tactnet::squeezenet1_1_trunk<known.photograph>;
+    static constexpr std::string_view features = "fire9-concat", head_method = "squeezenet-pooled-nn";
+    static constexpr trunk_features_form head_features{trunk_pooling::pooled, true};
+    static std::vector<std::string> behind() { return {"classifier."}; }
 };
 
-/// `Trunk` is one of those in networks.hpp.
-template <class Trunk, std::size_t Classes>
-compiled_head compile_head() {
-    constexpr std::size_t features = Trunk::head_features.size(Trunk::network::output_shape);
-    using head = tactnet::feature_head<features, Classes>;
-    return {Trunk::head_method,
-            Trunk::head_features,
-            Classes,
-            costs_of<head>(),
-            costs_of<tactnet::feature_head<features, 1>>(),
-            []() -> std::unique_ptr<tactnet::trainable> {
-                return std::make_unique<tactnet::trainable_network<head>>();
-            }};
+struct alexnet {
+    static constexpr photograph_network known = photograph_networks::alexnet;
+    using network = tactnet::alexnet_fc7<known.photograph>;
+    static constexpr std::string_view features = "fc7", head_method = "alexnet-fc7-nn";
+    static constexpr trunk_features_form head_features{};
+    static std::vector<std::string> behind() { return {"classifier.6."}; }
+};
+
+struct resnet50 {
+    static constexpr photograph_network known = photograph_networks::resnet50;
+    using network = tactnet::resnet50<known.photograph>;
+    static constexpr std::string_view features = "fc1000", head_method = "resnet50-fc1000-nn";
+    static constexpr trunk_features_form head_features{};
+    static std::vector<std::string> behind() { return {}; }
+};
+
+struct vgg16 {
+    static constexpr photograph_network known = photograph_networks::vgg16;
+    using network = tactnet::vgg16_fc6<known.photograph>;
+    static constexpr std::string_view features = "fc6", head_method = "vgg16-fc6-nn";
+    static constexpr trunk_features_form head_features{};
+    static std::vector<std::string> behind() { return {"classifier.3.", "classifier.6."}; }
+};
+
+} // namespace trunks
+
+template <class Network>
+loaded_trunk deployed_trunk(const Network& network) {
+    auto own = std::make_shared<const tactnet::deployed<Network>>(tactnet::deploy(network));
+    return [own](tactnet::thread_pool& threads, std::span<const float> photographs, std::span<float> maps) {
+        return own->infer(photographs, maps, threads) == tactnet::frame_status::ok;
+    };
+}
+
+template <class Head, class OneClass>
+compiled_network compile_head() {
+    return {.input = Head::input_shape,
+            .outputs = Head::outputs,
+            .costs = costs_of<Head>(),
+            .costs_of_one = costs_of<OneClass>(),
+            .takes_counts = false,
+            .type = {},
+            .make = []() -> std::unique_ptr<tactnet::trainable> {
+                return std::make_unique<tactnet::trainable_network<Head>>();
+            },
+            .describe = [] { return Head::describe(); },
+            .deploy = nullptr,
+            .variation_of = nullptr};
 }
 
 template <class Trunk, std::size_t Classes>
-class trunk_code final : public compiled_trunk {
-    using Network = typename Trunk::network;
-
-public:
-    trunk_code()
-        : compiled_trunk(Trunk::names(), Network::input_shape, Network::output_shape, costs_of<Network>(),
-                         compile_head<Trunk, Classes>()) {}
-
-    tactnet::stored_arrays arrays() const override { return tactnet::stored_arrays_of<Network>(); }
-    std::unique_ptr<any_trunk> load(tactnet::safetensors_source& file,
-                                    std::string_view prefix) const override {
-        const auto network = std::make_unique<Network>();
-        tactnet::load_pretrained(*network, file, names.behind, prefix);
-        try {
-            return std::make_unique<deployed_trunk<Network>>(*network);
-        } catch (const std::invalid_argument& error) { // numbers beyond all use
-            throw tactnet::file_error(file.file(), "", "weights of " + std::string(names.network.title),
-                                      error.what());
-        }
-    }
-    std::unique_ptr<any_trunk> seeded() const override {
-        const auto network = std::make_unique<Network>();
-        tactnet::initialise(*network, tactnet::he_normal{}, 0);
-        return std::make_unique<deployed_trunk<Network>>(*network);
-    }
-};
+std::shared_ptr<const compiled_trunk> compile_trunk() {
+    using network = typename Trunk::network;
+    constexpr std::size_t features = Trunk::head_features.size(network::output_shape);
+    return std::make_shared<const compiled_trunk>(compiled_trunk{
+        .network = Trunk::known,
+        .features = Trunk::features,
+        .behind = Trunk::behind(),
+        .photograph = network::input_shape,
+        .map = network::output_shape,
+        .costs = costs_of<network>(),
+        .head_method = Trunk::head_method,
+        .head_features = Trunk::head_features,
+        .head = compile_head<tactnet::feature_head<features, Classes>, tactnet::feature_head<features, 1>>(),
+        .arrays = [] { return tactnet::stored_arrays_of<network>(); },
+        .load =
+            [](const compiled_trunk& trunk, tactnet::safetensors_source& file, std::string_view prefix) {
+                const auto own = std::make_unique<network>();
+                tactnet::load_pretrained(*own, file, trunk.behind, prefix);
+                try {
+                    return deployed_trunk(*own);
+                } catch (const std::invalid_argument& error) { // numbers beyond all use
+                    throw tactnet::file_error(file.file(), "",
+                                              "weights of " + std::string(trunk.network.title), error.what());
+                }
+            },
+        .seeded =
+            [] {
+                const auto own = std::make_unique<network>();
+                tactnet::initialise(*own, tactnet::he_normal{}, 0);
+                return deployed_trunk(*own);
+            }});
+}

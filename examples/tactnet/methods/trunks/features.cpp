@@ -2,11 +2,10 @@
 
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
-#include "console/waiting.hpp"
-#include "data/fingerprint.hpp"
-#include "methods/description.hpp"
-#include "methods/made_up_frames.hpp"
+#include "data/input_file.hpp"
 #include "files/output_files.hpp"
+#include "methods/description.hpp"
+#include "methods/frames.hpp"
 
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/svm/feature_rows.hpp>
@@ -42,12 +41,27 @@ bool same_images(std::span<const std::uint8_t> a, std::span<const std::uint8_t> 
 
 } // namespace
 
-tactnet::file_metadata trunk_features_form::describe() const {
-    return {{"pooling", pooling == trunk_pooling::none ? "none" : "maximum and average"},
-            {"reflections", reflected ? "all four" : "none"}};
+method_costs feature_finder::costs() const {
+    method_costs all = trunk->costs;
+    all.multiply_adds *= form.views();
+    all.multiply_adds_on_pixels *= form.views();
+    return all;
 }
 
-void feature_finder::find(const any_trunk& network, std::span<const std::uint8_t> images,
+pretrained_file feature_finder::file() const {
+    return {trunk->network, trunk->arrays().list.front().name, trunk->costs.parameter_bytes};
+}
+
+tactnet::file_metadata feature_finder::describe() const {
+    return {{"features", fmt::format("{} of {}", trunk->features, trunk->network.title)},
+            {"photograph", fmt::format("{}x{}", trunk->photograph.rows, trunk->photograph.columns)},
+            {"pooling", form.pooling == trunk_pooling::none ? "none" : "maximum and average"},
+            {"reflections", form.reflected ? "all four" : "none"},
+            {"input", "scale"},
+            {"input_scale", "1"}}; // what becomes of the counts is part of the features
+}
+
+void feature_finder::find(const loaded_trunk& network, std::span<const std::uint8_t> images,
                           std::span<const std::size_t> chosen, tactnet::thread_pool& threads,
                           std::span<float> to) const {
     const std::size_t pixels = trunk->photograph.size(), values = trunk->map.size(),
@@ -63,11 +77,11 @@ void feature_finder::find(const any_trunk& network, std::span<const std::uint8_t
                                        {trunk->photograph.rows, trunk->photograph.columns},
                                        std::span(photographs).subspan(i * pixels, pixels));
             });
-            if (!network.run(threads, std::span(photographs).first(some.size() * pixels),
-                             std::span(maps).first(some.size() * values)))
+            if (!network(threads, std::span(photographs).first(some.size() * pixels),
+                         std::span(maps).first(some.size() * values)))
                 throw std::runtime_error(fmt::format("expected finite features of {}, found some that are "
                                                      "not: its weights are broken",
-                                                     trunk->names.network.title));
+                                                     trunk->network.title));
             for (std::size_t i = 0; i < some.size(); ++i) {
                 const auto map = std::span<const float>(maps).subspan(i * values, values);
                 const auto row = to.subspan((first + i) * size(), size());
@@ -87,21 +101,48 @@ void feature_finder::find(const any_trunk& network, std::span<const std::uint8_t
     }
 }
 
-trunk_features::trunk_features(std::shared_ptr<const compiled_trunk> trunk, trunk_features_form form,
-                               tactnet::extent2d image, std::shared_ptr<tactnet::safetensors_source> file,
-                               std::string prefix)
-    : file_(std::move(file)),
-      prefix_(std::move(prefix)),
-      finder_{std::move(trunk), form, image, tactnet::stored_photograph_preprocessing(*file_, prefix_)} {
-    tactnet::require_pretrained(*file_, tactnet::with_prefix(finder_.trunk->arrays(), prefix_),
-                                finder_.trunk->names.behind, prefix_);
+frame_work feature_finder::work(std::function<void(std::span<const float>)> use) const {
+    return [finder = *this, network = trunk->seeded(), use = std::move(use),
+            images = std::vector<std::uint8_t>(), found = std::vector<float>()](std::size_t frames) mutable {
+        if (images.size() != frames * finder.image.area()) {
+            images = made_up_frames(frames * finder.image.area());
+            found.resize(frames * finder.size());
+        }
+        tactnet::thread_pool alone;
+        finder.find(network, images, tactnet::all_samples(frames), alone, found);
+        use(found);
+    };
 }
 
-const any_trunk& trunk_features::network() const {
+trunk_features::trunk_features(feature_finder finder, std::shared_ptr<tactnet::safetensors_source> file,
+                               std::string prefix)
+    : file_(std::move(file)), prefix_(std::move(prefix)), finder_(std::move(finder)) {
+    finder_.photograph = tactnet::stored_photograph_preprocessing(*file_, prefix_);
+    tactnet::require_pretrained(*file_, tactnet::with_prefix(finder_.trunk->arrays(), prefix_),
+                                finder_.trunk->behind, prefix_);
+}
+
+std::shared_ptr<pretrained_weights> trunk_features::open(const feature_finder& finder,
+                                                         const std::filesystem::path& path) {
+    return std::make_shared<trunk_features>(
+        finder, std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)), "");
+}
+
+std::shared_ptr<const trunk_features> trunk_features::stored(const feature_finder& finder,
+                                                             const weight_file& file) {
+    if (!file.trunk)
+        throw tactnet::file_error(file.arrays.file(), "",
+                                  fmt::format("arrays of {}, whose names begin with '{}'",
+                                              finder.trunk->network.title, trunk_prefix),
+                                  "none");
+    return std::make_shared<trunk_features>(finder, file.trunk, std::string(trunk_prefix));
+}
+
+const loaded_trunk& trunk_features::network() const {
     const std::lock_guard lock(mutex_);
     if (!network_)
-        network_ = finder_.trunk->load(*file_, prefix_);
-    return *network_;
+        network_ = finder_.trunk->load(*finder_.trunk, *file_, prefix_);
+    return network_;
 }
 
 std::vector<float> trunk_features::rows(std::span<const std::uint8_t> images,
@@ -132,19 +173,14 @@ std::shared_ptr<const std::vector<float>> trunk_features::all_rows(std::span<con
     return shared;
 }
 
-tactnet::file_metadata trunk_features::describe(const image_data& data) const {
-    tactnet::file_metadata all = describe_features(*finder_.trunk, finder_.form);
-    all["rows"] = fmt::to_string(finder_.image.rows);
-    all["columns"] = fmt::to_string(finder_.image.columns);
-    all["data"] = data.fingerprint;
-    all["pretrained"] = pretrained_fingerprint(file_->file());
-    all.merge(describe_program());
-    return all;
-}
-
 bool trunk_features::prepare(const image_data& data, const feature_place& place,
                              tactnet::thread_pool& threads) {
-    const tactnet::file_metadata settings = describe(data);
+    tactnet::file_metadata settings = finder_.describe();
+    settings["rows"] = fmt::to_string(finder_.image.rows);
+    settings["columns"] = fmt::to_string(finder_.image.columns);
+    settings["data"] = data.fingerprint;
+    settings["pretrained"] = pretrained_fingerprint(file_->file());
+    settings.merge(describe_program());
     std::filesystem::path path = place.path;
     if (place.is_folder) {
         fingerprint print;
@@ -152,11 +188,11 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
             print.add(key);
             print.add(value);
         }
-        path /= fmt::format("{}_{}x{}_{}.features", finder_.trunk->names.network.name, finder_.image.rows,
+        path /= fmt::format("{}_{}x{}_{}.features", finder_.trunk->network.name, finder_.image.rows,
                             finder_.image.columns, print.text());
     }
     make_folder_of(path);
-    kept_ = std::make_unique<row_store>(path, settings, data.images.size(), finder_.size(), place.is_folder);
+    kept_.emplace(path, settings, data.images.size(), finder_.size(), place.is_folder);
     if (!wait_until([&] { return kept_->claim(); },
                     "waiting for the features that another program finds, " + printable(path.string())))
         return false;
@@ -169,7 +205,7 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
     kept_->release();
     kept_images_ = data.images.pixels;
     const std::lock_guard lock(mutex_);
-    network_.reset(); // which may be large; whoever asks for other images loads it again
+    network_ = nullptr; // which may be large; whoever asks for other images loads it again
     return done;
 }
 
@@ -193,8 +229,8 @@ bool trunk_features::find_missing(const image_data& data, tactnet::thread_pool& 
         done += some.size();
         const std::size_t left = missing.size() - done;
         line.show(fmt::format(
-                      "{} features of {} of {} images, {} left", finder_.trunk->names.network.title,
-                      all - left, all,
+                      "{} features of {} of {} images, {} left", finder_.trunk->network.title, all - left,
+                      all,
                       duration_text(watch.seconds() / static_cast<double>(done) * static_cast<double>(left))),
                   left == 0);
     }
@@ -216,59 +252,4 @@ void trunk_features::add_to(tactnet::safetensors_writer& writer) const {
         add(array.name);
     if (file_->contains(prefix_ + "input_mean"))
         add("input_mean");
-}
-
-pretrained_file pretrained_file_of(const compiled_trunk& trunk) {
-    return {trunk.names.network, trunk.arrays().list.front().name, trunk.costs.parameter_bytes};
-}
-
-std::shared_ptr<pretrained_weights> open_trunk(std::shared_ptr<const compiled_trunk> trunk,
-                                               trunk_features_form form, tactnet::extent2d image,
-                                               const std::filesystem::path& path) {
-    return std::make_shared<trunk_features>(
-        std::move(trunk), form, image,
-        std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)), "");
-}
-
-std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrained_weights>& opened) {
-    auto features = std::dynamic_pointer_cast<const trunk_features>(opened);
-    if (!features)
-        throw std::logic_error("a method behind a trunk expects the weights that it has opened");
-    return features;
-}
-
-frame_work work_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
-                       tactnet::extent2d image, std::function<void(std::span<const float>)> use) {
-    const feature_finder finder{trunk, form, image, tactnet::torchvision_photograph};
-    return [finder, network = std::shared_ptr(trunk->seeded()), use = std::move(use),
-            images = std::vector<std::uint8_t>(), found = std::vector<float>()](std::size_t frames) mutable {
-        if (images.size() != frames * finder.image.area()) {
-            images = made_up_frames(frames * finder.image.area());
-            found.resize(frames * finder.size());
-        }
-        tactnet::thread_pool alone;
-        finder.find(*network, images, tactnet::all_samples(frames), alone, found);
-        use(found);
-    };
-}
-
-tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form) {
-    tactnet::file_metadata all = form.describe();
-    all["features"] = fmt::format("{} of {}", trunk.names.features, trunk.names.network.title);
-    all["photograph"] = fmt::format("{}x{}", trunk.photograph.rows, trunk.photograph.columns);
-    all["input"] = "scale";
-    all["input_scale"] = "1"; // what becomes of the counts is part of the features
-    return all;
-}
-
-std::shared_ptr<const trunk_features> stored_features(std::shared_ptr<const compiled_trunk> trunk,
-                                                      trunk_features_form form, tactnet::extent2d image,
-                                                      const weight_file& file) {
-    if (!file.trunk)
-        throw tactnet::file_error(file.arrays.file(), "",
-                                  fmt::format("arrays of {}, whose names begin with '{}'",
-                                              trunk->names.network.title, trunk_prefix),
-                                  "none");
-    return std::make_shared<trunk_features>(std::move(trunk), form, image, file.trunk,
-                                            std::string(trunk_prefix));
 }

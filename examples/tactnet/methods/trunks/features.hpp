@@ -4,10 +4,7 @@
 
 #include "data/image_data.hpp"
 #include "data/row_store.hpp"
-#include "methods/pretrained.hpp"
 #include "methods/trunks/compiled.hpp"
-#include "methods/trunks/features_form.hpp"
-#include "methods/trunks/prefix.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -19,95 +16,84 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
-/// From images of one size to features.
+/// From images of one size to features, without weights.
 struct feature_finder {
     std::shared_ptr<const compiled_trunk> trunk;
     trunk_features_form form;
     tactnet::extent2d image;
-    tactnet::photograph_preprocessing photograph;
+    tactnet::photograph_preprocessing photograph = tactnet::torchvision_photograph;
 
     /// Numbers of one image.
     std::size_t size() const { return form.size(trunk->map); }
+    /// Of one image.
+    method_costs costs() const;
+    /// The file that it needs.
+    pretrained_file file() const;
+    /// How features are computed. A weight file has the same metadata, or it is for others.
+    tactnet::file_metadata describe() const;
     /// A row for each of the chosen images, some of which pass together: the same bits in any company and on
     /// any number of threads. Throws std::runtime_error for features that are not finite.
-    void find(const any_trunk& network, std::span<const std::uint8_t> images,
+    void find(const loaded_trunk& network, std::span<const std::uint8_t> images,
               std::span<const std::size_t> chosen, tactnet::thread_pool& threads, std::span<float> to) const;
+    /// Frames through the trunk with random weights, and then use(features) for the rows of all frames of a
+    /// call.
+    frame_work work(std::function<void(std::span<const float>)> use) const;
     /// How many pass together at most.
     static constexpr std::size_t together = 16;
 };
 
-/// A trunk with weights in a file, and what it makes of images of one size. The file is read when the first
+/// A trunk with weights in a file, and its features of images of one size. The file is read when the first
 /// image needs it. Const calls may come from any number of threads.
 class trunk_features final : public pretrained_weights {
 public:
     /// Throws tactnet::file_error unless the file has the arrays of the trunk, their names behind `prefix`.
-    trunk_features(std::shared_ptr<const compiled_trunk> trunk, trunk_features_form form,
-                   tactnet::extent2d image, std::shared_ptr<tactnet::safetensors_source> file,
+    trunk_features(feature_finder finder, std::shared_ptr<tactnet::safetensors_source> file,
                    std::string prefix);
+    /// A file of pretrained weights. Throws tactnet::file_error.
+    static std::shared_ptr<pretrained_weights> open(const feature_finder& finder,
+                                                    const std::filesystem::path& path);
+    /// The trunk in the weight file of a method behind it. Throws tactnet::file_error where there is none.
+    static std::shared_ptr<const trunk_features> stored(const feature_finder& finder,
+                                                        const weight_file& file);
 
     bool prepare(const image_data& data, const feature_place& place, tactnet::thread_pool& threads) override;
 
     /// A row for each of the chosen images. Throws std::runtime_error for features that are not finite.
     std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                             tactnet::thread_pool& threads) const;
-
     /// The rows of all images: read or found once, and shared for as long as anyone has them.
     std::shared_ptr<const std::vector<float>> all_rows(std::span<const std::uint8_t> images,
                                                        tactnet::thread_pool& threads) const;
-
     /// The trunk's arrays, as they are in the file. The writer reads them when it writes.
     void add_to(tactnet::safetensors_writer& writer) const;
 
 private:
-    const any_trunk& network() const;
+    const loaded_trunk& network() const;
     /// Writes those that are missing; false if interrupted.
     bool find_missing(const image_data& data, tactnet::thread_pool& threads);
-    tactnet::file_metadata describe(const image_data& data) const;
 
     std::shared_ptr<tactnet::safetensors_source> file_;
     std::string prefix_;
     feature_finder finder_;
     mutable std::mutex mutex_; ///< of the file and of what is made of it
-    mutable std::unique_ptr<any_trunk> network_;
+    mutable loaded_trunk network_;
     std::span<const std::uint8_t> kept_images_; ///< whose rows are in the store
-    std::unique_ptr<row_store> kept_;
+    std::optional<row_store> kept_;
     mutable std::mutex shared_mutex_;
     mutable std::weak_ptr<const std::vector<float>> shared_; ///< rows of all images …
     mutable std::span<const std::uint8_t> shared_images_;    ///< … that are there
 };
 
-// What methods behind a trunk have in common.
-
-/// The file that they need.
-pretrained_file pretrained_file_of(const compiled_trunk& trunk);
-
-/// That file, opened. Throws tactnet::file_error.
-std::shared_ptr<pretrained_weights> open_trunk(std::shared_ptr<const compiled_trunk> trunk,
-                                               trunk_features_form form, tactnet::extent2d image,
-                                               const std::filesystem::path& path);
-
-/// What open_trunk gave, which methods keep as pretrained weights of any kind.
-std::shared_ptr<const trunk_features> features_of(const std::shared_ptr<pretrained_weights>& opened);
-
 /// The part of the largest value by which what is found from features may differ on another processor: a
 /// pixel of the photograph that lies half-way between two counts may be rounded to either.
 inline constexpr double feature_rounding = 0.02;
 
-/// Frames on their way through a trunk with weights by chance, and what is behind it: use(features) for the
-/// rows of all frames of a call.
-frame_work work_behind(const std::shared_ptr<const compiled_trunk>& trunk, trunk_features_form form,
-                       tactnet::extent2d image, std::function<void(std::span<const float>)> use);
-
-/// How features of a trunk are computed. A weight file says the same, or it is for others.
-tactnet::file_metadata describe_features(const compiled_trunk& trunk, trunk_features_form form);
-
-/// Those of the trunk in the weight file of a method behind it. Throws tactnet::file_error where there is
-/// none.
-std::shared_ptr<const trunk_features> stored_features(std::shared_ptr<const compiled_trunk> trunk,
-                                                      trunk_features_form form, tactnet::extent2d image,
-                                                      const weight_file& file);
+/// Heads behind the trunks, for images of one size.
+std::vector<std::unique_ptr<method>>
+make_trunk_head_methods(tactnet::extent2d image,
+                        const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);

@@ -22,7 +22,7 @@ outcome check(const workshop& shop, const fs::path& data) {
     return shop.run({"check", "--data", data.string()});
 }
 /// Columns of a table are as wide as need be: any number of spaces counts as one.
-bool says(const outcome& found, std::string_view text) {
+bool shows(const outcome& found, std::string_view text) {
     std::string narrow = found.out;
     narrow.erase(
         std::unique(narrow.begin(), narrow.end(), [](char a, char b) { return a == ' ' && b == ' '; }),
@@ -64,21 +64,21 @@ TEST_SUITE("program") {
         fs::copy_file(shop.data() / "left/image0.png", shop.data() / "right/image12.png");
         const outcome found = check(shop, shop.data());
         CHECK(found.status == 1);
-        CHECK(says(found, "\nleft 12 7x13, unreadable 0 0\n"));
-        CHECK(says(found, "\nright 13 7x13, 8x13 1 1\n"));
-        CHECK(says(found, "\nleft/image3.png: expected "));
-        CHECK(says(
+        CHECK(shows(found, "\nleft 12 7x13, unreadable 0 0\n"));
+        CHECK(shows(found, "\nright 13 7x13, 8x13 1 1\n"));
+        CHECK(shows(found, "\nleft/image3.png: expected "));
+        CHECK(shows(
             found,
             "\nleft/image4.png: expected a JPEG or PNG image, found a file that begins with 'no image'\n"));
         for (const char* empty : {"left/image5.png", "right/image5.png"})
-            CHECK(says(found, std::string("\n") + empty +
-                                  ": expected a touch, found the same value in all tactels\n"));
-        CHECK(says(found, "\nright/image6.png: expected pressures that the sensor can tell, found 90 of 90 "
-                          "pressed tactels at 255\n"));
-        CHECK(says(found, "\nright/image7.png: expected 7x13 as most images, or --resize in training, found "
-                          "8x13\n"));
-        CHECK(says(found, "\nright/image12.png: expected an image of one class, found a copy of "
-                          "left/image0.png\n"));
+            CHECK(shows(found, std::string("\n") + empty +
+                                   ": expected a touch, found the same value in all tactels\n"));
+        CHECK(shows(found, "\nright/image6.png: expected pressures that the sensor can tell, found 90 of 90 "
+                           "pressed tactels at 255\n"));
+        CHECK(shows(found, "\nright/image7.png: expected 7x13 as most images, or --resize in training, found "
+                           "8x13\n"));
+        CHECK(shows(found, "\nright/image12.png: expected an image of one class, found a copy of "
+                           "left/image0.png\n"));
         CHECK(found.out.ends_with("\n7 problems\n"));
     }
 
@@ -90,12 +90,12 @@ TEST_SUITE("program") {
         write_png(shop.data() / "left/image1.png", rows, columns, pixels);
         outcome found = check(shop, shop.data());
         CHECK(found.status == 0);
-        CHECK(says(found, "\nleft 12 7x13 0 1\n"));
+        CHECK(shows(found, "\nleft 12 7x13 0 1\n"));
         pixels[20] = 0;
         write_png(shop.data() / "left/image1.png", rows, columns, pixels);
         found = check(shop, shop.data());
         CHECK(found.status == 1);
-        CHECK(says(found, "left/image1.png: expected pressures that the sensor can tell, found 10 of 20 "));
+        CHECK(shows(found, "left/image1.png: expected pressures that the sensor can tell, found 10 of 20 "));
     }
 
     TEST_CASE("check: copies inside a class and files that are no images are told, and not wrong") {
@@ -106,8 +106,8 @@ TEST_SUITE("program") {
         tactnet::write_file(shop.data() / "beside.png", std::string("beside"));
         const outcome found = check(shop, shop.data());
         CHECK_MESSAGE(found.status == 0, found.out);
-        CHECK(says(found, "\nleft/image12.png is a copy of left/image0.png: "));
-        CHECK(says(found, "\n2 files are no images of a class and are passed over, such as beside.png\n"));
+        CHECK(shows(found, "\nleft/image12.png is a copy of left/image0.png: "));
+        CHECK(shows(found, "\n2 files are no images of a class and are passed over, such as beside.png\n"));
         CHECK(found.out.ends_with("\nnothing is wrong\n"));
     }
 
@@ -117,12 +117,12 @@ TEST_SUITE("program") {
         tactnet::write_file(shop.data() / "right/\nimage.png", std::string("no image"));
         const outcome found = check(shop, shop.data());
         CHECK(found.status == 1);
-        CHECK(says(found, "le\\x1b[31mft"));
-        CHECK(says(found, "right/\\x0aimage.png: expected "));
-        CHECK(!says(found, "\x1B"));
-        shop.refuses({"check", "--data", "nowhere"},
+        CHECK(shows(found, "le\\x1b[31mft"));
+        CHECK(shows(found, "right/\\x0aimage.png: expected "));
+        CHECK(!shows(found, "\x1B"));
+        shop.refuses("check --data nowhere",
                      "nowhere: expected a folder with one subfolder a class, found nothing of that name");
-        shop.refuses({"check"}, "--data is required");
+        shop.refuses("check", "--data is required");
     }
 
     TEST_CASE("check: the paper's images are known, by their pixels" * doctest::test_suite("data")) {
@@ -132,13 +132,13 @@ TEST_SUITE("program") {
         const workshop shop;
         const outcome found = check(shop, *data);
         CHECK_MESSAGE(found.status == 0, found.out);
-        CHECK(says(found, "\nall 1 100 28x50 5 462\n"));
-        CHECK(says(found, "These are the paper's 1 100 images of 22 classes, 28x50, of which 5 are copies "
-                          "(github.com/"));
+        CHECK(shows(found, "\nall 1 100 28x50 5 462\n"));
+        CHECK(shows(found, "These are the paper's 1 100 images of 22 classes, 28x50, of which 5 are copies "
+                           "(github.com/"));
         for (const char* copy : {"bottle/bottle16.jpg is a copy of bottle/bottle12.jpg",
                                  "bottle/bottle19.jpg is a copy of bottle/bottle15.jpg",
                                  "caliper/caliper50.jpg is a copy of caliper/caliper48.jpg"})
-            CHECK_MESSAGE(says(found, copy), copy);
+            CHECK_MESSAGE(shows(found, copy), copy);
         const folder_check read = check_folder(*data);
         CHECK(read.images.size() == paper_images::images);
         CHECK(read.classes.size() == paper_images::classes);

@@ -24,7 +24,7 @@ TEST_SUITE("program") {
             std::vector<std::string> all{"evaluate",
                                          "--data",
                                          shop.data().string(),
-                                         "--network",
+                                         "--method",
                                          "tactnet4,tactnet6-economical",
                                          "--rows",
                                          "7",
@@ -174,6 +174,10 @@ TEST_SUITE("program") {
         CHECK(again.error.find("0 trainings to do, 6 done before") != std::string::npos);
         CHECK(text_of(shop / "r/evaluation.jsonl") == kept);
 
+        // What is for networks goes to those of the list; without any it is a mistake.
+        CHECK(shop.run("evaluate --data DATA --rows 7 --columns 13 --split random --splits 1 --epochs 2 "
+                       "--method tactnet4,svm-linear --results both")
+                  .status == 0);
         shop.refuses(evaluate({"--epochs", "3"}), "expected a network, found svm-linear");
         shop.refuses(evaluate({"--recipe", "published"}),
                      "expected default, since nothing was published for svm-linear");
@@ -225,7 +229,7 @@ TEST_SUITE("program") {
         const workshop shop;
         const auto arguments = [&](const char* seed, const char* splits, const char* results) {
             return std::vector<std::string>{"evaluate",  "--data",    shop.data().string(),
-                                            "--network", "tactnet4",  "--rows",
+                                            "--method",  "tactnet4",  "--rows",
                                             "7",         "--columns", "13",
                                             "--epochs",  "2",         "--jobs",
                                             "1",         "--split",   "random",

@@ -17,12 +17,11 @@ TEST_SUITE("program") {
         const workshop shop;
         constexpr const char* epochs = "1500";
         const pid_t child = shop.start(shop.train_arguments({"--epochs", epochs, "--output", "net"}));
-        for (int i = 0; i < 6000 && shop.error_so_far().find("epoch 1 of") == std::string::npos; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        shop.wait_for_first_epoch();
         kill(child, SIGINT);
         const outcome stopped = shop.wait(child);
         REQUIRE_MESSAGE(stopped.status == 130, stopped.error);
-        CHECK(stopped.error.find("--resume goes on from net.checkpoint") != std::string::npos);
+        says(stopped.error, "--resume goes on from net.checkpoint");
         CHECK(fs::exists(shop / "net.checkpoint"));
         CHECK_FALSE(fs::exists(shop / "net"));
 
@@ -35,12 +34,12 @@ TEST_SUITE("program") {
             shop.refuses(shop.train_arguments({"--epochs", other_epochs, "--output", "net"}),
                          "net.checkpoint: expected no checkpoint here, found one of an unfinished training; "
                          "--resume goes on from it, --afresh gives it up, --checkpoint takes another name");
-        shop.refuses(shop.train_arguments({"--output", "net", "--resume", "--afresh"}), "--afresh");
+        shop.refuses(shop.train_arguments("--output net --resume --afresh"), "--afresh");
         CHECK(text_of(shop / "net.checkpoint") == kept);
-        REQUIRE(shop.train({"--epochs", "2", "--output", "net", "--checkpoint", "other"}).status == 0);
+        REQUIRE(shop.train("--epochs 2 --output net --checkpoint other").status == 0);
         fs::remove(shop / "net");
         CHECK(text_of(shop / "net.checkpoint") == kept);
-        REQUIRE(shop.train({"--epochs", "2", "--output", "net", "--afresh"}).status == 0);
+        REQUIRE(shop.train("--epochs 2 --output net --afresh").status == 0);
         CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
         fs::remove(shop / "net");
 
@@ -59,14 +58,13 @@ TEST_SUITE("program") {
 
     TEST_CASE("resume: what started from a weight file goes on from that one only") {
         const workshop shop;
-        REQUIRE(shop.train({"--epochs", "1", "--output", "first"}).status == 0);
-        REQUIRE(shop.train({"--epochs", "1", "--seed", "6", "--output", "other"}).status == 0);
+        REQUIRE(shop.train("--epochs 1 --output first").status == 0);
+        REQUIRE(shop.train("--epochs 1 --seed 6 --output other").status == 0);
         const auto arguments = [&](const char* output, const char* start) {
             return shop.train_arguments({"--epochs", "1500", "--output", output, "--start", start});
         };
         const pid_t child = shop.start(arguments("net", "first"));
-        for (int i = 0; i < 6000 && shop.error_so_far().find("epoch 1 of") == std::string::npos; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        shop.wait_for_first_epoch();
         kill(child, SIGINT);
         REQUIRE(shop.wait(child).status == 130);
         const auto resumed = [](std::vector<std::string> all) {
@@ -74,8 +72,7 @@ TEST_SUITE("program") {
             return all;
         };
         shop.refuses(resumed(arguments("net", "other")), "setting 'start' of the stopped training");
-        shop.refuses(resumed(shop.train_arguments({"--epochs", "1500", "--output", "net"})),
-                     "of the stopped training");
+        shop.refuses(resumed(shop.train_arguments("--epochs 1500 --output net")), "of the stopped training");
         REQUIRE(shop.run(resumed(arguments("net", "first"))).status == 0);
         REQUIRE(shop.run(arguments("whole", "first")).status == 0);
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));

@@ -15,13 +15,13 @@ using namespace support;
 TEST_SUITE("program") {
     TEST_CASE("simulate: a folder that a training takes, from a seed, on any number of threads") {
         const workshop shop;
-        const auto simulate = [&](const char* out, std::vector<std::string> more) {
+        const auto simulate = [&](const char* out, words more) {
             more.insert(more.begin(), {"simulate", "--out", out, "--per-class", "2"});
             return shop.run(more);
         };
         const outcome made = simulate("one", {"--threads", "1"});
         CHECK(made.status == 0);
-        CHECK(made.out.find("44 images of 22 classes") != std::string::npos);
+        says(made.out, "44 images of 22 classes");
         REQUIRE(simulate("three", {"--threads", "3"}).status == 0);
         REQUIRE(simulate("other", {"--seed", "2"}).status == 0);
         REQUIRE(simulate("ideal", {"--scene", "ideal"}).status == 0);
@@ -43,16 +43,15 @@ TEST_SUITE("program") {
         fs::remove(shop / "one" / "rock" / "00002.png");
         CHECK(simulate("one", {}).status == 0);
         CHECK(text_of(shop / "one" / "rock" / "00002.png") == text_of(shop / "three" / "rock" / "00002.png"));
-        shop.refuses({"simulate", "--out", "one", "--per-class", "3"},
-                     "expected images of the same simulation");
-        shop.refuses({"simulate", "--out", shop.data().string()}, "expected a new folder, an empty one");
+        shop.refuses("simulate --out one --per-class 3", "expected images of the same simulation");
+        shop.refuses("simulate --out DATA", "expected a new folder, an empty one");
         shop.refuses({"simulate", "--out", ""}, "found no name");
-        shop.refuses({"simulate", "--out", "one/simulation.json/in"}, "expected to make the folder");
-        shop.refuses({"simulate", "--out", "new", "--seed", "-1"}, "--seed");
-        shop.refuses({"simulate", "--out", "new", "--per-class", "0"}, "--per-class");
-        shop.refuses({"simulate", "--out", "new", "--scene", "none"}, "--scene");
+        shop.refuses("simulate --out one/simulation.json/in", "expected to make the folder");
+        shop.refuses("simulate --out new --seed -1", "--seed");
+        shop.refuses("simulate --out new --per-class 0", "--per-class");
+        shop.refuses("simulate --out new --scene none", "--scene");
         tactnet::write_file(shop / "other" / "simulation.json", std::string("{\"scene\": "));
-        shop.refuses({"simulate", "--out", "other", "--per-class", "2"}, "found no JSON");
+        shop.refuses("simulate --out other --per-class 2", "found no JSON");
 
         // Levels without end would take a stack without end.
         for (const char* level : {"[", "{\"scene\":"}) {
@@ -60,12 +59,11 @@ TEST_SUITE("program") {
             for (int i = 0; i < 100'000; ++i)
                 deep += level;
             tactnet::write_file(shop / "other" / "simulation.json", deep);
-            shop.refuses({"simulate", "--out", "other", "--per-class", "2"},
-                         "simulation.json: expected images");
+            shop.refuses("simulate --out other --per-class 2", "simulation.json: expected images");
         }
         tactnet::write_file(shop / "other" / "simulation.json",
                             std::string(100'000, '[') + std::string(100'000, ']'));
-        shop.refuses({"simulate", "--out", "other", "--per-class", "2"}, "found JSON of more than 8 levels");
+        shop.refuses("simulate --out other --per-class 2", "found JSON of more than 8 levels");
 
         // Ended at its very beginning it can still be gone on with.
         fs::create_directory(shop / "begun");
@@ -82,12 +80,11 @@ TEST_SUITE("program") {
                                             "3",        "--threads", "1"};
         };
         const pid_t child = shop.start(command("stopped"));
-        for (int i = 0; i < 60'000 && !fs::exists(shop / "stopped" / "ball" / "00002.png"); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        shop.wait_for_file("stopped/ball/00002.png");
         kill(child, SIGINT);
         const outcome stopped = shop.wait(child);
         CHECK(stopped.status == 130);
-        CHECK(stopped.error.find("the same command goes on") != std::string::npos);
+        says(stopped.error, "the same command goes on");
         const pid_t one = shop.start(command("stopped")), two = shop.start(command("stopped"));
         CHECK(shop.wait(one).status == 0);
         CHECK(shop.wait(two).status == 0);

@@ -29,9 +29,9 @@ void write_deep_png(const fs::path& path) {
 TEST_SUITE("program") {
     TEST_CASE("train: the file is evaluated and classifies") {
         const workshop shop;
-        const outcome trained = shop.train({"--epochs", "15", "--output", "out/net.safetensors"});
-        REQUIRE_MESSAGE(trained.status == 0, trained.error);
-        CHECK(trained.out.find("test accuracy") != std::string::npos);
+        const outcome trained =
+            shop.succeeds(shop.train_arguments("--epochs 15 --output out/net.safetensors"));
+        says(trained.out, "test accuracy");
         for (const char* name :
              {"net.safetensors", "net.learning.csv", "net.learning.jsonl", "net.confusion.csv"})
             CHECK_MESSAGE(fs::exists(shop / "out" / name), name);
@@ -55,20 +55,16 @@ TEST_SUITE("program") {
         CHECK(file.contains("input_mean"));
 
         // The split's test images give the same accuracy again.
-        const outcome tested =
-            shop.run({"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string()});
-        REQUIRE_MESSAGE(tested.status == 0, tested.error);
+        const outcome tested = shop.succeeds("evaluate --weights out/net.safetensors --data DATA");
         const auto accuracy = std::stod(file.metadata().at("test_accuracy"));
-        CHECK(tested.out.find("tactnet4  7x13") != std::string::npos);
+        says(tested.out, "tactnet4  7x13");
         CHECK(accuracy > 0.5); // three bright bars: nearly all are right
-        const outcome all = shop.run({"evaluate", "--weights", "out/net.safetensors", "--data",
-                                      shop.data().string(), "--images", "all"});
+        const outcome all = shop.run("evaluate --weights out/net.safetensors --data DATA --images all");
         CHECK(all.status == 0);
-        CHECK(all.out.find("     36  ") != std::string::npos);
+        says(all.out, "     36  ");
 
         const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
-        const outcome named = shop.run({"classify", "--weights", "out/net.safetensors", image, image});
-        REQUIRE_MESSAGE(named.status == 0, named.error);
+        const outcome named = shop.succeeds({"classify", "--weights", "out/net.safetensors", image, image});
         const auto lines = lines_of(named.out);
         REQUIRE(lines.size() == 2);
         CHECK(lines[0] == lines[1]);
@@ -76,17 +72,16 @@ TEST_SUITE("program") {
 
         // Another size only when asked.
         write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));
-        shop.refuses({"classify", "--weights", "out/net.safetensors", "large.png"},
+        shop.refuses("classify --weights out/net.safetensors large.png",
                      "large.png: expected 7 x 13 pixels (rows x columns), or --resize, found 14 x 26");
-        CHECK(shop.run({"classify", "--resize", "--weights", "out/net.safetensors", "large.png"}).status ==
-              0);
+        CHECK(shop.run("classify --resize --weights out/net.safetensors large.png").status == 0);
     }
 
     TEST_CASE("train: same seed, same bits; another seed, others; any number of threads") {
         const workshop shop;
-        REQUIRE(shop.train({"--epochs", "4", "--output", "a"}).status == 0);
-        REQUIRE(shop.train({"--epochs", "4", "--output", "b", "--threads", "3"}).status == 0);
-        REQUIRE(shop.train({"--epochs", "4", "--output", "c", "--seed", "6"}).status == 0);
+        REQUIRE(shop.train("--epochs 4 --output a").status == 0);
+        REQUIRE(shop.train("--epochs 4 --output b --threads 3").status == 0);
+        REQUIRE(shop.train("--epochs 4 --output c --seed 6").status == 0);
         CHECK(text_of(shop / "a") == text_of(shop / "b"));
         CHECK(text_of(shop / "a") != text_of(shop / "c"));
         for (const char* recipe : {"published", "thorough", "default"})
@@ -98,15 +93,15 @@ TEST_SUITE("program") {
 
     TEST_CASE("train: it starts from a weight file") {
         const workshop shop;
-        REQUIRE(shop.train({"--output", "first.safetensors"}).status == 0);
-        const auto again = [&](const std::vector<std::string>& more) {
-            std::vector<std::string> all{"--start", "first.safetensors", "--epochs", "1", "--seed", "6"};
-            all.insert(all.end(), more.begin(), more.end());
+        REQUIRE(shop.train("--output first.safetensors").status == 0);
+        const auto again = [&](const words& more) {
+            words all("--start first.safetensors --epochs 1 --seed 6");
+            all += more;
             return shop.train(all);
         };
-        REQUIRE(again({"--output", "second.safetensors"}).status == 0);
-        REQUIRE(again({"--output", "third.safetensors"}).status == 0);
-        REQUIRE(shop.train({"--epochs", "1", "--seed", "6", "--output", "fresh.safetensors"}).status == 0);
+        REQUIRE(again("--output second.safetensors").status == 0);
+        REQUIRE(again("--output third.safetensors").status == 0);
+        REQUIRE(shop.train("--epochs 1 --seed 6 --output fresh.safetensors").status == 0);
         const auto second = tactnet::safetensors::read(shop / "second.safetensors"),
                    third = tactnet::safetensors::read(shop / "third.safetensors"),
                    fresh = tactnet::safetensors::read(shop / "fresh.safetensors"),
@@ -125,37 +120,35 @@ TEST_SUITE("program") {
         };
         CHECK(distance(second) > 0);
         CHECK(distance(second) < 0.2 * distance(fresh)); // one epoch does not lead far
-        CHECK(shop.run({"evaluate", "--data", shop.data().string(), "--network", "tactnet4", "--rows", "7",
-                        "--columns", "13", "--start", "first.safetensors", "--epochs", "1", "--splits", "1",
-                        "--results", "results"})
-                  .status == 0);
+        CHECK(
+            shop.run("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --start first.safetensors "
+                     "--epochs 1 --splits 1 --results results")
+                .status == 0);
 
-        shop.refuses(shop.train_arguments({"--start", "none.safetensors", "--output", "x.safetensors"}),
+        shop.refuses(shop.train_arguments("--start none.safetensors --output x.safetensors"),
                      "none.safetensors");
         shop.refuses(shop.train_arguments(
                          {"--start", "first.safetensors", "--output", "x.safetensors", "--input", "scale"}),
                      "expected a network of inputs by 'scale'");
-        shop.refuses(
-            shop.train_arguments({"--start", "first.safetensors", "--network", "svm-rbf", "--output", "x"}),
-            "expected a network, found svm-rbf");
+        shop.refuses(shop.train_arguments("--start first.safetensors --method svm-rbf --output x"),
+                     "expected a network, found svm-rbf");
         fs::rename(shop.data() / "left", shop.data() / "leftmost");
-        shop.refuses(shop.train_arguments({"--start", "first.safetensors", "--output", "x.safetensors"}),
+        shop.refuses(shop.train_arguments("--start first.safetensors --output x.safetensors"),
                      "the 3 classes of the images");
     }
 
     TEST_CASE("train: one that diverges says so and writes nothing") {
         const workshop shop;
-        const outcome result =
-            shop.train({"--epochs", "30", "--rate", "1e30", "--recipe", "published", "--output", "net"});
+        const outcome result = shop.train("--epochs 30 --rate 1e30 --recipe published --output net");
         CHECK(result.status == 1);
-        CHECK(result.error.find("training diverged in epoch ") != std::string::npos);
+        says(result.error, "training diverged in epoch ");
         CHECK(shop.everything().empty());
     }
 
     TEST_CASE("train: bad images") {
         const workshop shop;
         const auto refuses = [&](const std::string& sentence) {
-            shop.refuses(shop.train_arguments({"--epochs", "1", "--output", "net"}), sentence);
+            shop.refuses(shop.train_arguments("--epochs 1 --output net"), sentence);
         };
         const fs::path image = shop.data() / "left" / "image2.png";
         const std::string good = text_of(image);
@@ -196,10 +189,9 @@ TEST_SUITE("program") {
                 fs::create_directories(folder);
                 write_png(folder / (std::to_string(i) + ".png"), 28, 50, pixels);
             }
-        const auto trained = [&](const char* name, std::vector<std::string> more) {
+        const auto trained = [&](const char* name, words more) {
             more.insert(more.end(), {"--data", large.string(), "--epochs", "2", "--output", name});
-            const outcome result = shop.train(more);
-            REQUIRE_MESSAGE(result.status == 0, result.error);
+            const outcome result = shop.succeeds(shop.train_arguments(more));
             const auto metadata = tactnet::safetensors::read(shop / name).metadata();
             const auto found = metadata.find("varied");
             return found == metadata.end() ? std::string() : found->second;
@@ -216,28 +208,27 @@ TEST_SUITE("program") {
 
     TEST_CASE("train: bad arguments") {
         const workshop shop;
-        const auto refuses = [&](const std::vector<std::string>& more, const std::string& sentence) {
+        const auto refuses = [&](const words& more, const std::string& sentence) {
             shop.refuses(shop.train_arguments(more), sentence);
         };
-        const outcome help = shop.run({"--help"});
+        const outcome help = shop.run("--help");
         CHECK(help.status == 0);
-        CHECK_MESSAGE(help.out.find("(instruction set: s") != std::string::npos, help.out);
-        CHECK(shop.run({"train", "--help"}).status == 0);
+        says(help.out, "(instruction set: s");
+        CHECK(shop.run("train --help").status == 0);
         CHECK(shop.run({}).status == 2);
-        shop.refuses({"train", "--output", "net"}, "--data is required");
-        refuses({"--output", "net", "--network", "vgg"}, "--method: expected one of tactnet4");
-        refuses({"--output", "net", "--epochs", "0"}, "--epochs");
-        refuses({"--output", "net", "--rate", "-1"}, "--rate");
-        refuses({"--output", "net", "--split", "other"}, "--split");
-        refuses({"--output", "net", "--seed", "-1"}, "--seed");
-        refuses({"--output", "net", "--test", "0.6", "--validation", "0.5"},
+        shop.refuses("train --output net", "--data is required");
+        refuses("--output net --method vgg", "--method: expected one of tactnet4");
+        refuses("--output net --epochs 0", "--epochs");
+        refuses("--output net --rate -1", "--rate");
+        refuses("--output net --split other", "--split");
+        refuses("--output net --seed -1", "--seed");
+        refuses("--output net --test 0.6 --validation 0.5",
                 "expected shares that leave some images for training, found 0.5 and 0.6");
-        refuses({"--output", "net", "--resume"},
-                "net.checkpoint: expected a file, found nothing of that name");
-        refuses({"--output", "."}, "expected the name of a file to write, found a folder");
+        refuses("--output net --resume", "net.checkpoint: expected a file, found nothing of that name");
+        refuses("--output .", "expected the name of a file to write, found a folder");
         tactnet::write_file(shop / "file", "");
-        refuses({"--output", "file/net"}, "file/net: expected a folder to write in, found a file at ");
-        shop.refuses({"evaluate", "--data", shop.data().string(), "--sizes", "7x", "--splits", "1"},
+        refuses("--output file/net", "file/net: expected a folder to write in, found a file at ");
+        shop.refuses("evaluate --data DATA --sizes 7x --splits 1",
                      "--sizes: expected sizes such as 28x50, found '7x'");
     }
 }

@@ -22,12 +22,12 @@ inline void keep_images(const workshop& shop, std::size_t count) {
             fs::remove(shop.data() / folder / ("image" + std::to_string(i) + ".png"));
 }
 inline std::vector<std::string> training(const workshop& shop, const std::string& method,
-                                         const std::string& output, std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"--network", method, "--output", output, "--pretrained", "pretrained"});
+                                         const std::string& output, words more = {}) {
+    more.insert(more.begin(), {"--method", method, "--output", output, "--pretrained", "pretrained"});
     return shop.train_arguments(more);
 }
 inline bool knows(const workshop& shop, const std::string& method) {
-    const bool found = shop.run({"list"}).out.find(method + " ") != std::string::npos;
+    const bool found = shop.run("list").out.find(method + " ") != std::string::npos;
     if (!found)
         MESSAGE("skipped: the program was built without " << method);
     return found;
@@ -43,10 +43,9 @@ void check_from_end_to_end(const std::string& method, tactnet::element_type type
     CAPTURE(method);
     keep_images(shop, 3);
     write_pretrained<Network>(shop / "pretrained", type);
-    const outcome trained =
-        shop.run(training(shop, method, "net", {"--validation", "0", "--test", "0.3", "--self-test", "1"}));
-    REQUIRE_MESSAGE(trained.status == 0, trained.error);
-    CHECK(trained.error.find("features of 9 of 9 images") != std::string::npos);
+    const outcome trained = shop.succeeds(
+        training(shop, method, "net", {"--validation", "0", "--test", "0.3", "--self-test", "1"}));
+    says(trained.error, "features of 9 of 9 images");
     CHECK_FALSE(fs::exists(shop / "net.features"));
     {
         const auto file = tactnet::safetensors_source::open(shop / "net");
@@ -62,13 +61,10 @@ void check_from_end_to_end(const std::string& method, tactnet::element_type type
     }
     fs::remove(shop / "pretrained");
     const outcome found =
-        shop.run({"classify", "--weights", "net", (shop.data() / "left" / "image0.png").string(),
-                  (shop.data() / "right" / "image1.png").string()});
-    REQUIRE_MESSAGE(found.status == 0, found.error);
+        shop.succeeds({"classify", "--weights", "net", (shop.data() / "left" / "image0.png").string(),
+                       (shop.data() / "right" / "image1.png").string()});
     CHECK(lines_of(found.out).size() == 2);
-    const outcome tested =
-        shop.run({"evaluate", "--weights", "net", "--data", shop.data().string(), "--results", "r"});
-    REQUIRE_MESSAGE(tested.status == 0, tested.error);
+    const outcome tested = shop.succeeds("evaluate --weights net --data DATA --results r");
     CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
 }
 

@@ -12,14 +12,10 @@ using namespace support;
 
 namespace {
 
-std::vector<std::string> evaluate_arguments(const workshop& shop, const std::vector<std::string>& more) {
-    std::vector<std::string> all{"evaluate", "--data",    shop.data().string(),
-                                 "--rows",   "7",         "--columns",
-                                 "13",       "--epochs",  "3",
-                                 "--splits", "1",         "--split",
-                                 "random",   "--results", "r",
-                                 "--jobs",   "1"};
-    all.insert(all.end(), more.begin(), more.end());
+std::vector<std::string> evaluate_arguments(const words& more) {
+    words all("evaluate --data DATA --rows 7 --columns 13 --epochs 3 --splits 1 --split random "
+              "--results r --jobs 1");
+    all += more;
     return all;
 }
 
@@ -29,10 +25,9 @@ TEST_SUITE("program") {
     TEST_CASE("train: with --bits 8 the file is evaluated, classifies and becomes a header") {
         const workshop shop;
         const outcome trained =
-            shop.train({"--epochs", "15", "--output", "out/net.safetensors", "--bits", "8"});
-        REQUIRE_MESSAGE(trained.status == 0, trained.error);
-        CHECK_MESSAGE(trained.out.find("in 8 bits, ") != std::string::npos, trained.out);
-        CHECK(trained.out.find("in single precision") != std::string::npos);
+            shop.succeeds(shop.train_arguments("--epochs 15 --output out/net.safetensors --bits 8"));
+        says(trained.out, "in 8 bits, ");
+        says(trained.out, "in single precision");
         const auto file = tactnet::safetensors::read(shop / "out/net.safetensors");
         CHECK(file.metadata().at("bits") == "8");
         CHECK(file.metadata().at("network") == "tactnet4");
@@ -42,25 +37,17 @@ TEST_SUITE("program") {
         CHECK(std::stod(file.metadata().at("test_accuracy")) >
               0.5); // three bright bars: nearly all are right
 
-        const outcome tested =
-            shop.run({"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string()});
-        REQUIRE_MESSAGE(tested.status == 0, tested.error);
-        CHECK(tested.out.find("tactnet4  7x13") != std::string::npos);
-        CHECK(shop.run({"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string(),
-                        "--images", "all"})
-                  .status == 0);
+        const outcome tested = shop.succeeds("evaluate --weights out/net.safetensors --data DATA");
+        says(tested.out, "tactnet4  7x13");
+        CHECK(shop.run("evaluate --weights out/net.safetensors --data DATA --images all").status == 0);
         const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
-        const outcome named = shop.run({"classify", "--weights", "out/net.safetensors", image});
-        REQUIRE_MESSAGE(named.status == 0, named.error);
+        const outcome named = shop.succeeds({"classify", "--weights", "out/net.safetensors", image});
         CHECK(named.out.starts_with("\"" + image + "\",1,\"middle, of all\",0."));
-        const outcome header =
-            shop.run({"export", "--weights", "out/net.safetensors", "--output", "net.hpp"});
-        REQUIRE_MESSAGE(header.status == 0, header.error);
-        CHECK(text_of(shop / "net.hpp").find("tactnet::eight_bit_between<std::int16_t, std::uint8_t>") !=
-              std::string::npos);
+        const outcome header = shop.succeeds("export --weights out/net.safetensors --output net.hpp");
+        says(text_of(shop / "net.hpp"), "tactnet::eight_bit_between<std::int16_t, std::uint8_t>");
 
         // The same seed, the same bits; a file that is left half does not pass.
-        REQUIRE(shop.train({"--epochs", "15", "--output", "again.safetensors", "--bits", "8"}).status == 0);
+        REQUIRE(shop.train("--epochs 15 --output again.safetensors --bits 8").status == 0);
         CHECK((text_of(shop / "again.safetensors") == text_of(shop / "out/net.safetensors")));
         const std::string text = text_of(shop / "again.safetensors");
         tactnet::write_file(shop / "cut", std::string_view(text).substr(0, text.size() - 100));
@@ -70,7 +57,7 @@ TEST_SUITE("program") {
         shop.refuses({"classify", "--weights", "out/net.safetensors", "--epsilon", "1e-4", image},
                      "--epsilon: expected weights in single precision, found 8 bits");
         shop.refuses(
-            shop.train_arguments({"--start", "out/net.safetensors", "--output", "x"}),
+            shop.train_arguments("--start out/net.safetensors --output x"),
             "out/net.safetensors: metadata 'bits': expected weights in single precision to begin with, "
             "found '8'");
         shop.refuses(
@@ -81,36 +68,35 @@ TEST_SUITE("program") {
     TEST_CASE("train: of 8 bits, what has no such form says so") {
         const workshop shop;
         shop.refuses(
-            shop.train_arguments({"--network", "svm-linear", "--bits", "8", "--output", "x"}),
+            shop.train_arguments("--method svm-linear --bits 8 --output x"),
             "--bits: expected a network that is trained from random weights, found the support vector "
             "machine svm-linear, which has no form in 8 bits");
         shop.refuses(
-            shop.train_arguments({"--network", "tactnet6-economical", "--bits", "8", "--output", "x"}),
+            shop.train_arguments("--method tactnet6-economical --bits 8 --output x"),
             "--bits: expected a network whose form in 8 bits was compiled in, found "
             "tactnet6-economical 7x13; those are chosen when building, by TACTNET_PROGRAM_EIGHT_BIT");
-        shop.refuses(shop.train_arguments({"--bits", "7", "--output", "x"}), "--bits");
-        shop.refuses(evaluate_arguments(shop, {"--network", "tactnet4,svm-linear", "--bits", "8"}),
+        shop.refuses(shop.train_arguments("--bits 7 --output x"), "--bits");
+        shop.refuses(evaluate_arguments("--method tactnet4,svm-linear --bits 8"),
                      "found the support vector machine svm-linear, which has no form in 8 bits");
         // A file in 8 bits of a network that was compiled in single precision alone.
-        REQUIRE(shop.train({"--epochs", "1", "--bits", "8", "--output", "net"}).status == 0);
+        REQUIRE(shop.train("--epochs 1 --bits 8 --output net").status == 0);
         rewrite_metadata(shop / "net", shop / "other", "network", "tactnet6-economical");
         shop.refuses(
             {"export", "--weights", "other", "--output", "x.hpp"},
             "other: metadata 'bits': expected weights in single precision, or a network whose form in 8 "
             "bits was compiled in");
         rewrite_metadata(shop / "net", shop / "other", "bits", "4");
-        shop.refuses({"export", "--weights", "other", "--output", "x.hpp"},
+        shop.refuses("export --weights other --output x.hpp",
                      "other: metadata 'bits': expected '8', or none for single precision, found '4'");
     }
 
     TEST_CASE("export: with --bits 8 a file in single precision becomes one in 8 bits, or such a header") {
         const workshop shop;
         const std::string data = shop.data().string();
-        REQUIRE(shop.train({"--epochs", "8", "--output", "float.safetensors"}).status == 0);
-        REQUIRE(shop.train({"--epochs", "8", "--output", "bytes.safetensors", "--bits", "8"}).status == 0);
-        const outcome turned = shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data",
-                                         data, "--output", "out/turned.safetensors"});
-        REQUIRE_MESSAGE(turned.status == 0, turned.error);
+        REQUIRE(shop.train("--epochs 8 --output float.safetensors").status == 0);
+        REQUIRE(shop.train("--epochs 8 --output bytes.safetensors --bits 8").status == 0);
+        const outcome turned = shop.succeeds({"export", "--weights", "float.safetensors", "--bits", "8",
+                                              "--data", data, "--output", "out/turned.safetensors"});
         // As training writes it, with the same images: those of the training, no others.
         const auto ours = tactnet::safetensors::read(shop / "out/turned.safetensors"),
                    theirs = tactnet::safetensors::read(shop / "bytes.safetensors");
@@ -125,21 +111,21 @@ TEST_SUITE("program") {
         REQUIRE(shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data,
                           "--output", "a.hpp"})
                     .status == 0);
-        REQUIRE(shop.run({"export", "--weights", "bytes.safetensors", "--output", "b.hpp"}).status == 0);
+        REQUIRE(shop.run("export --weights bytes.safetensors --output b.hpp").status == 0);
         CHECK((text_of(shop / "a.hpp") == text_of(shop / "b.hpp"))); // told without the texts
         REQUIRE(shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data,
                           "--images", "all", "--output", "c.hpp"})
                     .status == 0);
 
-        const auto refuses = [&](std::vector<std::string> more, const std::string& sentence) {
+        const auto refuses = [&](words more, const std::string& sentence) {
             more.insert(more.begin(), "export");
             shop.refuses(more, sentence);
         };
-        refuses({"--weights", "float.safetensors", "--bits", "8", "--output", "x.hpp"},
+        refuses("--weights float.safetensors --bits 8 --output x.hpp",
                 "--bits: expected --data with the images of the training");
         refuses({"--weights", "float.safetensors", "--data", data, "--output", "x.hpp"},
                 "--data: expected --bits 8, for which images are");
-        refuses({"--weights", "float.safetensors", "--output", "x.safetensors"},
+        refuses("--weights float.safetensors --output x.safetensors",
                 "--output: expected --bits 8, with which a weight file becomes another");
         refuses({"--weights", "bytes.safetensors", "--bits", "8", "--data", data, "--output", "x.hpp"},
                 "bytes.safetensors: metadata 'bits': expected weights in single precision");
@@ -154,16 +140,14 @@ TEST_SUITE("program") {
 
     TEST_CASE("evaluate: with --bits 8 each training is told in both forms, and done once") {
         const workshop shop;
-        const auto evaluate = [&](const std::vector<std::string>& more) {
-            return shop.run(evaluate_arguments(shop, more));
-        };
-        REQUIRE(evaluate({"--network", "tactnet4"}).status == 0);
+        const auto evaluate = [&](const words& more) { return shop.run(evaluate_arguments(more)); };
+        REQUIRE(evaluate("--method tactnet4").status == 0);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 1);
         CHECK(text_of(shop / "r/table.csv").find("bits") == std::string::npos);
 
-        const outcome first = evaluate({"--network", "tactnet4", "--bits", "8"});
+        const outcome first = evaluate("--method tactnet4 --bits 8");
         REQUIRE_MESSAGE(first.status == 0, first.error);
-        CHECK(first.error.find("1 trainings to do, 0 done before") != std::string::npos);
+        says(first.error, "1 trainings to do, 0 done before");
         const auto lines = lines_of(text_of(shop / "r/evaluation.jsonl"));
         REQUIRE(lines.size() == 2); // that in single precision was there
         auto floats = nlohmann::json::parse(lines[0]), bytes = nlohmann::json::parse(lines[1]);
@@ -176,26 +160,25 @@ TEST_SUITE("program") {
         CHECK(table[0].starts_with("network,rows,columns,recipe,splits,bits,random_accuracy,"));
         CHECK(table[1].find(",1,32,") != std::string::npos);
         CHECK(table[2].find(",1,8,") != std::string::npos);
-        CHECK(first.out.find("bits") != std::string::npos);
+        says(first.out, "bits");
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13_8bit.csv"));
 
-        const outcome second = evaluate({"--network", "tactnet4", "--bits", "8"});
+        const outcome second = evaluate("--method tactnet4 --bits 8");
         CHECK(second.status == 0);
-        CHECK(second.error.find("0 trainings to do, 1 done before") != std::string::npos);
-        const outcome third = evaluate({"--network", "tactnet4"});
+        says(second.error, "0 trainings to do, 1 done before");
+        const outcome third = evaluate("--method tactnet4");
         CHECK(third.status == 0);
-        CHECK(third.error.find("0 trainings to do, 1 done before") != std::string::npos);
+        says(third.error, "0 trainings to do, 1 done before");
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 2);
 
         // Of a training that was not done yet, both lines.
-        REQUIRE(evaluate({"--network", "tactnet4", "--bits", "8", "--seed", "3"}).status == 0);
+        REQUIRE(evaluate("--method tactnet4 --bits 8 --seed 3").status == 0);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
         // Without the line in single precision there is nothing to set beside it.
         tactnet::write_file(shop / "r/evaluation.jsonl", lines[1] + "\n");
-        const outcome cut = evaluate({"--network", "tactnet4", "--bits", "8"});
+        const outcome cut = evaluate("--method tactnet4 --bits 8");
         CHECK(cut.status == 2);
-        CHECK(cut.error.find("expected results in 8 bits beside those in single precision") !=
-              std::string::npos);
+        says(cut.error, "expected results in 8 bits beside those in single precision");
     }
 }

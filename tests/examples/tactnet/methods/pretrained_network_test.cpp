@@ -29,9 +29,9 @@ struct fine_tuning {
     workshop shop;
     fine_tuning() { keep_images(shop, 3); }
     bool known() const { return knows(shop, "squeezenet-nn"); }
-    std::vector<std::string> arguments(const std::string& output, std::vector<std::string> more) const {
+    words arguments(const std::string& output, words more) const {
         more.insert(more.begin(),
-                    {"--network", "squeezenet-nn", "--output", output, "--rows", "28", "--columns", "50",
+                    {"--method", "squeezenet-nn", "--output", output, "--rows", "28", "--columns", "50",
                      "--resize", "--test", "0.3", "--validation", "0", "--threads", "2"});
         return shop.train_arguments(more);
     }
@@ -52,9 +52,8 @@ TEST_SUITE("program") {
             return;
         write_pretrained<squeezenet>(shop / "pretrained");
         tactnet::write_file(shop / "net.features", std::string_view("somebody's"));
-        const outcome trained = shop.run(tuning.arguments(
+        const outcome trained = shop.succeeds(tuning.arguments(
             "net", {"--pretrained", "pretrained", "--epochs", "2", "--self-test", "1", "--rate", "1e-4"}));
-        REQUIRE_MESSAGE(trained.status == 0, trained.error);
         {
             const auto file = tactnet::safetensors_source::open(shop / "net");
             CHECK(file.metadata().at("network") == "squeezenet-nn");
@@ -75,42 +74,21 @@ TEST_SUITE("program") {
         CHECK(values_of(shop / "net", "photograph.running_mean")[0] == doctest::Approx(0.485));
 
         CHECK(text_of(shop / "net.features") == "somebody's"); // not what this method keeps
-        const outcome many = shop.run({"evaluate",
-                                       "--data",
-                                       shop.data().string(),
-                                       "--method",
-                                       "squeezenet-nn",
-                                       "--pretrained",
-                                       "pretrained",
-                                       "--rows",
-                                       "28",
-                                       "--columns",
-                                       "50",
-                                       "--resize",
-                                       "--epochs",
-                                       "1",
-                                       "--test",
-                                       "0.3",
-                                       "--validation",
-                                       "0",
-                                       "--splits",
-                                       "1"});
-        REQUIRE_MESSAGE(many.status == 0, many.error);
+        const outcome many = shop.succeeds(
+            "evaluate --data DATA --method squeezenet-nn --pretrained pretrained --rows 28 --columns "
+            "50 --resize --epochs 1 --test 0.3 --validation 0 --splits 1");
         CHECK_FALSE(fs::exists(shop / "results/features"));
 
         fs::remove(shop / "pretrained");
         const std::string image = (shop.data() / "left" / "image0.png").string();
-        const outcome found = shop.run({"classify", "--weights", "net", "--resize", image});
-        REQUIRE_MESSAGE(found.status == 0, found.error);
-        const outcome tested = shop.run(
+        const outcome found = shop.succeeds({"classify", "--weights", "net", "--resize", image});
+        const outcome tested = shop.succeeds(
             {"evaluate", "--weights", "net", "--resize", "--data", shop.data().string(), "--results", "r"});
-        REQUIRE_MESSAGE(tested.status == 0, tested.error);
         CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
-        const outcome exported = shop.run({"export", "--weights", "net", "--output", "net.hpp"});
-        REQUIRE_MESSAGE(exported.status == 0, exported.error);
+        const outcome exported = shop.succeeds("export --weights net --output net.hpp");
         const std::string header = text_of(shop / "net.hpp");
-        CHECK(header.find("#include <tactnet/transfer/as_photograph_step.hpp>") != std::string::npos);
-        CHECK(header.find("passes_selftest(recogniser_type::workspace& memory)") != std::string::npos);
+        says(header, "#include <tactnet/transfer/as_photograph_step.hpp>");
+        says(header, "passes_selftest(recogniser_type::workspace& memory)");
     }
 
     TEST_CASE("pretrained_network: stopped and gone on with, the same bits") {
@@ -119,20 +97,17 @@ TEST_SUITE("program") {
         if (!tuning.known())
             return;
         write_pretrained<squeezenet>(shop / "pretrained");
-        const auto run = [&](const char* output, std::vector<std::string> more) {
-            more.insert(more.end(),
-                        {"--pretrained", "pretrained", "--epochs", "2", "--checkpoint-every", "1e-9"});
+        const auto run = [&](const char* output, words more) {
+            more += "--pretrained pretrained --epochs 2 --checkpoint-every 1e-9";
             return tuning.arguments(output, more);
         };
         REQUIRE(shop.run(run("whole", {})).status == 0);
         const pid_t child = shop.start(run("net", {}));
-        for (int i = 0; i < 60'000 && !fs::exists(shop / "net.checkpoint"); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        shop.wait_for_file("net.checkpoint");
         kill(child, SIGKILL);
         shop.wait(child);
         REQUIRE_FALSE(fs::exists(shop / "net"));
-        const outcome again = shop.run(run("net", {"--resume"}));
-        REQUIRE_MESSAGE(again.status == 0, again.error);
+        const outcome again = shop.succeeds(run("net", {"--resume"}));
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
     }
 

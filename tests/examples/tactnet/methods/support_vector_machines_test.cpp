@@ -86,12 +86,11 @@ TEST_SUITE("program") {
         const workshop shop;
         fs::remove_all(shop.data() / "right");
         for (const char* name : {"svm-linear", "svm-rbf"}) {
-            REQUIRE(shop.train({"--network", name, "--output", name}).status == 0);
+            REQUIRE(shop.train({"--method", name, "--output", name}).status == 0);
             const auto score = [&](const char* folder, const std::string& found) {
-                const outcome result =
-                    shop.run({"classify", "--weights", name, (shop.data() / folder / "image1.png").string()});
-                REQUIRE_MESSAGE(result.status == 0, result.error);
-                CHECK(result.out.find(found) != std::string::npos);
+                const outcome result = shop.succeeds(
+                    {"classify", "--weights", name, (shop.data() / folder / "image1.png").string()});
+                says(result.out, found);
                 return std::stod(result.out.substr(result.out.rfind(',') + 1));
             };
             CHECK(score("left", ",0,left,") > 0);
@@ -105,9 +104,9 @@ TEST_SUITE("program") {
         for (const std::string name : {"svm-linear", "svm-rbf", "surf-svm"}) {
             CAPTURE(name);
             const std::string weights = "out/" + name + ".safetensors";
-            const outcome trained = shop.train({"--network", name, "--output", weights});
-            REQUIRE_MESSAGE(trained.status == 0, trained.error);
-            CHECK(trained.out.find("test accuracy") != std::string::npos);
+            const outcome trained =
+                shop.succeeds(shop.train_arguments({"--method", name, "--output", weights}));
+            says(trained.out, "test accuracy");
             CHECK_FALSE(fs::exists(shop / ("out/" + name + ".learning.csv").c_str()));
             const auto file = tactnet::safetensors::read(shop / weights.c_str());
             CHECK(file.metadata().at("network") == name);
@@ -126,22 +125,21 @@ TEST_SUITE("program") {
 
             // The split's test images give the same matrix again.
             const auto evaluate = [&](const char* images) {
-                const outcome tested = shop.run({"evaluate", "--weights", weights, "--data",
-                                                 shop.data().string(), "--images", images, "--results", "r"});
-                REQUIRE_MESSAGE(tested.status == 0, tested.error);
+                const outcome tested =
+                    shop.succeeds({"evaluate", "--weights", weights, "--data", shop.data().string(),
+                                   "--images", images, "--results", "r"});
                 CHECK(tested.out.find(name + "  7x13") == tested.out.rfind(name));
                 return text_of(shop / ("r/confusion_" + name + ".csv").c_str());
             };
             CHECK(evaluate("test") == text_of(shop / ("out/" + name + ".confusion.csv").c_str()));
 
             // All images one by one are what the matrix of all says.
-            std::vector<std::string> arguments{"classify", "--weights", weights};
+            words arguments{"classify", "--weights", weights};
             for (const char* folder : {"left", "middle, of all", "right"})
                 for (std::size_t i = 0; i < images_per_class; ++i)
                     arguments.push_back(
                         (shop.data() / folder / ("image" + std::to_string(i) + ".png")).string());
-            const outcome named = shop.run(arguments);
-            REQUIRE_MESSAGE(named.status == 0, named.error);
+            const outcome named = shop.succeeds(arguments);
             const auto lines = lines_of(named.out);
             REQUIRE(lines.size() == 3 * images_per_class);
             std::string matrix = "true class,left,\"middle, of all\",right\n";
@@ -176,24 +174,23 @@ TEST_SUITE("program") {
             shop.refuses({"classify", "--weights", weights, "--epsilon", "1", "large.png"},
                          "--epsilon: expected a network, found " + name + ", which has no batch norms");
         }
-        shop.refuses(shop.train_arguments({"--network", "svm-rbf", "--output", "net", "--resume"}),
+        shop.refuses(shop.train_arguments("--method svm-rbf --output net --resume"),
                      "--resume: expected a network, found svm-rbf, which is trained in one go");
-        shop.refuses(shop.train_arguments({"--network", "svm-rbf", "--output", "net", "--rate", "1"}),
+        shop.refuses(shop.train_arguments("--method svm-rbf --output net --rate 1"),
                      "expected a network, found svm-rbf, which is not trained by epochs");
         for (const auto& image : fs::recursive_directory_iterator(shop.data()))
             if (image.is_regular_file())
                 write_png(image.path(), rows, columns, std::vector<std::uint8_t>(rows * columns));
-        shop.refuses(shop.train_arguments({"--network", "surf-svm", "--output", "net"}),
+        shop.refuses(shop.train_arguments("--method surf-svm --output net"),
                      "data: dense SURF: found nothing to describe");
     }
 
     TEST_CASE("support_vector_machine: bad weight files") {
         const workshop shop;
         for (const char* name : {"svm-linear", "svm-rbf", "surf-svm"})
-            REQUIRE(shop.train({"--network", name, "--output", name}).status == 0);
+            REQUIRE(shop.train({"--method", name, "--output", name}).status == 0);
         const std::string image = (shop.data() / "left" / "image0.png").string();
-        const auto refuses = [&](const std::string& weights, const std::string& sentence,
-                                 std::vector<std::string> more = {}) {
+        const auto refuses = [&](const std::string& weights, const std::string& sentence, words more = {}) {
             more.insert(more.begin(), {"classify", "--weights", weights, image});
             shop.refuses(more, weights + ": " + sentence);
         };
@@ -206,7 +203,7 @@ TEST_SUITE("program") {
             }
         }
         refuses("svm-linear", "expected weights of svm-rbf as --method says, found those of svm-linear",
-                {"--network", "svm-rbf"});
+                {"--method", "svm-rbf"});
 
         const auto nan = std::numeric_limits<float>::quiet_NaN();
         rewrite(shop / "svm-linear", shop / "nan", "weights", [=](std::vector<float>& v) { v[7] = nan; });
@@ -225,28 +222,27 @@ TEST_SUITE("program") {
         refuses("moved", "self-test, image 0, machine 1: expected the value ");
 
         // What it says of itself.
-        const auto says = [&](const char* name, const char* key, const char* value,
-                              const std::string& sentence, const std::vector<std::string>& more = {}) {
-            const auto file = tactnet::safetensors::read(shop / name);
-            tactnet::safetensors_writer writer;
-            writer.metadata = file.metadata();
-            writer.metadata[key] = value;
-            for (const auto& [tensor, entry] : file.tensors())
-                writer.add(tensor, entry.type, entry.extents, file.bytes(tensor));
-            writer.write(shop / "says");
+        const auto refuses_metadata = [&](const char* name, const char* key, const char* value,
+                                          const std::string& sentence, const words& more = {}) {
+            rewrite_metadata(shop / name, shop / "says", key, value);
             refuses("says", sentence, more);
         };
-        says("svm-linear", "network", "svm-rbf", "metadata 'machine': expected 'kernel', found 'linear'");
-        says("svm-linear", "network", "surf-svm",
-             "metadata 'features': expected 'histograms of surf words', found 'pixels'");
-        says("surf-svm", "network", "svm-linear",
-             "metadata 'features': expected 'pixels', found 'histograms of surf words'");
-        says("surf-svm", "surf_scales", "1 3", "metadata 'surf_scales': expected '1 2', found '1 3'");
-        says("svm-rbf", "input_scale", "2", "metadata 'input_scale': expected '1', found '2'");
-        says("svm-rbf", "rows", "8", "metadata 'rows': expected '7', found '8'", {"--rows", "7"});
-        says("svm-rbf", "version", "2", "metadata 'version': expected format version 1, found '2'");
-        says("svm-rbf", "format", "other", "metadata 'format': expected 'tactnet', found 'other'");
-        says("svm-rbf", "classes", "[\"a\",\"b\"]", "tensor 'labels': expected labels of 2 classes, found 2");
-        says("svm-rbf", "network", "tactnet4", "expected a tensor ");
+        refuses_metadata("svm-linear", "network", "svm-rbf",
+                         "metadata 'machine': expected 'kernel', found 'linear'");
+        refuses_metadata("svm-linear", "network", "surf-svm",
+                         "metadata 'features': expected 'histograms of surf words', found 'pixels'");
+        refuses_metadata("surf-svm", "network", "svm-linear",
+                         "metadata 'features': expected 'pixels', found 'histograms of surf words'");
+        refuses_metadata("surf-svm", "surf_scales", "1 3",
+                         "metadata 'surf_scales': expected '1 2', found '1 3'");
+        refuses_metadata("svm-rbf", "input_scale", "2", "metadata 'input_scale': expected '1', found '2'");
+        refuses_metadata("svm-rbf", "rows", "8", "metadata 'rows': expected '7', found '8'", {"--rows", "7"});
+        refuses_metadata("svm-rbf", "version", "2",
+                         "metadata 'version': expected format version 1, found '2'");
+        refuses_metadata("svm-rbf", "format", "other",
+                         "metadata 'format': expected 'tactnet', found 'other'");
+        refuses_metadata("svm-rbf", "classes", "[\"a\",\"b\"]",
+                         "tensor 'labels': expected labels of 2 classes, found 2");
+        refuses_metadata("svm-rbf", "network", "tactnet4", "expected a tensor ");
     }
 }

@@ -49,14 +49,13 @@ TEST_SUITE("program") {
             return;
         keep_images(shop, 4);
         write_pretrained<squeezenet>(shop / "pretrained");
-        const auto arguments = [&](const char* output, std::vector<std::string> more) {
-            more.insert(more.begin(), {"--epochs", "400", "--checkpoint-every", "1e-9"});
+        const auto arguments = [&](const char* output, words more) {
+            more = words("--epochs 400 --checkpoint-every 1e-9") + more;
             return training(shop, "squeezenet-pooled-nn", output, more);
         };
         REQUIRE(shop.run(arguments("whole", {"--threads", "2"})).status == 0);
         const pid_t child = shop.start(arguments("net", {}));
-        for (int i = 0; i < 60'000 && !fs::exists(shop / "net.checkpoint"); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        shop.wait_for_file("net.checkpoint");
         kill(child, SIGKILL);
         shop.wait(child);
         REQUIRE_FALSE(fs::exists(shop / "net"));
@@ -67,13 +66,9 @@ TEST_SUITE("program") {
         const outcome refused = shop.run(arguments("net", {"--resume"}));
         fs::rename(shop / "away.png", image);
         CHECK(refused.status == 2);
-        CHECK_MESSAGE(
-            refused.error.find("net.checkpoint: setting 'data' of the stopped training: expected '") !=
-                std::string::npos,
-            refused.error);
+        says(refused.error, "net.checkpoint: setting 'data' of the stopped training: expected '");
         CHECK(text_of(shop / "net.features") == kept);
-        const outcome again = shop.run(arguments("net", {"--resume"}));
-        REQUIRE_MESSAGE(again.status == 0, again.error);
+        const outcome again = shop.succeeds(arguments("net", {"--resume"}));
         CHECK(again.error.find("features of") == std::string::npos);
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
         CHECK_FALSE(fs::exists(shop / "net.features"));
@@ -86,11 +81,10 @@ TEST_SUITE("program") {
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
         write_pretrained<squeezenet>(shop / "pretrained");
-        const auto stopped_at = [&](const char* file, std::vector<std::string> more) {
-            more.insert(more.begin(), {"--epochs", "100000", "--checkpoint-every", "1e-9"});
+        const auto stopped_at = [&](const char* file, words more) {
+            more = words("--epochs 100000 --checkpoint-every 1e-9") + more;
             const pid_t child = shop.start(training(shop, "squeezenet-pooled-nn", "net", more));
-            for (int i = 0; i < 60'000 && !fs::exists(shop / file); ++i)
-                std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            shop.wait_for_file(file);
             kill(child, SIGINT);
             const outcome stopped = shop.wait(child);
             CHECK(stopped.status == 130);
@@ -122,9 +116,9 @@ TEST_SUITE("program") {
         const outcome machine = evaluate("squeezenet-pooled-svm"), head = evaluate("squeezenet-pooled-nn");
         REQUIRE_MESSAGE(machine.status == 0, machine.error);
         REQUIRE_MESSAGE(head.status == 0, head.error);
-        CHECK(machine.error.find("features of 12 of 12 images") != std::string::npos);
+        says(machine.error, "features of 12 of 12 images");
         CHECK(head.error.find("features of") == std::string::npos);
-        CHECK(head.out.find("squeezenet-pooled-nn") != std::string::npos);
+        says(head.out, "squeezenet-pooled-nn");
         // Side by side, the same results.
         REQUIRE(evaluate("squeezenet-pooled-nn", "side_by_side", "3").status == 0);
         const auto confusions = [&](const char* results) {
@@ -147,20 +141,19 @@ TEST_SUITE("program") {
             return;
         keep_images(shop, 3);
         write_pretrained<squeezenet>(shop / "pretrained");
-        const auto refuses = [&](std::vector<std::string> more, const char* sentence) {
+        const auto refuses = [&](words more, const char* sentence) {
             shop.refuses(training(shop, "squeezenet-pooled-nn", "net", std::move(more)), sentence);
         };
-        refuses({"--augmentation", "sixfold"}, "--augmentation: expected none, since features of images are "
-                                               "found once, for squeezenet-pooled-nn; found sixfold");
-        refuses({"--batch", "1"},
+        refuses("--augmentation sixfold", "--augmentation: expected none, since features of images are "
+                                          "found once, for squeezenet-pooled-nn; found sixfold");
+        refuses("--batch 1",
                 "--batch: expected 0 or at least 2, since batch norms learn nothing from one row "
                 "of features, for squeezenet-pooled-nn; found 1");
-        refuses({"--recipe", "published"}, "nothing was published for squeezenet-pooled-nn");
-        refuses({"--start", "other"},
+        refuses("--recipe published", "nothing was published for squeezenet-pooled-nn");
+        refuses("--start other",
                 "--start: expected a network that begins with random weights, found squeezenet-pooled-nn");
         const outcome trained =
-            shop.run(training(shop, "squeezenet-pooled-nn", "net", {"--epochs", "1", "--test", "0.3"}));
-        REQUIRE_MESSAGE(trained.status == 0, trained.error);
+            shop.succeeds(training(shop, "squeezenet-pooled-nn", "net", {"--epochs", "1", "--test", "0.3"}));
         shop.refuses(
             {"export", "--weights", "net", "--output", "net.hpp"},
             "net: expected a network, found the head of a frozen trunk squeezenet-pooled-nn, which cannot "
@@ -178,10 +171,8 @@ TEST_SUITE("program") {
             const outcome refused =
                 shop.run({"classify", "--weights", "other", (shop.data() / "left" / "image0.png").string()});
             CHECK(refused.status == 2);
-            CHECK_MESSAGE(refused.error.find("other: metadata '" + key + "': expected '") !=
-                              std::string::npos,
-                          refused.error);
-            CHECK_MESSAGE(refused.error.find("found '" + value + "'") != std::string::npos, refused.error);
+            says(refused.error, "other: metadata '" + key + "': expected '");
+            says(refused.error, "found '" + value + "'");
         }
         const auto whole = text_of(shop / "net");
         std::string flipped = whole;

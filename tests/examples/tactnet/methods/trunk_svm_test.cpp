@@ -78,13 +78,12 @@ TEST_SUITE("program") {
             const outcome stopped = shop.wait(child);
             CHECK(stopped.status == (signal == SIGINT ? 130 : 1000 + SIGKILL));
             if (signal == SIGINT)
-                CHECK(stopped.error.find("stopped; the same command goes on with what is left, from "
-                                         "net.features") != std::string::npos);
+                says(stopped.error, "stopped; the same command goes on with what is left, from "
+                                    "net.features");
             CHECK_FALSE(fs::exists(shop / "net"));
             CHECK(fs::file_size(shop / "net.features") < 36 * 1024 * sizeof(float));
         }
-        const outcome again = shop.run(arguments("net", "2"));
-        REQUIRE_MESSAGE(again.status == 0, again.error);
+        const outcome again = shop.succeeds(arguments("net", "2"));
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
         CHECK_FALSE(fs::exists(shop / "net.features"));
 
@@ -101,7 +100,7 @@ TEST_SUITE("program") {
             return;
         keep_images(shop, 5);
         write_pretrained<squeezenet>(shop / "pretrained");
-        const auto evaluate = [&](const char* methods, std::vector<std::string> more = {}) {
+        const auto evaluate = [&](const char* methods, words more = {}) {
             more.insert(more.begin(),
                         {"evaluate", "--data", shop.data().string(), "--method", methods, "--rows", "7",
                          "--columns", "13", "--splits", "2", "--pretrained", "pretrained", "--jobs", "2"});
@@ -137,7 +136,7 @@ TEST_SUITE("program") {
             bytes[place] = static_cast<char>(bytes[place] ^ 1);
             tactnet::write_file(file, bytes);
             const outcome result = evaluate("squeezenet-pooled-svm,svm-linear", {"--afresh"});
-            CHECK_MESSAGE(result.error.find(sentence) != std::string::npos, result.error);
+            says(result.error, sentence);
             CHECK(finds(result));
             CHECK(text_of(file) == whole);
             CHECK(results() == first);
@@ -159,22 +158,20 @@ TEST_SUITE("program") {
         const auto refuses = [&](const std::string& method, const std::string& sentence) {
             shop.refuses(training(shop, method, "net"), sentence);
         };
-        const std::vector<std::string> without{"--network", "squeezenet-svm", "--output", "net"};
+        const words without("--method squeezenet-svm --output net");
         shop.refuses(
             shop.train_arguments(without),
             "--pretrained: squeezenet-svm expects a file of SqueezeNet 1.1's weights, found none. It "
             "is a safetensors file with torchvision's names (features.0.weight, ...) in float32, "
             "float16 or bfloat16, at least 2.9 MB in float32, trained on photographs of 227 x 227");
-        shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "squeezenet-pooled-rbf",
-                      "--rows", "7", "--columns", "13"},
+        shop.refuses("evaluate --data DATA --method squeezenet-pooled-rbf --rows 7 --columns 13",
                      "save_file(torchvision.models.squeezenet1_1(weights=\"IMAGENET1K_V1\").state_dict(), "
                      "\"squeezenet1_1.safetensors\")");
         refuses("squeezenet-svm", "pretrained: expected a file, found nothing of that name");
         refuses("tactnet4", "--pretrained: expected a method that begins with a network trained on "
                             "photographs, found tactnet4, which learns all by itself");
         refuses("svm-linear", "found svm-linear, which learns all by itself");
-        shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "tactnet4", "--rows", "7",
-                      "--columns", "13", "--pretrained", "pretrained"},
+        shop.refuses("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --pretrained pretrained",
                      "found tactnet4, which learns all by itself");
         shop.refuses(
             {"evaluate", "--data", shop.data().string(), "--weights", "net", "--pretrained", "p"},
@@ -244,16 +241,16 @@ TEST_SUITE("program") {
                    weights = find_data("squeezenet1_1_imagenet_features.safetensors");
         if (!images || !weights)
             return;
-        const auto known = lines_of(shop.run({"list"}).out);
+        const auto known = lines_of(shop.run("list").out);
         if (std::ranges::none_of(known, [](const std::string& line) {
                 return line.starts_with("squeezenet-svm ") && line.find(" 28x50 ") != std::string::npos;
             })) {
             MESSAGE("skipped: the program was built without squeezenet-svm at 28x50");
             return;
         }
-        const outcome trained = shop.run({"train", "--data", images->string(), "--method", "squeezenet-svm",
-                                          "--weights", weights->string(), "--output", "net"});
-        REQUIRE_MESSAGE(trained.status == 0, trained.error);
+        const outcome trained =
+            shop.succeeds({"train", "--data", images->string(), "--method", "squeezenet-svm", "--weights",
+                           weights->string(), "--output", "net"});
         const auto file = tactnet::safetensors_source::open(shop / "net");
         // The paper has 85.82 ± 2.57 %: within four deviations of one split.
         const double accuracy = std::stod(file.metadata().at("test_accuracy"));

@@ -3,8 +3,7 @@
 // Compiles a network's form in 8 bits for the program. Included by the generated units only: those who want
 // no such form do not pay for it.
 
-#include "methods/networks/deployed_network.hpp"
-#include "methods/networks/eight_bit/compiled.hpp"
+#include "methods/networks/compile.hpp"
 
 #include <tactnet/quantisation.hpp>
 

@@ -1,4 +1,4 @@
-#include "methods/networks/eight_bit/trained.hpp"
+#include "methods/networks/compiled.hpp"
 
 #include <tactnet/io/stored_deployed.hpp>
 #include <tactnet/training/evaluate.hpp>
@@ -65,7 +65,7 @@ private:
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads, tactnet::test_time_augmentation how) const {
         // Counts as they are.
-        const std::size_t pixels = code_.rows * code_.columns;
+        const std::size_t pixels = code_.pixels();
         const std::vector<float> mean(pixels);
         return tactnet::detail::evaluate(
             layout_.input, mean, 1, code_.outputs, images, chosen, how,
@@ -84,8 +84,8 @@ private:
     }
     /// A row of all outputs for each image.
     std::vector<float> outputs(std::span<const std::uint8_t> images, tactnet::thread_pool& threads) const {
-        std::vector<float> found(images.size() / (code_.rows * code_.columns) * code_.outputs);
-        if (!deployed_->recognise(threads, images, found))
+        std::vector<float> found(images.size() / (code_.pixels()) * code_.outputs);
+        if (!deployed_->infer(threads, images, found))
             refuse_logits();
         return found;
     }
@@ -113,7 +113,7 @@ private:
 std::unique_ptr<trained_network>
 make_eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes, const any_model& model,
                        const tactnet::labelled_images& images, std::span<const std::size_t> chosen) {
-    const std::size_t pixels = code.rows * code.columns;
+    const std::size_t pixels = code.pixels();
     std::vector<std::uint8_t> shown;
     for (const std::size_t i : chosen) {
         const auto image = images.pixels.subspan(i * pixels, pixels);

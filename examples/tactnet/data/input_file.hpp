@@ -5,7 +5,12 @@
 #include <string>
 #include <string_view>
 
-/// FNV-1a over bytes, 64 bits: enough to notice that the data changed, not meant against forgery.
+/// Throws tactnet::file_error for a named pipe, a socket or a device: opening it may wait for ever. What a
+/// shell passes as /dev/stdin or /dev/fd/63 is taken, unless that is a terminal; so is a name of nothing,
+/// which whoever opens it finds out.
+void check_no_device(const std::filesystem::path& path);
+
+/// FNV-1a over bytes, 64 bits: enough to notice that data changed, not meant against forgery.
 class fingerprint {
 public:
     void add(std::string_view bytes) {
@@ -18,6 +23,11 @@ public:
             mix(static_cast<std::uint8_t>(number >> shift));
     }
     void mix(std::uint8_t byte) { hash_ = (hash_ ^ byte) * 0x100000001b3; }
+    template <class Bytes>
+    void mix_all(const Bytes& bytes) {
+        for (const auto byte : bytes)
+            mix(static_cast<std::uint8_t>(byte));
+    }
     std::uint64_t value() const { return hash_; }
     std::string text() const;
 

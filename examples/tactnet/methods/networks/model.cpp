@@ -1,5 +1,6 @@
-#include "methods/networks/any_model.hpp"
+#include "methods/networks/compiled.hpp"
 
+#include <tactnet/io/checkpoint.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/training/initialise.hpp>
 
@@ -28,17 +29,18 @@ tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tact
     return parts;
 }
 
-void take(any_model& model, tactnet::stored_model stored) {
+any_model load_model(const compiled_network& code, const tactnet::safetensors& file, tactnet::shape image,
+                     std::optional<double> epsilon) {
+    tactnet::stored_model stored = tactnet::read_model(file, image, code.arrays(), epsilon);
+    any_model model{code.make(), std::move(stored.mean), stored.scale, std::move(stored.classes)};
     model.network->epsilon() = stored.epsilon;
+    model.mean.resize(code.pixels());
     const auto arrays = arrays_of(*model.network);
     for (std::size_t i = 0; i < arrays.size(); ++i) {
         std::ranges::fill(arrays[i], 0.0f);
         std::ranges::copy(stored.arrays[i], arrays[i].begin());
     }
-    model.mean = std::move(stored.mean);
-    model.mean.resize(model.network->input_shape().size());
-    model.scale = stored.scale;
-    model.classes = std::move(stored.classes);
+    return model;
 }
 
 void draw_arrays(tactnet::trainable& network) {
@@ -88,12 +90,29 @@ std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size
     return result;
 }
 
-method_costs costs_for(const method_costs& all, const method_costs& one, std::size_t outputs,
-                       std::size_t classes) {
+method_costs compiled_network::costs_for(std::size_t classes) const {
     const auto cost = [&](std::size_t method_costs::*of) {
-        return outputs == 1 ? all.*of : one.*of + (all.*of - one.*of) / (outputs - 1) * (classes - 1);
+        return outputs == 1
+                   ? costs.*of
+                   : costs_of_one.*of + (costs.*of - costs_of_one.*of) / (outputs - 1) * (classes - 1);
     };
     return {cost(&method_costs::parameters), cost(&method_costs::multiply_adds),
             cost(&method_costs::multiply_adds_on_pixels), cost(&method_costs::parameter_bytes),
-            all.activation_bytes - (outputs - classes) * sizeof(float)};
+            costs.activation_bytes - (outputs - classes) * sizeof(float)};
+}
+
+void epoch_training::start_from(const trained_method& other) {
+    tactnet::trainable& from = *other.model()->network;
+    loop_.start_from(from.learnable_values(), from.running_statistics());
+}
+void epoch_training::save_checkpoint(const std::filesystem::path& path,
+                                     const tactnet::file_metadata& settings) {
+    tactnet::save_checkpoint(path, loop_, settings);
+}
+tactnet::checksum_state epoch_training::load_checkpoint(const std::filesystem::path& path,
+                                                        const tactnet::file_metadata& settings) {
+    return tactnet::load_checkpoint(path, loop_, settings);
+}
+std::unique_ptr<trained_method> epoch_training::best(const std::vector<std::string>& classes) const {
+    return finish_({loop_.best().copy(), {loop_.mean().begin(), loop_.mean().end()}, loop_.scale(), classes});
 }
