@@ -1,8 +1,8 @@
 # Puts the results of `tactnet study` into the documentation: its tables into docs/study, its picture into docs/pictures, its
 # tables between the comments of README.md and docs/results.md that name them. No figure is typed.
 #
-#   cmake -DRESULTS=folder -DARCHIVE=file -P docs/study/tables.cmake   takes over a folder of results; all trainings and
-#                                   timings go into the archive, such as benchmarks/results/zen5/2026-11-24/study.tar.xz
+#   cmake -DRESULTS=folder -DARCHIVE=file -P docs/study/tables.cmake   takes over a folder of results; all rows, trainings
+#                                   and timings go into the archive, such as benchmarks/results/zen5/2026-11-24/study.tar.xz
 #   cmake -DCHECK=ON -P docs/study/tables.cmake                        fails if pages and docs/study differ
 #   cmake -DCHECK=ON -DROOT=folder -P …                                the same for another copy of the project
 
@@ -16,12 +16,12 @@ if(NOT CHECK)
         message(FATAL_ERROR "tables.cmake: expected RESULTS, a folder in which tactnet study wrote study.md, and ARCHIVE, "
                             "a file to write, found '${RESULTS}' and '${ARCHIVE}'.")
     endif()
-    foreach(name IN ITEMS study.md study.csv study.jsonl)
+    foreach(name IN ITEMS study.md study.csv)
         file(COPY "${RESULTS}/${name}" DESTINATION "${kept}")
     endforeach()
     get_filename_component(archive "${ARCHIVE}" ABSOLUTE)
     execute_process(
-        COMMAND "${CMAKE_COMMAND}" -E tar cJf "${archive}" --format=gnutar evaluation.jsonl timings.jsonl
+        COMMAND "${CMAKE_COMMAND}" -E tar cJf "${archive}" --format=gnutar evaluation.jsonl timings.jsonl study.jsonl
         WORKING_DIRECTORY "${RESULTS}" RESULT_VARIABLE status
     )
     if(NOT status EQUAL 0)
