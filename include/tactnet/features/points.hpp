@@ -24,20 +24,17 @@ namespace detail {
 /// single precision. If not, throws std::invalid_argument, which begins with the name of the caller and names
 /// the first number that is NaN, infinite or larger than 10¹⁷.
 inline void check_points(const char* caller, std::span<const float> points, std::size_t values) {
-    const auto refuse = [&](const std::string& problem) {
-        detail::throw_invalid_argument({caller, ": expected ", problem});
-    };
     if (points.empty() || points.size() % values != 0)
-        refuse("points of " + std::to_string(values) + " numbers each, found " +
-               std::to_string(points.size()) + " numbers");
+        throw_invalid_argument(
+            {caller, ": expected points of ", values, " numbers each, found ", points.size(), " numbers"});
     const auto broken =
         std::find_if_not(points.begin(), points.end(), [](float v) { return std::abs(v) <= 1e17f; });
     if (broken == points.end())
         return;
     const auto place = static_cast<std::size_t>(broken - points.begin());
-    refuse("finite numbers of at most 1e17, found " + std::to_string(*broken) + " as number " +
-           std::to_string(place % values) + " of point " + std::to_string(place / values) +
-           " (counted from 0)");
+    throw_invalid_argument({caller, ": expected finite numbers of at most 1e17, found ",
+                            std::to_string(*broken), " as number ", place % values, " of point ",
+                            place / values, " (counted from 0)"});
 }
 
 /// Returns the mean of points of `Values` numbers if it is far from zero compared with their extent, and

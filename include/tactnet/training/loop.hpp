@@ -32,14 +32,14 @@ inline void blend(std::span<float> mean, std::span<const float> latest, float sh
 
 /// Throws unless each array has values of the right number, or none.
 inline void check_trunk(std::span<const parameter> parameters, std::span<const std::vector<float>> arrays) {
-    const auto refuse = [](const std::string& what, std::size_t expected, std::size_t found) {
-        detail::throw_invalid_argument({"trainer: expected ", expected, " ", what, ", found ", found});
+    const auto refuse = [](text_parts what, std::size_t expected, std::size_t found) {
+        throw_invalid_argument({"trainer: expected ", expected, " ", joined(what), ", found ", found});
     };
     if (arrays.size() != parameters.size())
-        refuse("arrays", parameters.size(), arrays.size());
+        refuse({"arrays"}, parameters.size(), arrays.size());
     for (std::size_t i = 0; i < arrays.size(); ++i)
         if (!arrays[i].empty() && arrays[i].size() != parameters[i].size)
-            refuse("numbers in " + parameters[i].name, parameters[i].size, arrays[i].size());
+            refuse({"numbers in ", parameters[i].name}, parameters[i].size, arrays[i].size());
 }
 
 } // namespace detail

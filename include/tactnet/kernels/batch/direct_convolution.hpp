@@ -5,7 +5,6 @@
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 

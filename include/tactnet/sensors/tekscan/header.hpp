@@ -38,8 +38,8 @@ public:
     [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
         bytes_ += line.size() + 1;
         if (bytes_ > largest_header_bytes || ++lines_ > largest_header_lines)
-            return text_problem{"a header of at most " + std::to_string(largest_header_bytes) +
-                                    " bytes and " + std::to_string(largest_header_lines) + " lines",
+            return text_problem{detail::joined({"a header of at most ", largest_header_bytes, " bytes and ",
+                                                largest_header_lines, " lines"}),
                                 "a longer one"};
         std::string unquoted;
         const tekscan_header_line read = read_header_line(line, unquoted);

@@ -160,17 +160,16 @@ public:
         const std::size_t expected = size() * input.size(),
                           found = std::visit([](const auto&numbers) { return numbers.size(); }, numbers_);
         if (classes_ == 0 || classes_ > outputs)
-            refuse("1 to " + std::to_string(outputs) + " classes", std::to_string(classes_));
+            refuse({"1 to ", outputs, " classes"}, {classes_});
         if (found != expected)
-            refuse(std::to_string(expected) + (are_images() ? " pixels" : " numbers"), std::to_string(found));
+            refuse({expected, are_images() ? " pixels" : " numbers"}, {found});
         if (taken_.given() && taken_.seen != input)
-            refuse("images as taken that are reduced to " + text_of(input), text_of(taken_.seen));
+            refuse({"images as taken that are reduced to ", text_of(input)}, {text_of(taken_.seen)});
         if (taken_.given() && taken_.pixels.size() != size() * taken_.taken.size())
-            refuse(std::to_string(size() * taken_.taken.size()) + " pixels of images as taken",
-                   std::to_string(taken_.pixels.size()));
+            refuse({size() * taken_.taken.size(), " pixels of images as taken"}, {taken_.pixels.size()});
         for (const std::size_t label : labels_)
             if (label >= classes_)
-                refuse("labels below " + std::to_string(classes_), std::to_string(label));
+                refuse({"labels below ", classes_}, {label});
     }
     /// Throws std::invalid_argument for a feature that is not finite. `input` is the shape of a sample.
     void check_finite(shape input) const {
@@ -179,20 +178,17 @@ public:
         const std::span<const float> features = std::get<1>(numbers_);
         for (std::size_t i = 0; i < features.size(); ++i)
             if (!std::isfinite(features[i]))
-                refuse("a finite number in sample " + std::to_string(i / input.size()) + ", feature " +
-                           std::to_string(i % input.size()),
-                       std::to_string(features[i]));
+                refuse({"a finite number in sample ", i / input.size(), ", feature ", i % input.size()},
+                       {std::to_string(features[i])});
     }
 
 private:
-    [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
-        detail::throw_invalid_argument(
-            {are_images() ? "images: expected " : "features: expected ", expected, ", found ", found});
+    [[noreturn]] void refuse(detail::text_parts expected, detail::text_parts found) const {
+        detail::throw_invalid_argument({are_images() ? "images: expected " : "features: expected ",
+                                        detail::joined(expected), ", found ", detail::joined(found)});
     }
-
     static std::string text_of(const shape& s) {
-        return std::to_string(s.rows) + " x " + std::to_string(s.columns) + " x " +
-               std::to_string(s.channels);
+        return detail::joined({s.rows, " x ", s.columns, " x ", s.channels});
     }
 
     std::span<const std::size_t> labels_;
