@@ -1,6 +1,6 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/training/loop/sam_perturbation.hpp>
+#include <tactnet/training/loop/gradient_step.hpp>
 #include <tactnet/training/loop/trainable_network.hpp>
 
 #include <doctest/doctest.h>
