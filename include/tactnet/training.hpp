@@ -9,7 +9,6 @@
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/trainable.hpp>
-#include <tactnet/training/loop/trainable_network.hpp>
 #include <tactnet/training/loss.hpp>
 #include <tactnet/training/metrics.hpp>
 #include <tactnet/training/optimiser.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/training/loop.hpp>
-#include <tactnet/training/loop/trainable_network.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 
 #include <algorithm>
 #include <cstdint>

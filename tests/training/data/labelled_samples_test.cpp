@@ -4,7 +4,7 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
-#include <tactnet/training/loop/trainable_network.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/training/loop/gradient_step.hpp>
-#include <tactnet/training/loop/trainable_network.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 
 #include <doctest/doctest.h>
 

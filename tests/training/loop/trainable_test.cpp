@@ -1,7 +1,6 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/training/loop/trainable.hpp>
-#include <tactnet/training/loop/trainable_network.hpp>
 
 #include <doctest/doctest.h>
 

@@ -9,7 +9,7 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
-#include <tactnet/training/loop/trainable_network.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 
 #include <memory>
 #include <span>

@@ -9,7 +9,7 @@
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/networks.hpp>
 #include <tactnet/training/initialise.hpp>
-#include <tactnet/training/loop/trainable_network.hpp>
+#include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/transfer/networks.hpp>
 
 #include <memory>
