@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/layers/composition/stages.hpp>
+#include <tactnet/layers/composition/layer_list.hpp>
 
 #include <cstddef>
 

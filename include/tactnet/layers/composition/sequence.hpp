@@ -2,7 +2,6 @@
 
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/layers/composition/layer_list.hpp>
-#include <tactnet/layers/composition/stages.hpp>
 
 #include <algorithm>
 #include <array>
