@@ -10,6 +10,7 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/training.hpp>
 

@@ -2,6 +2,7 @@
 
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/deployed_file.hpp>
+#include <tactnet/io/eight_bit_file.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
@@ -14,4 +15,5 @@
 #include <tactnet/io/safetensors/json_checksum.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/io/write_file.hpp>

@@ -4,7 +4,7 @@
 #include "fuzz_target.hpp"
 #include "safetensors_input.hpp"
 
-#include <tactnet/io/deployed_file.hpp>
+#include <tactnet/io/eight_bit_file.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/quantisation.hpp>
 

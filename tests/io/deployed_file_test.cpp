@@ -1,4 +1,5 @@
 #include <tactnet/io/deployed_file.hpp>
+#include <tactnet/io/eight_bit_file.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/quantisation.hpp>
 

@@ -1,5 +1,6 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/read_file.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/training/initialise.hpp>
 

@@ -1,5 +1,6 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/parameters.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 

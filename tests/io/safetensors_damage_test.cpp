@@ -2,6 +2,7 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/io/svm_file.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/layers.hpp>

@@ -1,4 +1,5 @@
 #include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
 
 #include <doctest/doctest.h>
 

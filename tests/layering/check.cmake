@@ -27,6 +27,7 @@ set(room_sensors io text tensor)
 set(only_sensors_io file_error read_file)
 set(header_io/svm_file.hpp svm)
 set(header_io/deployed_file.hpp deployment networks)
+set(header_io/eight_bit_file.hpp deployment networks)
 set(header_io/stored_deployed.hpp deployment)
 set(room_eigen text tensor sensors svm)
 # Only what has frames and rows in it, which needs nothing but tensors.

@@ -23,8 +23,8 @@ inline namespace TACTNET_ARCH {
     std::string text;
     for (const std::string_view part : {file, place})
         if (!part.empty())
-            text.append(part).append(": ");
-    return text.append("expected ").append(expected).append(", found ").append(found);
+            text = detail::joined({text, part, ": "});
+    return detail::joined({text, "expected ", expected, ", found ", found});
 }
 
 /// A file that cannot be read, written or used. `what()` is one sentence: "file: place: expected …, found …".

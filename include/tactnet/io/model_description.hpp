@@ -41,7 +41,7 @@ namespace detail {
                                                                            std::string_view expected,
                                                                            const std::string* found) {
     throw_file_error(file.file(), {"metadata '", key, "'"}, {expected},
-                     {found == nullptr ? "none" : in_quotes(*found)});
+                     {found == nullptr ? text_part("none") : quoted{*found}});
 }
 
 /// The positive number under a key. Any other text is an error in a file of this library (`ours`), and
@@ -101,7 +101,7 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     if (!ours)
         return d;
     const std::string classes = text("classes"), input = text("input");
-    json_scanner scanner(classes, file.file() + ": metadata 'classes'", 0);
+    json_scanner scanner(classes, detail::joined({file.file(), ": metadata 'classes'"}), 0);
     scanner.array([&] { d.classes.push_back(scanner.string()); });
     scanner.end();
     require(input == "mean" || input == "scale", "input", "'mean' or 'scale'");

@@ -4,7 +4,6 @@
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -24,9 +23,10 @@
 
 // A trained network as one file: arrays, the mean of its inputs, and in the metadata what it is and how its
 // inputs are meant. A file may carry inputs and their logits; loading then checks them, so that no mistake of
-// a compiler, a processor or a format goes unnoticed.
+// a compiler, a processor or a format goes unnoticed. This header reads such files; save_model.hpp writes
+// them.
 //
-// What does not depend on the network's type works on stored_model and model_parts: programs of many networks
+// What does not depend on the network's type works on stored_model: programs of many networks
 // may call it in one place.
 
 namespace tactnet {
@@ -39,17 +39,6 @@ struct stored_model {
     std::vector<float> mean;                ///< of the input; empty where none is subtracted
     float scale = 1;
     std::vector<std::string> classes;
-};
-
-/// A view of a model to be written, without the network's type.
-struct model_parts {
-    shape input;
-    stored_arrays arrays;
-    std::vector<std::span<const float>> values; ///< of each array
-    double epsilon = 1e-5;
-    std::span<const float> mean; ///< of the input, one per pixel
-    float scale = 1;
-    std::span<const std::string> classes;
 };
 
 /// model::logits of any network.
@@ -94,16 +83,6 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
     for (std::size_t c = names.size(); c < classes; ++c)
         names.push_back(joined({c < 10 ? "class_0" : "class_", c}));
     return names;
-}
-
-/// Adds images to a file, with their logits of `classes` each, if there are any.
-[[gnu::cold]] inline void add_selftest(safetensors_writer& writer, shape input, std::size_t classes,
-                                       std::span<const std::uint8_t> images, const logits_function& logits) {
-    if (images.empty())
-        return;
-    const std::size_t count = images.size() / input.size();
-    writer.add("selftest.logits", {count, classes}, std::span<const float>(logits(images)));
-    writer.add("selftest.input", image_extents(input, count), images);
 }
 
 } // namespace detail
@@ -207,63 +186,6 @@ template <class Network>
 [[nodiscard]] [[gnu::cold]] model<Network> load_model(const std::filesystem::path& path,
                                                       std::optional<double> epsilon = std::nullopt) {
     return load_model<Network>(safetensors::read(path), epsilon);
-}
-
-/// A view of a model, which must outlive it.
-template <class Network>
-[[nodiscard]] [[gnu::cold]] model_parts parts_of(const model<Network>& m) {
-    model_parts parts{.input = Network::input_shape,
-                      .arrays = stored_arrays_of<Network>(),
-                      .values = {},
-                      .epsilon = m.network.epsilon,
-                      .mean = m.normalise.mean.view().elements(),
-                      .scale = m.normalise.scale,
-                      .classes = m.classes};
-    m.network.for_each_parameter(
-        [&](const auto&, std::span<const float> values) { parts.values.push_back(values); });
-    return parts;
-}
-
-/// Adds a model to a file: its arrays, and its description to the metadata. `selftest` holds images to store
-/// with their logits, which `logits` computes. Throws std::invalid_argument unless there are 1 to as many
-/// classes as outputs.
-[[gnu::cold]] inline void add_model(safetensors_writer& writer, const model_parts& m,
-                                    std::span<const std::uint8_t> selftest, const logits_function& logits) {
-    const std::size_t classes = m.classes.size();
-    detail::check_classes("model", classes, m.arrays.outputs);
-    bool subtracts = false;
-    for (const float mean : m.mean)
-        subtracts = subtracts || mean != 0;
-    add_description(writer.metadata, {.network = {},
-                                      .rows = m.input.rows,
-                                      .columns = m.input.columns,
-                                      .classes = {m.classes.begin(), m.classes.end()},
-                                      .epsilon = m.epsilon,
-                                      .subtracts_mean = subtracts,
-                                      .scale = m.scale});
-    for (std::size_t i = 0; i < m.values.size(); ++i)
-        detail::add_array(writer, m.arrays, i, m.values[i], classes);
-    if (subtracts)
-        writer.add("input_mean", detail::image_extents(m.input), m.mean);
-    detail::add_selftest(writer, m.input, classes, selftest, logits);
-}
-
-/// Writes a model, all or nothing. `metadata` should state the "network" and may state more. Throws
-/// file_error, and as `add_model`.
-[[gnu::cold]] inline void save_model(const std::filesystem::path& path, const model_parts& m,
-                                     file_metadata metadata, std::span<const std::uint8_t> selftest,
-                                     const logits_function& logits) {
-    safetensors_writer writer;
-    writer.metadata = std::move(metadata);
-    add_model(writer, m, selftest, logits);
-    writer.write(path);
-}
-/// Writes the model to a file.
-template <class Network>
-[[gnu::cold]] void save_model(const std::filesystem::path& path, const model<Network>& m,
-                              file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {
-    save_model(path, parts_of(m), std::move(metadata), selftest,
-               [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
 }
 
 } // namespace TACTNET_ARCH

@@ -1,17 +1,15 @@
 #pragma once
 
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/stored_arrays.hpp>
 
 #include <algorithm>
 #include <cstddef>
-#include <span>
-#include <utility>
 #include <vector>
 
-// A network's arrays in weight files, under PyTorch's names. A network is any type that describes its arrays
-// as tactnet::basic_network does; all that does not need its type compiles once per unit.
+// Reads a network's arrays from weight files, under PyTorch's names; save_model.hpp writes them. A network is
+// any type that describes its arrays as tactnet::basic_network does; all that does not need its type compiles
+// once per unit.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -24,10 +22,11 @@ namespace detail {
 read_arrays(const safetensors& file, const stored_arrays& arrays, std::size_t classes) {
     check_classes("load_parameters", classes, arrays.outputs);
     require_arrays(file, arrays, classes);
-    std::vector<std::vector<float>> values;
-    for (const named_array& a : arrays.list) {
-        values.push_back(file.values<float>(a.name));
-        check_values(file, a.name, values.back());
+    std::vector<std::vector<float>> values(arrays.list.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::string& name = arrays.list[i].name;
+        values[i] = file.values<float>(name);
+        check_values(file, name, values[i]);
     }
     return values;
 }
@@ -43,15 +42,6 @@ template <class Network>
     });
 }
 
-/// Adds the array at `index`, whose elements are `values`; of the output layer the rows of the first classes.
-[[gnu::cold]] inline void add_array(safetensors_writer& writer, const stored_arrays& arrays,
-                                    std::size_t index, std::span<const float> values, std::size_t classes) {
-    const named_array& a = arrays.list[index];
-    std::vector<std::size_t> extents = arrays.extents(a, classes);
-    const std::size_t size = values.size() / a.extents.front() * extents.front();
-    writer.add(a.name, std::move(extents), values.first(size));
-}
-
 } // namespace detail
 
 /// Fills a network from a file. With fewer `classes` than outputs the file holds only as many rows of the
@@ -63,22 +53,6 @@ template <class Network>
 template <class Network>
 void load_parameters(Network& network, const safetensors& file, std::size_t classes = Network::outputs) {
     detail::set_parameters(network, detail::read_arrays(file, stored_arrays_of<Network>(), classes));
-}
-
-/// Adds all arrays of a network in single precision; of its output layer the rows of the first `classes`
-/// outputs. Throws std::invalid_argument unless there are 1 to Network::outputs of them.
-template <class Network>
-void add_parameters(safetensors_writer& writer, const Network& network,
-                    std::size_t classes = Network::outputs) {
-    detail::check_classes("add_parameters", classes, Network::outputs);
-    const stored_arrays arrays = stored_arrays_of<Network>();
-    std::size_t index = 0;
-    network.for_each_parameter([&](const auto&, auto from) {
-        std::vector<float> values(from.size());
-        for (std::size_t i = 0; i < values.size(); ++i)
-            values[i] = static_cast<float>(from[i]);
-        detail::add_array(writer, arrays, index++, values, classes);
-    });
 }
 
 } // namespace TACTNET_ARCH

@@ -7,7 +7,6 @@
 #include <tactnet/io/safetensors/elements.hpp>
 #include <tactnet/io/safetensors/header.hpp>
 #include <tactnet/io/safetensors/index.hpp>
-#include <tactnet/io/safetensors/writer.hpp>
 
 #include <cstddef>
 #include <filesystem>
@@ -18,7 +17,7 @@
 #include <vector>
 
 // Tensors by name, in the file format in which machine-learning programs exchange weights. This header reads
-// whole files; the writer comes with it. For large files use safetensors_source.
+// whole files; safetensors/writer.hpp writes them, and safetensors/source.hpp reads large ones in parts.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
@@ -45,7 +44,8 @@ public:
     /// The stored bytes of a tensor, of any alignment. Valid for the lifetime of this object.
     [[gnu::cold]] std::span<const std::byte> bytes(std::string_view name) const {
         const entry& tensor = at(name);
-        return std::span(bytes_).subspan(header().data_begin + tensor.begin, tensor.end - tensor.begin);
+        return std::span<const std::byte>(bytes_).subspan(header().data_begin + tensor.begin,
+                                                          tensor.end - tensor.begin);
     }
 
     /// The elements in row-major order; convert_elements describes conversions. Throws file_error.

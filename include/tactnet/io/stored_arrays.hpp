@@ -28,21 +28,23 @@ struct stored_arrays {
     /// The beginning of the names of the output layer's arrays, which have a row per class: "fc." for a dense
     /// layer at the end, "classifier.1." for a convolution with a filter per class that only pools follow.
     /// Empty for a network that ends otherwise.
-    [[nodiscard]] [[gnu::cold]] std::string output_layer() const {
+    [[nodiscard]] [[gnu::cold, gnu::noinline]] std::string_view output_layer() const {
         if (list.size() < 2 || list.back().extents.front() != outputs)
-            return "";
-        const std::string prefix = list.back().name.substr(0, list.back().name.rfind('.') + 1);
+            return {};
         const named_array& weights = list[list.size() - 2];
-        return list.back().name == prefix + "bias" && weights.name == prefix + "weight" &&
-                       weights.extents.size() > 1
+        const std::string_view bias = list.back().name, weight = weights.name;
+        const std::string_view prefix = bias.substr(0, bias.rfind('.') + 1);
+        return bias.substr(prefix.size()) == "bias" && weight.starts_with(prefix) &&
+                       weight.substr(prefix.size()) == "weight" && weights.extents.size() > 1
                    ? prefix
-                   : "";
+                   : std::string_view();
     }
     /// The extents of an array in the file of a network of `classes` classes.
     [[nodiscard]] [[gnu::cold]] std::vector<std::size_t> extents(const named_array& a,
                                                                  std::size_t classes) const {
         std::vector<std::size_t> result = a.extents;
-        if (const std::string prefix = output_layer(); !prefix.empty() && a.name.starts_with(prefix))
+        if (const std::string_view prefix = output_layer();
+            !prefix.empty() && std::string_view(a.name).starts_with(prefix))
             result.front() = classes;
         return result;
     }
@@ -93,10 +95,10 @@ public:
     enum kind { missing, misshapen, surplus };
 
     /// `listed` describes the array among several; the other texts are the error if it is the only one.
-    [[gnu::cold, gnu::noinline]] void add(kind what, std::string_view listed, text_parts place,
-                                          text_parts expected, text_parts found) {
+    [[gnu::cold, gnu::noinline]] void add(kind what, text_parts listed, text_parts place, text_parts expected,
+                                          text_parts found) {
         std::string& list = lists_[what];
-        list += joined({list.empty() ? ": " : ", ", listed});
+        list = joined({list, list.empty() ? ": " : ", ", joined(listed)});
         ++counts_[what];
         place_ = joined(place);
         expected_ = joined(expected);
@@ -111,7 +113,7 @@ public:
         std::string text;
         for (const kind k : {missing, misshapen, surplus})
             if (counts_[k] > 0)
-                text += joined({text.empty() ? "" : "; ", counts_[k], titles[k], lists_[k]});
+                text = joined({text, text.empty() ? "" : "; ", counts_[k], titles[k], lists_[k]});
         if (count > 1)
             throw_file_error(file.file(), {}, {"the ", all}, {text});
     }
@@ -132,23 +134,28 @@ private:
     array_differences differences;
     for (const named_array& a : arrays.list) {
         const std::vector<std::size_t> extents = arrays.extents(a, classes);
-        const std::string name = in_quotes(a.name), shape = shape_text(extents);
+        const detail::quoted name{a.name};
         if (!file.contains(a.name)) {
-            differences.add(array_differences::missing, detail::joined({name, " of ", shape}), {},
+            const std::string shape = shape_text(extents);
+            differences.add(array_differences::missing, {name, " of ", shape}, {},
                             {"a tensor ", name, " of ", shape}, {"none of that name"});
             continue;
         }
-        std::vector<std::size_t> apart = a.flattened;
-        if (!apart.empty())
-            apart.insert(apart.begin(), extents.front());
-        const auto& found = file.at(a.name).extents;
+        std::vector<std::size_t> apart; // empty unless there are other extents
+        for (const std::size_t extent : a.flattened) {
+            if (apart.empty())
+                apart.push_back(extents.front());
+            apart.push_back(extent);
+        }
+        const std::vector<std::size_t>& found = file.at(a.name).extents;
         if (found == extents || (!apart.empty() && found == apart))
             continue;
-        const std::string expected =
-            apart.empty() ? shape : detail::joined({shape, " or ", shape_text(apart)});
-        differences.add(array_differences::misshapen,
-                        detail::joined({name, " of ", shape_text(found), " instead of ", expected}),
-                        {"tensor ", name}, {expected}, {shape_text(found)});
+        std::string expected = shape_text(extents);
+        if (!apart.empty())
+            expected = detail::joined({expected, " or ", shape_text(apart)});
+        const std::string other = shape_text(found);
+        differences.add(array_differences::misshapen, {name, " of ", other, " instead of ", expected},
+                        {"tensor ", name}, {expected}, {other});
     }
     const std::string all = detail::joined({arrays.list.size(), " arrays of this network"});
     for (const auto& [name, tensor] : file.tensors()) {
@@ -158,8 +165,8 @@ private:
         for (const std::string& start : unread)
             known = known || name.starts_with(start);
         if (!known)
-            differences.add(array_differences::surplus, in_quotes(name), {}, {"only the ", all},
-                            {detail::tensor_place(name), " of another network"});
+            differences.add(array_differences::surplus, {detail::quoted{name}}, {}, {"only the ", all},
+                            {"tensor ", detail::quoted{name}, " of another network"});
     }
     differences.throw_if_any(file, all);
 }
@@ -168,10 +175,9 @@ private:
 /// Throws file_error when that layer is missing or has more rows than the network has outputs.
 [[nodiscard]] [[gnu::cold]] inline std::size_t stored_classes(const safetensors_index& file,
                                                               const stored_arrays& arrays) {
-    const std::string prefix = arrays.output_layer();
-    if (prefix.empty())
+    if (arrays.output_layer().empty())
         return arrays.outputs;
-    const std::string bias = prefix + "bias";
+    const std::string& bias = arrays.list.back().name;
     const auto& extents = file.at(bias).extents;
     if (extents.size() != 1 || extents[0] == 0 || extents[0] > arrays.outputs)
         detail::throw_tensor_error(file.file(), bias,

@@ -7,6 +7,7 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/io/stored_arrays.hpp>
 
 #include <algorithm>
@@ -22,7 +23,7 @@
 // weights and outputs with every instruction set, so the self-test is compared to the bit.
 //
 // This header needs no network type, only the layout of the folded numbers: programs of many networks may
-// call it in one place. deployed_file.hpp has the files of a network type.
+// call it in one place. eight_bit_file.hpp has the files of a network type.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {

@@ -2,37 +2,108 @@
 
 #include <tactnet/detail/config.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
-// Messages made of texts and whole numbers.
+// Messages made of texts, whole numbers, and names in quotes, which may come from a hostile or damaged file.
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+/// The length in bytes, 1…4, of the well-formed UTF-8 sequence that `text` begins with; 0 if there is none.
+/// Overlong forms, surrogates and values above U+10FFFF are not well-formed (Unicode 15, table 3-7).
+constexpr std::size_t utf8_sequence_length(std::string_view text) noexcept {
+    if (text.empty())
+        return 0;
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    const auto within = [&](std::size_t i, unsigned low, unsigned high) {
+        return i < text.size() && byte(i) >= low && byte(i) <= high;
+    };
+    const unsigned lead = byte(0);
+    if (lead < 0x80)
+        return 1;
+    if (lead >= 0xC2 && lead <= 0xDF)
+        return within(1, 0x80, 0xBF) ? 2 : 0;
+    if (lead >= 0xE0 && lead <= 0xEF) {
+        const unsigned low = lead == 0xE0 ? 0xA0 : 0x80;
+        const unsigned high = lead == 0xED ? 0x9F : 0xBF;
+        return within(1, low, high) && within(2, 0x80, 0xBF) ? 3 : 0;
+    }
+    if (lead >= 0xF0 && lead <= 0xF4) {
+        const unsigned low = lead == 0xF0 ? 0x90 : 0x80;
+        const unsigned high = lead == 0xF4 ? 0x8F : 0xBF;
+        return within(1, low, high) && within(2, 0x80, 0xBF) && within(3, 0x80, 0xBF) ? 4 : 0;
+    }
+    return 0;
+}
+
 namespace detail {
 
-/// A part of a message: a text or a whole number.
+/// A text that a message shows as in_quotes does. Unlike the result of in_quotes it needs no string at the
+/// place of an error, which would have to be destroyed there.
+struct quoted {
+    std::string_view text;
+};
+
+/// A part of a message: a text, a text in quotes, or a whole number.
 struct text_part {
     text_part(const char* part) : text(part) {}
     text_part(std::string_view part) : text(part) {}
     text_part(const std::string& part) : text(part) {}
+    text_part(quoted part) : text(part.text), is_quoted(true) {}
     text_part(std::uintmax_t part) : number(part), is_number(true) {}
 
     std::string_view text;
     std::uintmax_t number = 0;
-    bool is_number = false;
+    bool is_number = false, is_quoted = false;
 };
 using text_parts = std::initializer_list<text_part>;
+
+/// Appends `text` in single quotes, as in_quotes shows it.
+[[gnu::cold, gnu::noinline]] inline void append_quoted(std::string& shown, std::string_view text,
+                                                       std::size_t limit) {
+    constexpr const char* digits = "0123456789abcdef";
+    shown.append("'", 1);
+    std::size_t used = 0;
+    while (!text.empty() && used < limit) {
+        std::size_t length = utf8_sequence_length(text);
+        const auto first = static_cast<unsigned char>(text.front());
+        if (length == 0 || first < 0x20 || first == 0x7F) {
+            length = 1;
+            const char escape[] = {'\\', 'x', digits[first >> 4], digits[first & 15U]};
+            shown.append(escape, sizeof(escape));
+        } else {
+            shown.append(text.data(), length);
+        }
+        text.remove_prefix(length);
+        used += length;
+    }
+    const std::string_view end = text.empty() ? "'" : "…'";
+    shown.append(end.data(), end.size());
+}
 
 /// Joins the parts of a message. Not inlined, since concatenation would be most of the code at the place of
 /// an error.
 [[gnu::cold, gnu::noinline]] inline std::string joined(text_parts parts) {
     std::string text;
-    for (const text_part& part : parts)
-        part.is_number ? text += std::to_string(part.number) : text += part.text;
+    for (const text_part& part : parts) {
+        if (part.is_quoted) {
+            append_quoted(text, part.text, 80);
+        } else if (part.is_number) {
+            char digits[20]; // of 2^64 - 1
+            char* first = digits + sizeof(digits);
+            std::uintmax_t rest = part.number;
+            do
+                *--first = static_cast<char>('0' + rest % 10);
+            while ((rest /= 10) != 0);
+            text.append(first, static_cast<std::size_t>(digits + sizeof(digits) - first));
+        } else {
+            text.append(part.text.data(), part.text.size());
+        }
+    }
     return text;
 }
 

@@ -40,7 +40,7 @@ template <class File>
 [[nodiscard]] inline std::vector<std::vector<float>> pretrained_trunk(safetensors_source& file,
                                                                       const stored_arrays& arrays,
                                                                       const photograph_preprocessing& form) {
-    const std::string last = arrays.output_layer();
+    const std::string last(arrays.output_layer());
     if (last.empty() || arrays.list.size() < 4 || arrays.list[0].name != "photograph.running_mean")
         throw std::invalid_argument(
             "pretrained_trunk: expected a network with as_photograph in front and a layer "

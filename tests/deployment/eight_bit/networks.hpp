@@ -4,7 +4,7 @@
 
 #include "../deployed_network.hpp"
 
-#include <tactnet/io/deployed_file.hpp>
+#include <tactnet/io/eight_bit_file.hpp>
 #include <tactnet/quantisation/calibration.hpp>
 
 #include <array>

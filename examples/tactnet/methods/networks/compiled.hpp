@@ -7,6 +7,7 @@
 
 #include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 

@@ -71,7 +71,7 @@ public:
         // As a file has it: outputs that stand for no class must not count when ranges are chosen.
         any_model of_classes{model_.network->copy(), model_.mean, model_.scale, model_.classes};
         const tactnet::stored_arrays stored = code_.arrays();
-        const std::string last = stored.output_layer();
+        const std::string last(stored.output_layer());
         const auto arrays = arrays_of(*of_classes.network);
         for (std::size_t i = 0; i < arrays.size(); ++i)
             if (!last.empty() && stored.list[i].name.starts_with(last))

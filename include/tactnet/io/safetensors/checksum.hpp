@@ -27,7 +27,7 @@ public:
     explicit constexpr xxh64(std::uint64_t seed = 0) noexcept
         : lanes_{seed + prime1 + prime2, seed + prime2, seed, seed - prime1}, seed_(seed) {}
 
-    xxh64& update(std::span<const std::byte> bytes) noexcept {
+    [[gnu::noinline]] xxh64& update(std::span<const std::byte> bytes) noexcept {
         const std::size_t waiting = static_cast<std::size_t>(length_ % stripe);
         length_ += bytes.size();
         if (waiting + bytes.size() < stripe) {

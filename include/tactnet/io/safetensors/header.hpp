@@ -82,19 +82,19 @@ inline bool tensor_bytes(element_type type, std::span<const std::size_t> extents
 }
 
 [[gnu::cold, gnu::noinline]] inline std::string tensor_place(std::string_view name) {
-    return "tensor " + in_quotes(name);
+    return joined({"tensor ", quoted{name}});
 }
 
 /// Throws file_error for a tensor.
 [[noreturn]] [[gnu::cold, gnu::noinline]] inline void
 throw_tensor_error(std::string_view file, std::string_view tensor, text_parts expected, text_parts found) {
-    throw_file_error(file, {tensor_place(tensor)}, expected, found);
+    throw_file_error(file, {"tensor ", quoted{tensor}}, expected, found);
 }
 /// Throws file_error for an element of a tensor.
 [[noreturn]] [[gnu::cold, gnu::noinline]] inline void
 throw_element_error(std::string_view file, std::string_view tensor, std::size_t element,
                     std::string_view expected, std::string_view found) {
-    throw_file_error(file, {tensor_place(tensor), ", element ", element}, {expected}, {found});
+    throw_file_error(file, {"tensor ", quoted{tensor}, ", element ", element}, {expected}, {found});
 }
 
 /// Reads the description of one tensor. Members that the format does not define are skipped.
@@ -109,7 +109,7 @@ throw_element_error(std::string_view file, std::string_view tensor, std::size_t 
             const std::string type = scanner.string();
             const auto known = find_element_type(type);
             if (!known)
-                throw_tensor_error(file, name, {"a known element type (F32, U8, …)"}, {in_quotes(type)});
+                throw_tensor_error(file, name, {"a known element type (F32, U8, …)"}, {quoted{type}});
             entry.type = *known;
             missing[0] = nullptr;
         } else if (key == "shape") {
@@ -159,20 +159,21 @@ throw_element_error(std::string_view file, std::string_view tensor, std::size_t 
                                         safetensors_header& header) {
     std::string value = scanner.string();
     const auto fail = [&](text_parts expected) {
-        throw_file_error(file, {"metadata ", in_quotes(key)}, expected,
-                         {in_quotes(value), ": the file is damaged"});
+        throw_file_error(file, {"metadata ", quoted{key}}, expected,
+                         {quoted{value}, ": the file is damaged"});
     };
     if (key != safetensors_checksum_key) {
         if (value.starts_with(checksum_mark))
-            fail({"checksums under ", in_quotes(safetensors_checksum_key), " alone"});
+            fail({"checksums under ", quoted{safetensors_checksum_key}, " alone"});
         header.metadata.emplace(key, std::move(value));
         return;
     }
     header.checksum = parse_checksum(value);
     header.checksum_place = scanner.position() - 1 - checksum_digits;
     // Only digits that are spelt without escapes have a place.
-    if (!header.checksum || !text.substr(0, scanner.position() - origin).ends_with('"' + value + '"'))
-        fail({in_quotes(checksum_mark), " and ", checksum_digits, " hexadecimal digits"});
+    if (!header.checksum ||
+        !text.substr(0, scanner.position() - origin).ends_with(joined({"\"", value, "\""})))
+        fail({quoted{checksum_mark}, " and ", checksum_digits, " hexadecimal digits"});
 }
 
 /// Tensors by the order of their data: begin, end, and the entry's number in `tensors`. The writer sorts by
@@ -183,7 +184,10 @@ using tensor_order = std::vector<std::array<std::size_t, 3>>;
     // Much less to compile than std::sort.
     std::qsort(order.data(), order.size(), sizeof(keys), [](const void* a, const void* b) {
         const keys &first = *static_cast<const keys*>(a), &second = *static_cast<const keys*>(b);
-        return first < second ? -1 : second < first ? 1 : 0;
+        for (std::size_t i = 0; i < first.size(); ++i)
+            if (first[i] != second[i])
+                return first[i] < second[i] ? -1 : 1;
+        return 0;
     });
 }
 
@@ -241,8 +245,9 @@ parse_safetensors_header(std::span<const std::byte> beginning, std::uintmax_t si
     const std::string_view text(reinterpret_cast<const char*>(beginning.data()) + prefix,
                                 header.data_begin - prefix);
     if (!text.starts_with('{'))
-        detail::throw_file_error(file, {"header, byte ", prefix}, {"'{'"},
-                                 {text.empty() ? "an empty header" : in_quotes(text.substr(0, 1))});
+        detail::throw_file_error(
+            file, {"header, byte ", prefix}, {"'{'"},
+            {text.empty() ? detail::text_part("an empty header") : detail::quoted{text.substr(0, 1)}});
     json_scanner scanner(text, file, prefix);
     scanner.object([&](const std::string& name) {
         if (name == "__metadata__")

@@ -48,10 +48,7 @@ public:
     [[gnu::cold]] const entry& at(std::string_view name) const {
         const auto found = header_.tensors.find(name);
         if (found == header_.tensors.end())
-            detail::throw_file_error(file_, {}, {"a ", detail::tensor_place(name)},
-                                     {header_.tensors.empty()
-                                          ? "no tensors"
-                                          : "others, such as " + in_quotes(header_.tensors.begin()->first)});
+            throw_missing(name);
         return found->second;
     }
 
@@ -85,10 +82,17 @@ protected:
                                      {checksum_text(*header.checksum), ", as when it was written"},
                                      {checksum_text(computed),
                                       ": it is damaged, or was changed by a program that kept the metadata ",
-                                      in_quotes(safetensors_checksum_key)});
+                                      detail::quoted{safetensors_checksum_key}});
     }
 
 private:
+    [[noreturn]] [[gnu::cold, gnu::noinline]] void throw_missing(std::string_view name) const {
+        if (header_.tensors.empty())
+            detail::throw_file_error(file_, {}, {"a tensor ", detail::quoted{name}}, {"no tensors"});
+        detail::throw_file_error(file_, {}, {"a tensor ", detail::quoted{name}},
+                                 {"others, such as ", detail::quoted{header_.tensors.begin()->first}});
+    }
+
     safetensors_header header_;
     std::string file_;
     checksum_state checksum_;

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <set>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,18 +32,19 @@ public:
 
     /// Reads an object and calls `member(key)` per member, with the scanner at its value.
     [[gnu::cold]] void object(detail::function_ref<void(const std::string&)> member) {
-        std::set<std::string, std::less<>> keys;
+        // A map, which the rest of a header needs too: a set would be one more container to compile.
+        std::map<std::string, std::string, std::less<>> keys;
         expect('{');
         if (consume('}'))
             return;
         do {
             skip_space();
             const std::size_t at = position_;
-            const auto [key, is_new] = keys.insert(string());
-            if (!is_new)
-                fail_at(at, "each key once", in_quotes(*key) + " again");
+            const std::string key = string();
+            if (!keys.emplace(key, std::string()).second)
+                fail_at(at, "each key once", {detail::quoted{key}, " again"});
             expect(':');
-            member(*key);
+            member(key);
         } while (consume(','));
         expect('}');
     }
@@ -79,7 +80,7 @@ public:
                 value += c;
         }
         if (!is_utf8(value))
-            fail_at(at, "UTF-8", in_quotes(value));
+            fail_at(at, "UTF-8", {detail::quoted{value}});
         return value;
     }
 
@@ -93,12 +94,12 @@ public:
         while (is_digit()) {
             const auto digit = static_cast<std::uint64_t>(text_[position_] - '0');
             if (value > (std::numeric_limits<std::uint64_t>::max() - digit) / 10)
-                fail_at(at, "a number below 2^64", "a larger one");
+                fail_at(at, "a number below 2^64", {"a larger one"});
             value = value * 10 + digit;
             ++position_;
         }
         if (position_ - at > 1 && text_[at] == '0')
-            fail_at(at, "a number without leading zeros", in_quotes(text_.substr(at, position_ - at)));
+            fail_at(at, "a number without leading zeros", {detail::quoted{text_.substr(at, position_ - at)}});
         if (position_ < text_.size() && (text_[position_] == '.' || (text_[position_] | 0x20) == 'e'))
             fail("a whole number");
         return value;
@@ -131,8 +132,11 @@ public:
 
 private:
     [[gnu::cold, gnu::noinline]] void expect(char wanted, const char* what = nullptr) {
-        if (!consume(wanted))
-            fail(what != nullptr ? std::string(what) : in_quotes(std::string_view(&wanted, 1)));
+        if (consume(wanted))
+            return;
+        if (what != nullptr)
+            fail(what);
+        fail(detail::quoted{std::string_view(&wanted, 1)});
     }
 
     [[gnu::cold, gnu::noinline]] bool consume(char wanted) {
@@ -186,10 +190,10 @@ private:
                     fail("the second half of a surrogate pair");
                 const std::uint32_t low = four_hexadecimal_digits();
                 if (low < 0xDC00 || low > 0xDFFF)
-                    fail_at(position_ - 4, "the second half of a surrogate pair", "another character");
+                    fail_at(position_ - 4, "the second half of a surrogate pair", {"another character"});
                 code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
             } else if (code >= 0xDC00 && code <= 0xDFFF) {
-                fail_at(position_ - 4, "a character", "the second half of a surrogate pair alone");
+                fail_at(position_ - 4, "a character", {"the second half of a surrogate pair alone"});
             }
             detail::append_utf8(value, code);
             return;
@@ -217,15 +221,15 @@ private:
         return code;
     }
 
-    [[noreturn]] [[gnu::cold, gnu::noinline]] void fail(std::string_view expected) const {
-        fail_at(position_, expected,
-                position_ == text_.size() ? "the end of the " + part_
-                                          : in_quotes(text_.substr(position_, 1)));
+    [[noreturn]] [[gnu::cold, gnu::noinline]] void fail(detail::text_part expected) const {
+        if (position_ == text_.size())
+            fail_at(position_, expected, {"the end of the ", part_});
+        fail_at(position_, expected, {detail::quoted{text_.substr(position_, 1)}});
     }
 
-    [[noreturn]] [[gnu::cold, gnu::noinline]] void fail_at(std::size_t position, std::string_view expected,
-                                                           std::string_view found) const {
-        detail::throw_file_error(file_, {part_, ", byte ", origin_ + position}, {expected}, {found});
+    [[noreturn]] [[gnu::cold, gnu::noinline]] void fail_at(std::size_t position, detail::text_part expected,
+                                                           detail::text_parts found) const {
+        detail::throw_file_error(file_, {part_, ", byte ", origin_ + position}, {expected}, found);
     }
 
     std::string_view text_;

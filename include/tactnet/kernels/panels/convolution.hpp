@@ -152,8 +152,9 @@ struct panel_share {
 };
 
 /// output = bias + convolution, a sum, ReLU; no pool. `memory` holds plan.workspace() elements.
-inline void convolve_panels(const panel_plan& plan, const panel_share& share, const float* input,
-                            const float* weights, const float* bias, float* output, float* memory) {
+template <class = void>
+void convolve_panels(const panel_plan& plan, const panel_share& share, const float* input,
+                     const float* weights, const float* bias, float* output, float* memory) {
     const frame_convolution& c = plan.convolution;
     const sliding_window& w = c.window;
     const filter_panels panels(c.padded_filters());

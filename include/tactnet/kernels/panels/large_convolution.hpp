@@ -63,8 +63,9 @@ struct large_convolution {
 
 /// Computes the share of one thread of a convolution and its epilogue. `memory` is the workspace of that
 /// thread.
-inline void convolve_large(const large_convolution& plan, const large_job& job, const float* input,
-                           const float* weights, const float* bias, float* output, float* memory) {
+template <class = void>
+void convolve_large(const large_convolution& plan, const large_job& job, const float* input,
+                    const float* weights, const float* bias, float* output, float* memory) {
     const filter_panels filters(plan.tiles.convolution.padded_filters());
     // Threads share what is larger: the weights, which then each reads in part, or the maps.
     const bool by_filters = plan.weights() > job.frames * plan.tiles.convolution.window.input.size() &&

@@ -143,9 +143,11 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
 }
 
 /// `count` rows times the panels [first, last). Panels lie one after the other in the weights, beginning with
-/// panel 0; output and bias begin with filter 0.
-inline void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& panels,
-                            std::size_t first, std::size_t last, const float* weights, epilogue end) {
+/// panel 0; output and bias begin with filter 0. A template, like the functions that call it: only programs
+/// with a large layer instantiate its register blocks.
+template <class = void>
+void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& panels, std::size_t first,
+                     std::size_t last, const float* weights, epilogue end) {
     using block = void (*)(const panel_rows&, const float*, std::size_t, epilogue);
     static constexpr auto blocks = [] {
         std::array<std::array<block, most_panel_rows(1)>, most_panel_vectors> all{};

@@ -209,9 +209,10 @@ void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share
     }
 }
 
-inline void convolve_tiles(const tile_plan& plan, std::size_t band, const tile_share& share,
-                           const frame_distances& distances, const float* input, const float* weights,
-                           const float* bias, float* output, float* memory) {
+template <class = void>
+void convolve_tiles(const tile_plan& plan, std::size_t band, const tile_share& share,
+                    const frame_distances& distances, const float* input, const float* weights,
+                    const float* bias, float* output, float* memory) {
     if (plan.outputs == 2)
         convolve_tiles_of<2>(plan, band, share, distances, input, weights, bias, output, memory);
     else

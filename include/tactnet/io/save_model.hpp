@@ -1,0 +1,128 @@
+#pragma once
+
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+// Writes trained networks to the files that model_file.hpp reads. A header of its own, so that programs that
+// only read files do not compile the writer.
+
+namespace tactnet {
+inline namespace TACTNET_ARCH {
+
+/// A view of a model to be written, without the network's type.
+struct model_parts {
+    shape input;
+    stored_arrays arrays;
+    std::vector<std::span<const float>> values; ///< of each array
+    double epsilon = 1e-5;
+    std::span<const float> mean; ///< of the input, one per pixel
+    float scale = 1;
+    std::span<const std::string> classes;
+};
+
+namespace detail {
+
+/// Adds the array at `index`, whose elements are `values`; of the output layer the rows of the first classes.
+[[gnu::cold]] inline void add_array(safetensors_writer& writer, const stored_arrays& arrays,
+                                    std::size_t index, std::span<const float> values, std::size_t classes) {
+    const named_array& a = arrays.list[index];
+    std::vector<std::size_t> extents = arrays.extents(a, classes);
+    const std::size_t size = values.size() / a.extents.front() * extents.front();
+    writer.add(a.name, std::move(extents), values.first(size));
+}
+
+/// Adds images to a file, with their logits of `classes` each, if there are any.
+[[gnu::cold]] inline void add_selftest(safetensors_writer& writer, shape input, std::size_t classes,
+                                       std::span<const std::uint8_t> images, const logits_function& logits) {
+    if (images.empty())
+        return;
+    const std::size_t count = images.size() / input.size();
+    writer.add("selftest.logits", {count, classes}, std::span<const float>(logits(images)));
+    writer.add("selftest.input", image_extents(input, count), images);
+}
+
+} // namespace detail
+
+/// Adds all arrays of a network in single precision; of its output layer the rows of the first `classes`
+/// outputs. Throws std::invalid_argument unless there are 1 to Network::outputs of them.
+template <class Network>
+void add_parameters(safetensors_writer& writer, const Network& network,
+                    std::size_t classes = Network::outputs) {
+    detail::check_classes("add_parameters", classes, Network::outputs);
+    const stored_arrays arrays = stored_arrays_of<Network>();
+    std::size_t index = 0;
+    network.for_each_parameter([&](const auto&, auto from) {
+        std::vector<float> values(from.size());
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i] = static_cast<float>(from[i]);
+        detail::add_array(writer, arrays, index++, values, classes);
+    });
+}
+
+/// A view of a model, which must outlive it.
+template <class Network>
+[[nodiscard]] [[gnu::cold]] model_parts parts_of(const model<Network>& m) {
+    model_parts parts{.input = Network::input_shape,
+                      .arrays = stored_arrays_of<Network>(),
+                      .values = {},
+                      .epsilon = m.network.epsilon,
+                      .mean = m.normalise.mean.view().elements(),
+                      .scale = m.normalise.scale,
+                      .classes = m.classes};
+    m.network.for_each_parameter(
+        [&](const auto&, std::span<const float> values) { parts.values.push_back(values); });
+    return parts;
+}
+
+/// Adds a model to a file: its arrays, and its description to the metadata. `selftest` holds images to store
+/// with their logits, which `logits` computes. Throws std::invalid_argument unless there are 1 to as many
+/// classes as outputs.
+[[gnu::cold]] inline void add_model(safetensors_writer& writer, const model_parts& m,
+                                    std::span<const std::uint8_t> selftest, const logits_function& logits) {
+    const std::size_t classes = m.classes.size();
+    detail::check_classes("model", classes, m.arrays.outputs);
+    bool subtracts = false;
+    for (const float mean : m.mean)
+        subtracts = subtracts || mean != 0;
+    add_description(writer.metadata, {.network = {},
+                                      .rows = m.input.rows,
+                                      .columns = m.input.columns,
+                                      .classes = {m.classes.begin(), m.classes.end()},
+                                      .epsilon = m.epsilon,
+                                      .subtracts_mean = subtracts,
+                                      .scale = m.scale});
+    for (std::size_t i = 0; i < m.values.size(); ++i)
+        detail::add_array(writer, m.arrays, i, m.values[i], classes);
+    if (subtracts)
+        writer.add("input_mean", detail::image_extents(m.input), m.mean);
+    detail::add_selftest(writer, m.input, classes, selftest, logits);
+}
+
+/// Writes a model, all or nothing. `metadata` should state the "network" and may state more. Throws
+/// file_error, and as `add_model`.
+[[gnu::cold]] inline void save_model(const std::filesystem::path& path, const model_parts& m,
+                                     file_metadata metadata, std::span<const std::uint8_t> selftest,
+                                     const logits_function& logits) {
+    safetensors_writer writer;
+    writer.metadata = std::move(metadata);
+    add_model(writer, m, selftest, logits);
+    writer.write(path);
+}
+/// Writes the model to a file.
+template <class Network>
+[[gnu::cold]] void save_model(const std::filesystem::path& path, const model<Network>& m,
+                              file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {
+    save_model(path, parts_of(m), std::move(metadata), selftest,
+               [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
+}
+
+} // namespace TACTNET_ARCH
+} // namespace tactnet
