@@ -1,13 +1,13 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
+#include <tactnet/io/file_name.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -62,7 +62,7 @@ template <class Network>
 }
 /// Reads the file and deploys its network.
 template <class Network>
-[[nodiscard]] [[gnu::cold]] deployed<Network> load_deployed(const std::filesystem::path& path,
+[[nodiscard]] [[gnu::cold]] deployed<Network> load_deployed(const file_name& path,
                                                             std::optional<double> epsilon = std::nullopt) {
     return load_deployed<Network>(safetensors::read(path), epsilon);
 }

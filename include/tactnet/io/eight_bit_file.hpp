@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/io/deployed_file.hpp>
+#include <tactnet/io/file_name.hpp>
 #include <tactnet/io/stored_deployed.hpp>
 
 #include <cstddef>
@@ -38,7 +39,7 @@ template <class Network, class Format>
 /// Reads the file of a network in 8 bits.
 template <class Network, class Format>
     requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] [[gnu::cold]] deployed<Network, eight_bit> load_deployed(const std::filesystem::path& path) {
+[[nodiscard]] [[gnu::cold]] deployed<Network, eight_bit> load_deployed(const file_name& path) {
     return load_deployed<Network, eight_bit>(safetensors::read(path));
 }
 

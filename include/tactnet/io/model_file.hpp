@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/file_name.hpp>
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -183,7 +183,7 @@ template <class Network>
 }
 /// Reads the model from a file.
 template <class Network>
-[[nodiscard]] [[gnu::cold]] model<Network> load_model(const std::filesystem::path& path,
+[[nodiscard]] [[gnu::cold]] model<Network> load_model(const file_name& path,
                                                       std::optional<double> epsilon = std::nullopt) {
     return load_model<Network>(safetensors::read(path), epsilon);
 }

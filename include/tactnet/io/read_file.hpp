@@ -1,13 +1,16 @@
 #pragma once
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/file_name.hpp>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
-#include <filesystem>
+#include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -28,7 +31,7 @@ struct close_file {
 };
 using file_handle = std::unique_ptr<std::FILE, close_file>;
 
-inline file_handle open_file(const std::filesystem::path& path, const char* mode) {
+inline file_handle open_file(const file_name& path, const char* mode) {
     errno = 0;
 #if defined(_WIN32)
     const std::wstring wide_mode(mode, mode + std::char_traits<char>::length(mode));
@@ -43,15 +46,46 @@ inline file_handle open_file(const std::filesystem::path& path, const char* mode
     return code == 0 ? "'an unknown error'" : joined({"'", std::generic_category().message(code), "'"});
 }
 
-/// Whether opening the file would wait for another program, perhaps for ever. A pipe that a shell makes
-/// between two programs does not: on Linux its name under /dev/fd leads nowhere. Elsewhere it counts as a
-/// named pipe.
-inline bool is_named_pipe(const std::filesystem::path& path, std::filesystem::file_status status) {
-    if (status.type() != std::filesystem::file_type::fifo)
-        return false;
+enum class file_kind { missing, folder, named_pipe, character_device, other };
+
+/// What the system knows of a file, following links. The size is that of a regular file.
+struct file_status {
+    file_kind kind = file_kind::other;
+    std::optional<std::uintmax_t> size = std::nullopt;
+};
+
+/// Opening a named pipe would wait for another program, perhaps for ever. A pipe that a shell makes between
+/// two programs does not: on Linux its name under /dev/fd leads nowhere. Elsewhere it counts as a named pipe.
+[[gnu::cold]] inline file_status status_of(const file_name& path) {
+#if defined(TACTNET_POSIX_FILES)
+    struct ::stat found {};
+    if (::stat(path.c_str(), &found) != 0)
+        return {errno == ENOENT || errno == ENOTDIR ? file_kind::missing : file_kind::other};
+    if (S_ISREG(found.st_mode))
+        return {file_kind::other, static_cast<std::uintmax_t>(found.st_size)};
+    if (S_ISFIFO(found.st_mode)) {
+        char* const place = ::realpath(path.c_str(), nullptr);
+        std::free(place);
+        return {place == nullptr ? file_kind::other : file_kind::named_pipe};
+    }
+    return {S_ISDIR(found.st_mode)   ? file_kind::folder
+            : S_ISCHR(found.st_mode) ? file_kind::character_device
+                                     : file_kind::other};
+#else
+    using std::filesystem::file_type;
     std::error_code code;
-    static_cast<void>(std::filesystem::canonical(path, code));
-    return !code;
+    const file_type type = std::filesystem::status(path, code).type();
+    const std::uintmax_t size = std::filesystem::file_size(path, code);
+    const bool has_size = !code;
+    if (type == file_type::fifo)
+        static_cast<void>(std::filesystem::canonical(path, code));
+    return {type == file_type::not_found       ? file_kind::missing
+            : type == file_type::directory     ? file_kind::folder
+            : type == file_type::fifo && !code ? file_kind::named_pipe
+            : type == file_type::character     ? file_kind::character_device
+                                               : file_kind::other,
+            has_size ? std::optional(size) : std::nullopt};
+#endif
 }
 
 } // namespace detail
@@ -60,29 +94,28 @@ inline bool is_named_pipe(const std::filesystem::path& path, std::filesystem::fi
 /// its end. Throws file_error when the file is missing, a folder, a named pipe (which has no bytes until a
 /// program writes them), unreadable, longer than `limit` bytes, or a device that gives more than
 /// `device_limit`.
-[[gnu::cold]] inline std::vector<std::byte> read_file(const std::filesystem::path& path,
+[[gnu::cold]] inline std::vector<std::byte> read_file(const file_name& path,
                                                       std::size_t limit = default_file_limit) {
-    using std::filesystem::file_type;
-    std::error_code code;
-    const auto status = std::filesystem::status(path, code);
-    const std::string name = path.string();
-    if (const char* const found = status.type() == file_type::not_found   ? "nothing of that name"
-                                  : status.type() == file_type::directory ? "a folder"
-                                  : detail::is_named_pipe(path, status)   ? "a named pipe"
-                                                                          : nullptr)
+    using detail::file_kind;
+    const detail::file_status status = detail::status_of(path);
+    const std::string& name = path.string();
+    if (const char* const found = status.kind == file_kind::missing      ? "nothing of that name"
+                                  : status.kind == file_kind::folder     ? "a folder"
+                                  : status.kind == file_kind::named_pipe ? "a named pipe"
+                                                                         : nullptr)
         detail::throw_file_error(name, {}, {"a file"}, {found});
     const auto file = detail::open_file(path, "rb");
     if (!file)
         detail::throw_file_error(name, {}, {"a readable file"}, {detail::error_text(errno)});
 
-    if (status.type() == file_type::character)
+    if (status.kind == file_kind::character_device)
         limit = std::min(limit, device_limit);
     std::vector<std::byte> bytes;
     // A size within the limit is only a hint: a file may grow while it is read, and devices have none.
-    if (const auto size = std::filesystem::file_size(path, code); !code) {
-        if (size > limit)
-            detail::throw_file_error(name, {}, {"at most ", limit, " bytes"}, {size, " bytes"});
-        bytes.reserve(static_cast<std::size_t>(size) + 1);
+    if (status.size) {
+        if (*status.size > limit)
+            detail::throw_file_error(name, {}, {"at most ", limit, " bytes"}, {*status.size, " bytes"});
+        bytes.reserve(static_cast<std::size_t>(*status.size) + 1);
     }
     constexpr std::size_t step = std::size_t{1} << 20;
     for (;;) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/file_name.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors/checksum.hpp>
 #include <tactnet/io/safetensors/element_type.hpp>
@@ -9,7 +10,6 @@
 #include <tactnet/io/safetensors/index.hpp>
 
 #include <cstddef>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,8 +27,7 @@ class safetensors : public safetensors_index {
 public:
     /// Reads the file at `path`, of at most `limit` bytes, and verifies its checksum if it has one. Throws
     /// file_error.
-    [[gnu::cold]] static safetensors read(const std::filesystem::path& path,
-                                          std::size_t limit = default_file_limit) {
+    [[gnu::cold]] static safetensors read(const file_name& path, std::size_t limit = default_file_limit) {
         return parse(read_file(path, limit), path.string());
     }
 
