@@ -61,6 +61,31 @@ std::string deployed(const std::string& network) {
            "tactnet::deployed<network> make(const network& n) { return tactnet::deploy(n); }\n";
 }
 
+/// A network from a weight file: deployed, or as a model for further training.
+std::string loaded(const char* header, const char* result, const char* call) {
+    return std::string("#include <tactnet/io/") + header + ">\n" +
+           "#include <tactnet/tactnet.hpp>\n"
+           "using network = tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>;\n"
+           "tactnet::" +
+           result + "<network> load(const char* path) { return tactnet::" + call + "<network>(path); }\n";
+}
+
+/// The example of README.md.
+std::string readme_example() {
+    return "#include <tactnet/io/deployed_file.hpp>\n"
+           "#include <tactnet/tactnet.hpp>\n"
+           "#include <array>\n"
+           "#include <cstdint>\n"
+           "#include <iostream>\n"
+           "using net = tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>;\n"
+           "int main() {\n"
+           "    const auto network = tactnet::load_deployed<net>(\"output/tactnet6.safetensors\");\n"
+           "    std::array<std::uint8_t, 28 * 50> frame{};\n"
+           "    if (const auto found = network.classify(frame))\n"
+           "        std::cout << found->name << ' ' << found->probability << '\\n';\n"
+           "}\n";
+}
+
 /// In 8 bits: from folded numbers, as a weight file and a header have them, or calibrated, which runs the
 /// network in single precision too.
 std::string deployed_in_8_bits(const std::string& network, bool calibrated) {
@@ -97,6 +122,10 @@ int main(int count, char** arguments) {
         {"an empty file", "\n"},
         {"xsimd alone", "#if __has_include(<xsimd/xsimd.hpp>)\n#include <xsimd/xsimd.hpp>\n#endif\n"},
         {"the core included", "#include <tactnet/tactnet.hpp>\n"},
+        {"files included", "#include <tactnet/io.hpp>\n"},
+        {"README's example", readme_example()},
+        {"load_deployed, TactNet-6", loaded("deployed_file.hpp", "deployed", "load_deployed")},
+        {"load_model, TactNet-6", loaded("model_file.hpp", "model", "load_model")},
         {"TactNet-4 28x50 deployed", deployed("tactnet::tactnet4<tactnet::shape{28, 50, 1}, 22>")},
         {"TactNet-6 28x50 deployed", deployed("tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>")},
         {"the same in 8 bits", deployed_in_8_bits("tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>", false)},

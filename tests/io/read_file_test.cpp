@@ -50,6 +50,18 @@ TEST_CASE("read_file: each failure has its message") {
     CHECK(error_of([&] { read_file(""); }) != "no error");
 }
 
+TEST_CASE("read_file: a file is named by text of any type or by a path") {
+    const support::temporary_folder folder;
+    const std::filesystem::path path = folder / "näme";
+    write_file(path, std::string_view("12345"));
+    const std::string name = path.string();
+    CHECK(read_file(path).size() == 5);
+    CHECK(read_file(name).size() == 5);
+    CHECK(read_file(name.c_str()).size() == 5);
+    CHECK(read_file(std::string_view(name)).size() == 5);
+    CHECK(tactnet::file_name(path).string() == name);
+}
+
 #if defined(__linux__)
 TEST_CASE("read_file: a file that is too large is refused before it is read") {
     const support::temporary_folder folder;

@@ -13,6 +13,7 @@
 
 namespace tactnet {
 inline namespace TACTNET_ARCH {
+
 /// The length in bytes, 1…4, of the well-formed UTF-8 sequence that `text` begins with; 0 if there is none.
 /// Overlong forms, surrogates and values above U+10FFFF are not well-formed (Unicode 15, table 3-7).
 constexpr std::size_t utf8_sequence_length(std::string_view text) noexcept {
