@@ -75,7 +75,7 @@ template <class Function>
 [[nodiscard]] constexpr bool is_relu() {
     if constexpr (requires { requires Function::is_relu; }) {
         static_assert(Function::value(-1.0) == 0 && Function::value(1e6) == 1e6,
-                      "activation: is_relu is for max(x, 0) alone, and this function has other values");
+                      "activation: is_relu is true for a ReLU alone, and this function has other values");
         return true;
     } else {
         return false;

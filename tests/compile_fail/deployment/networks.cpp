@@ -1,7 +1,7 @@
 #include <tactnet/tactnet.hpp>
 
 #ifdef CASE_relu_with_an_upper_bound
-// expect: activation: is_relu is for max(x, 0) alone, and this function has other values
+// expect: activation: is_relu is true for a ReLU alone, and this function has other values
 // at-most: 1
 struct relu6_function : tactnet::relu_function {
     template <class T>
