@@ -1,4 +1,4 @@
-# What a reader of the reference relies on: cmake -DFOLDER=… -P pages.cmake
+# What a reader of the reference relies on: cmake -DFOLDER=… -P reference.cmake
 cmake_minimum_required(VERSION 3.22)
 
 function(expect page what)
