@@ -3,7 +3,7 @@
 // checked: the same answers, the same objective.
 
 #include "../peers/support_vector_machines.hpp"
-#include "../support/linear_objective.hpp"
+#include "../support/machine_comparison.hpp"
 #include "../support/pixels.hpp"
 #include "decode_image.hpp"
 
@@ -24,6 +24,7 @@
 
 namespace {
 
+using benchmark::agreement;
 using tactnet::feature_rows;
 
 template <class Body>
@@ -84,13 +85,6 @@ sample_set clouds(std::size_t count, std::size_t features, std::size_t classes) 
             set.values.push_back(static_cast<float>(centres[i % classes * features + f] + random.normal()));
     }
     return set;
-}
-
-double agreement(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
-    std::size_t same = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        same += a[i] == b[i] ? 1 : 0;
-    return static_cast<double>(same) / static_cast<double>(a.size());
 }
 
 template <std::size_t Features>

@@ -1,6 +1,5 @@
 // The same optimum and the same answers as LIBSVM.
 
-#include "peers.hpp"
 #include "samples.hpp"
 
 #include <tactnet/svm/kernel_machine.hpp>
@@ -11,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <peers/support_vector_machines.hpp>
+#include <support/machine_comparison.hpp>
 #include <vector>
 
 #ifdef TACTNET_TEST_IMAGES
@@ -21,7 +21,7 @@
 #endif
 
 using namespace tactnet;
-using support::agreement;
+using benchmark::agreement;
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <support/guarded_numbers.hpp>
+#include <support/guarded_map.hpp>
 #include <support/layers/tile_magnitudes.hpp>
 #include <support/layers/window_of.hpp>
 #include <support/tolerance.hpp>

@@ -8,7 +8,17 @@
 #include <span>
 #include <vector>
 
+// For comparisons of support vector machines with what other libraries find.
+
 namespace benchmark {
+
+/// The share of samples on which both agree.
+[[nodiscard]] inline double agreement(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+    std::size_t same = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        same += a[i] == b[i] ? 1 : 0;
+    return static_cast<double>(same) / static_cast<double>(a.size());
+}
 
 /// The weights of a class by its place, the offset behind.
 [[nodiscard]] inline std::vector<double> weights_of(const tactnet::linear_machine_parameters& parts,
