@@ -134,8 +134,8 @@ TEST_SUITE("program") {
         const workshop shop;
         const auto refuses = [&](const std::string& output, const std::string& sentence) {
             // By its first word of progress a training would tell that it has begun.
-            shop.refuses(shop.train_arguments({"--output", output}), sentence);
-            CHECK(shop.error_so_far().find("to train") == std::string::npos);
+            const std::string error = shop.refuses(shop.train_arguments({"--output", output}), sentence);
+            CHECK(error.find("to train") == std::string::npos);
         };
         refuses(std::string(300, 'a'),
                 "expected the name of a file that can be written, found 'File name too long'");
@@ -174,7 +174,7 @@ TEST_SUITE("program") {
             return shop.train_arguments(more);
         };
         const pid_t child = shop.start(arguments({}));
-        shop.wait_for_first_epoch();
+        shop.wait_for_first_epoch(child);
         fs::create_directories(shop / "out" / "net" / "in the way");
         const outcome failed = shop.wait(child);
         CHECK(failed.status == 2);
@@ -191,7 +191,7 @@ TEST_SUITE("program") {
         const auto before = std::signal(SIGHUP, SIG_DFL); // nohup has it ignored, by children too
         const pid_t child = shop.start(shop.train_arguments("--epochs 100000 --output net"));
         std::signal(SIGHUP, before);
-        shop.wait_for_first_epoch();
+        shop.wait_for_first_epoch(child);
         // By the shell and by the system; what comes before the one in front of it is caught counts as the
         // same.
         for (int i = 0; i < 10; ++i) {
@@ -235,7 +235,7 @@ TEST_SUITE("program") {
         const workshop shop;
         fs::create_directory_symlink(".", shop / "here");
         const pid_t first = shop.start(shop.train_arguments("--epochs 1000000 --output new/net"));
-        shop.wait_for_first_epoch();
+        shop.wait_for_first_epoch(first);
         const std::string told = "found another training at work on ";
         for (const char* more : {"--method tactnet4 --output new/net", "--method svm-linear --output new/net",
                                  "--method tactnet4 --output here/new/net --afresh",
@@ -302,7 +302,7 @@ TEST_SUITE("program") {
     TEST_CASE("checkpoint: one without a checksum is taken, and told") {
         const workshop shop;
         const pid_t child = shop.start(shop.train_arguments("--epochs 1500 --output net"));
-        shop.wait_for_first_epoch();
+        shop.wait_for_first_epoch(child);
         kill(child, SIGINT);
         REQUIRE(shop.wait(child).status == 130);
         // As an earlier version wrote it.

@@ -15,6 +15,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <set>
 #include <spawn.h>
 #include <sstream>
@@ -25,6 +26,7 @@
 #include <thread>
 #include <type_traits>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace support {
@@ -91,30 +93,42 @@ public:
         posix_spawn_file_actions_t actions;
         posix_spawn_file_actions_init(&actions);
         posix_spawn_file_actions_addchdir_np(&actions, work().c_str());
-        const std::string out = (folder_ / "out").string(), error = (folder_ / "error").string();
+        const std::string out = (folder_ / "out").string();
         posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
                                          0600);
-        posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                         0600);
+        int ends[2];
+        REQUIRE(pipe2(ends, O_CLOEXEC) == 0);
+        posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
         pid_t child = -1;
         REQUIRE(posix_spawn(&child, TACTNET_PROGRAM, &actions, nullptr, pointers.data(), environ) == 0);
         posix_spawn_file_actions_destroy(&actions);
+        close(ends[1]);
+        errors_[child] = {ends[0], {}};
         return child;
     }
-    std::string error_so_far() const { return text_of(folder_ / "error"); }
-    void wait_for_first_epoch() const {
-        for (int i = 0; i < 6000 && error_so_far().find("epoch 1 of") == std::string::npos; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    /// Until the program reports this, or ends.
+    void wait_for(pid_t child, const std::string& report) const {
+        auto& [end, error] = errors_.at(child);
+        char bytes[4096];
+        for (ssize_t got = 1; got > 0 && error.find(report) == std::string::npos;) {
+            got = read(end, bytes, sizeof(bytes));
+            if (got > 0)
+                error.append(bytes, static_cast<std::size_t>(got));
+        }
     }
+    void wait_for_first_epoch(pid_t child) const { wait_for(child, "epoch 1 of"); }
     void wait_for_file(const char* name) const {
         for (int i = 0; i < 60'000 && !fs::exists(work() / name); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     outcome wait(pid_t child) const {
+        wait_for(child, std::string(1, '\0')); // which no report contains
         int status = 0;
         REQUIRE(waitpid(child, &status, 0) == child);
+        const auto [end, error] = std::move(errors_.extract(child).mapped());
+        close(end);
         return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), text_of(folder_ / "out"),
-                text_of(folder_ / "error")};
+                error};
     }
     outcome run(const words& arguments) const { return wait(start(arguments)); }
 
@@ -136,8 +150,8 @@ public:
         return all + more;
     }
 
-    /// Exit status 2, the sentence, and nothing written.
-    void refuses(const words& arguments, const std::string& sentence) const {
+    /// Exit status 2, the sentence, and nothing written. Returns what was reported.
+    std::string refuses(const words& arguments, const std::string& sentence) const {
         CAPTURE(sentence);
         const auto before = everything();
         const outcome result = run(arguments);
@@ -145,6 +159,7 @@ public:
         CHECK(result.out.empty());
         CHECK_MESSAGE(result.error.find(sentence) != std::string::npos, result.error);
         CHECK(everything() == before);
+        return result.error;
     }
 
     std::set<std::string> everything() const {
@@ -156,6 +171,8 @@ public:
 
 private:
     support::temporary_folder folder_;
+    /// Of running programs: the end of a pipe, and what came through it.
+    mutable std::map<pid_t, std::pair<int, std::string>> errors_;
 };
 
 /// What a file holds, but for one of its tensors.

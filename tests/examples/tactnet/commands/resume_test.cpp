@@ -17,7 +17,7 @@ TEST_SUITE("program") {
         const workshop shop;
         constexpr const char* epochs = "1500";
         const pid_t child = shop.start(shop.train_arguments({"--epochs", epochs, "--output", "net"}));
-        shop.wait_for_first_epoch();
+        shop.wait_for_first_epoch(child);
         kill(child, SIGINT);
         const outcome stopped = shop.wait(child);
         REQUIRE_MESSAGE(stopped.status == 130, stopped.error);
@@ -64,7 +64,7 @@ TEST_SUITE("program") {
             return shop.train_arguments({"--epochs", "1500", "--output", output, "--start", start});
         };
         const pid_t child = shop.start(arguments("net", "first"));
-        shop.wait_for_first_epoch();
+        shop.wait_for_first_epoch(child);
         kill(child, SIGINT);
         REQUIRE(shop.wait(child).status == 130);
         const auto resumed = [](std::vector<std::string> all) {

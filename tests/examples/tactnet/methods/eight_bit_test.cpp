@@ -143,7 +143,7 @@ TEST_SUITE("program") {
         const auto evaluate = [&](const words& more) { return shop.run(evaluate_arguments(more)); };
         REQUIRE(evaluate("--method tactnet4").status == 0);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 1);
-        CHECK(text_of(shop / "r/table.csv").find("bits") == std::string::npos);
+        CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 2);
 
         const outcome first = evaluate("--method tactnet4 --bits 8");
         REQUIRE_MESSAGE(first.status == 0, first.error);
@@ -157,10 +157,10 @@ TEST_SUITE("program") {
         CHECK(bytes["settings"] == floats["settings"]);
         const auto table = lines_of(text_of(shop / "r/table.csv"));
         REQUIRE(table.size() == 3);
-        CHECK(table[0].starts_with("network,rows,columns,recipe,splits,bits,random_accuracy,"));
-        CHECK(table[1].find(",1,32,") != std::string::npos);
-        CHECK(table[2].find(",1,8,") != std::string::npos);
-        says(first.out, "bits");
+        CHECK(table[0].starts_with("method,rows,columns,recipe,bits,"));
+        CHECK(table[1].starts_with("tactnet4,7,13,default,32,1,1,"));
+        CHECK(table[2].starts_with("tactnet4,7,13,default,8,1,1,"));
+        says(first.out, "tactnet4 in 8 bits");
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13_8bit.csv"));
 
@@ -175,10 +175,10 @@ TEST_SUITE("program") {
         // Of a training that was not done yet, both lines.
         REQUIRE(evaluate("--method tactnet4 --bits 8 --seed 3").status == 0);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
-        // Without the line in single precision there is nothing to set beside it.
+        // A line that was taken out by hand is missed.
         tactnet::write_file(shop / "r/evaluation.jsonl", lines[1] + "\n");
         const outcome cut = evaluate("--method tactnet4 --bits 8");
-        CHECK(cut.status == 2);
-        says(cut.error, "expected results in 8 bits beside those in single precision");
+        CHECK(cut.status == 0);
+        says(cut.out, "- tactnet4 7x13: not trained yet\n");
     }
 }
