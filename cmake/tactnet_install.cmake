@@ -41,7 +41,19 @@ set(pkg_config_folder "${CMAKE_INSTALL_DATADIR}/pkgconfig")
 file(RELATIVE_PATH pkg_config_prefix "/prefix/${pkg_config_folder}" "/prefix")
 string(REGEX REPLACE "/$" "" pkg_config_prefix "${pkg_config_prefix}")
 function(tactnet_install_pkg_config name description requires cflags libs)
-    configure_file("${PROJECT_SOURCE_DIR}/cmake/tactnet.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
+    set(text [[
+prefix=${pcfiledir}/@pkg_config_prefix@
+includedir=${prefix}/@CMAKE_INSTALL_INCLUDEDIR@
+
+Name: @name@
+Description: @description@
+URL: @PROJECT_HOMEPAGE_URL@
+Version: @PROJECT_VERSION@
+Requires: @requires@
+Cflags: -I${includedir}@cflags@
+Libs: @libs@
+]])
+    file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/${name}.pc" CONTENT "${text}" @ONLY)
     install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${pkg_config_folder}")
 endfunction()
 if(TACTNET_SIMD)
