@@ -62,11 +62,11 @@ inline std::vector<std::uint8_t> make_frame(std::size_t size, std::uint64_t seed
 /// The tiles of all convolutions of a step, in the order of their parameters.
 template <class Step>
 void append_tiled(std::vector<tile_size>& list) {
-    const auto append = [&]<class Argument>(const Argument&) {
+    const auto append = [&]<class Argument, class Own = Step>(const Argument&) {
         if constexpr (tactnet::detail::is_inner_step<Argument>)
             append_tiled<typename Argument::step>(list);
         else if constexpr (std::is_same_v<Argument, tactnet::kernels::frame_convolution>)
-            list.push_back({Step::method::tile.rows, Step::method::tile.columns});
+            list.push_back({Own::method::tile.rows, Own::method::tile.columns});
     };
     tactnet::step_description<Step>::visit(
         [&](const char*, const char*, const auto&... arguments) { (append(arguments), ...); });

@@ -54,7 +54,9 @@ inline constexpr shape shape_of<T[Channels][Rows][Columns]>{Rows, Columns, Chann
 template <class Argument>
 [[nodiscard]] auto find_element() {
     using plain = std::remove_reference_t<Argument>;
-    if constexpr (std::is_array_v<plain>)
+    if constexpr (std::is_void_v<plain>) // Clang 14 makes an error, not a false, of a reference to it
+        return std::type_identity<void>{};
+    else if constexpr (std::is_array_v<plain>)
         return std::type_identity<std::remove_all_extents_t<plain>>{};
     else if constexpr (requires(plain & argument) { *argument.data(); })
         return std::type_identity<std::remove_pointer_t<decltype(std::declval<plain&>().data())>>{};
