@@ -57,26 +57,15 @@ struct numbers_of {
 template <frame_convolution C>
 support::sample expected_of(const std::vector<double>& in, const std::vector<float>& folded,
                             tactnet::extent2d tiled) {
-    constexpr std::size_t channels = C.window.input.channels / C.groups, filters = C.filters / C.groups,
-                          area = C.window.input.area();
-    support::sample all;
-    sliding_window window = C.window;
-    window.input.channels = channels;
-    for (std::size_t g = 0; g < C.groups; ++g) {
-        support::sample part(channels * area);
-        for (std::size_t i = 0; i < part.size(); ++i)
-            part[i].value = in[g * part.size() + i];
-        const std::size_t weights = filters * C.taps();
-        const std::vector<double> own(folded.begin() + static_cast<std::ptrdiff_t>(g * weights),
-                                      folded.begin() + static_cast<std::ptrdiff_t>((g + 1) * weights));
-        std::vector<support::bounded> biases(filters);
-        for (std::size_t f = 0; f < filters; ++f)
-            biases[f].value = static_cast<double>(folded[C.groups * weights + g * filters + f]);
-        const auto out = support::bounded_convolution(support::window_of(window), filters, own, biases, part,
-                                                      nullptr, {tiled.rows, tiled.columns});
-        all.insert(all.end(), out.begin(), out.end());
-    }
-    return all;
+    const std::size_t weights = C.filters * C.taps();
+    support::sample exact(in.size()), biases(C.filters);
+    for (std::size_t i = 0; i < in.size(); ++i)
+        exact[i].value = in[i];
+    for (std::size_t f = 0; f < C.filters; ++f)
+        biases[f].value = static_cast<double>(folded[weights + f]);
+    const std::vector<double> own(folded.begin(), folded.begin() + static_cast<std::ptrdiff_t>(weights));
+    return support::bounded_convolution(support::window_of(C.window), C.filters, own, biases, exact, nullptr,
+                                        {tiled.rows, tiled.columns}, C.groups);
 }
 
 template <frame_convolution C>

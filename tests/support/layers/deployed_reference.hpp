@@ -72,12 +72,18 @@ struct network_parameters {
 [[nodiscard]] std::vector<float> plain_outputs(const described_network& network,
                                                const network_parameters& parameters, std::vector<float> in);
 
-/// One operation. The convolution of a frame with weights [filter][channel][row][column], by taps or by
-/// tiles; `added` may be null.
+/// One operation. The convolution of a frame with weights [filter][channel of its group][row][column], by
+/// taps or by tiles; `added` may be null.
 [[nodiscard]] sample bounded_convolution(const reference_window& window, std::size_t filters,
                                          std::span<const double> weights, const sample& biases,
-                                         const sample& in, const sample* added, tile_size tiled);
+                                         const sample& in, const sample* added, tile_size tiled,
+                                         std::size_t groups = 1);
 [[nodiscard]] sample bounded_max_pool(const reference_window& window, const sample& in);
 [[nodiscard]] sample bounded_relu(sample in);
+
+/// Of a map found, with pixels `stride` elements apart: the outputs that are further from the exact ones than
+/// the bound or than twice their deviation, and what is not zero after the last channel.
+[[nodiscard]] std::size_t outputs_outside(const sample& expected, std::size_t area, const float* found,
+                                          std::size_t stride);
 
 } // namespace support

@@ -307,12 +307,12 @@ reference_pointer reference_dense(extents3 input, std::size_t outputs) {
 }
 sample bounded_convolution(const reference_window& window, std::size_t filters,
                            std::span<const double> weights, const sample& biases, const sample& in,
-                           const sample* added, tile_size tiled) {
+                           const sample* added, tile_size tiled, std::size_t groups) {
     reference_call call;
     call.roundoff = deployed_roundoff;
     call.deployed = true;
     call.tiles = std::span(&tiled, 1);
-    return convolution(window, filters, 1, true, {}).deployed(call, weights, biases, in, added);
+    return convolution(window, filters, groups, true, {}).deployed(call, weights, biases, in, added);
 }
 
 } // namespace support

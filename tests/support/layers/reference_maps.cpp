@@ -232,6 +232,17 @@ reference_pointer reference_square_root(extents3 input, double offset) {
 sample bounded_max_pool(const reference_window& window, const sample& in) {
     return max_pool(window).output_of({}, in);
 }
+std::size_t outputs_outside(const sample& expected, std::size_t area, const float* found,
+                            std::size_t stride) {
+    std::size_t wrong = expected.size() % area;
+    for (std::size_t p = 0; p < area; ++p)
+        for (std::size_t c = 0; c < stride; ++c) {
+            const bounded right = c < expected.size() / area ? expected[c * area + p] : bounded{};
+            const double error = std::abs(static_cast<double>(found[p * stride + c]) - right.value);
+            wrong += !(error <= right.error && error <= 2 * right.deviation);
+        }
+    return wrong;
+}
 sample bounded_relu(sample in) {
     return relu({1, 1, in.size()}).output_of({}, in);
 }
