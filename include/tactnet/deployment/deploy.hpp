@@ -37,6 +37,26 @@ struct folded_check<single_precision> {
     static void require(std::span<const float>) {}
 };
 
+// Wrong arguments are reported out of line, compiled once for networks of all types.
+
+[[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_not_finite(bool of_input, float found) {
+    std::string text("deploy: expected ");
+    text.append(of_input ? "a mean and a scale" : "parameters and variances + epsilon above zero");
+    text.append(" that give finite numbers up to 1e30, found ").append(std::to_string(found));
+    throw std::invalid_argument(text.append(" once batch norms are folded in"));
+}
+[[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_folded(float found, std::size_t place) {
+    std::string text("deploy: expected finite numbers, found ");
+    text.append(std::to_string(found)).append(" at place ");
+    throw std::invalid_argument(text.append(std::to_string(place)));
+}
+[[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_class_count(std::size_t outputs,
+                                                                        std::size_t found) {
+    std::string text("deploy: expected a model that names 1 to ");
+    text.append(std::to_string(outputs)).append(" classes, found ");
+    throw std::invalid_argument(text.append(std::to_string(found)).append(" names"));
+}
+
 } // namespace detail
 
 /// A deployed network, which keeps its packed weights on the heap. Copyable and movable.
@@ -74,12 +94,7 @@ public:
             folded_.data() + view_type::steps_folded);
         for (std::size_t i = 0; i < folded_.size(); ++i)
             if (!(std::abs(folded_[i]) <= largest_parameter))
-                throw std::invalid_argument(std::string("deploy: expected ") +
-                                            (i <= input_shape.size()
-                                                 ? "a mean and a scale"
-                                                 : "parameters and variances + epsilon above zero") +
-                                            " that give finite numbers up to 1e30, found " +
-                                            std::to_string(folded_[i]) + " once batch norms are folded in");
+                detail::throw_not_finite(i <= input_shape.size(), folded_[i]);
         set_limit();
         view_type::pack(folded_.data(), packed_.data());
     }
@@ -94,8 +109,7 @@ public:
         : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
         for (std::size_t i = 0; i < folded.size(); ++i) {
             if (!(std::abs(folded[i]) <= std::numeric_limits<float>::max()))
-                throw std::invalid_argument("deploy: expected finite numbers, found " +
-                                            std::to_string(folded[i]) + " at place " + std::to_string(i));
+                detail::throw_folded(folded[i], i);
             folded_[i] = folded[i];
         }
         detail::folded_check<Format>::template require<view_type>(folded);
@@ -106,9 +120,7 @@ public:
     /// there are 1 to `outputs` names.
     void set_classes(std::vector<std::string> names) {
         if (names.empty() || names.size() > outputs)
-            throw std::invalid_argument("deploy: expected a model that names 1 to " +
-                                        std::to_string(outputs) + " classes, found " +
-                                        std::to_string(names.size()) + " names");
+            detail::throw_class_count(outputs, names.size());
         classes_ = std::move(names);
     }
     /// The names of the classes; empty if they have none.

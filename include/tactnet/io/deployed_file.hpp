@@ -5,6 +5,7 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -26,12 +27,12 @@ template <class Network>
 logits_of(const Network& network, std::span<const std::uint8_t> images, std::size_t classes) {
     const std::unique_ptr<typename Network::workspace> memory(new typename Network::workspace); // not zeroed
     const frames_ref<Network::input_shape> frames(images);
-    std::vector<float> logits;
+    std::vector<float> logits(frames.size() * classes);
     for (std::size_t i = 0; i < frames.size(); ++i) {
         std::array<float, Network::outputs> found;
         // A logit that is not finite agrees with no logit of a file.
         (void)network.infer(frames[i], found, *memory);
-        logits.insert(logits.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(classes));
+        std::copy_n(found.begin(), classes, logits.begin() + static_cast<std::ptrdiff_t>(i * classes));
     }
     return logits;
 }

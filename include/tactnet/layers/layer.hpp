@@ -245,7 +245,9 @@ void run(const execution_context& context, const T* values, Statistic* running,
 describe_array(std::vector<parameter>& list, const std::string& prefix, const char* name, parameter_role what,
                std::initializer_list<std::size_t> extents, std::size_t offset, std::size_t fan_in = 1,
                const shape& flattened = {0, 0, 0}) {
-    parameter p{{prefix + "." + name, extents, {}, offset, 0}, what, fan_in};
+    std::string path(prefix); // appending compiles less than adding
+    path.append(".", 1).append(name);
+    parameter p{{std::move(path), extents, {}, offset, 0}, what, fan_in};
     p.size = product_of(p.extents);
     if (flattened.size() > 0)
         p.flattened = {flattened.channels, flattened.rows, flattened.columns};

@@ -27,7 +27,11 @@ struct named_array {
 /// The names joined by a point, as PyTorch joins them; an empty one adds nothing.
 [[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string joined_name(const std::string& outer,
                                                                           const std::string& inner) {
-    return outer.empty() || inner.empty() ? outer + inner : outer + "." + inner;
+    // Appending compiles less than adding: operator+ has five forms.
+    std::string name(outer);
+    if (!outer.empty() && !inner.empty())
+        name.append(".", 1);
+    return name.append(inner.data(), inner.size());
 }
 
 /// The product of the extents; 1 for none.

@@ -23,8 +23,8 @@ inline namespace TACTNET_ARCH {
 namespace detail {
 
 template <class Stored, class T, class Conversion>
-[[gnu::noinline]] void convert_each(std::span<const std::byte> stored, std::span<T> to,
-                                    Conversion conversion) {
+[[gnu::cold, gnu::noinline]] void convert_each(std::span<const std::byte> stored, std::span<T> to,
+                                               Conversion conversion) {
     for (std::size_t i = 0; i < to.size(); ++i) {
         Stored value;
         std::memcpy(&value, stored.data() + i * sizeof(Stored), sizeof(Stored));

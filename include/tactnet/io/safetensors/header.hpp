@@ -165,7 +165,7 @@ throw_element_error(std::string_view file, std::string_view tensor, std::size_t 
     if (key != safetensors_checksum_key) {
         if (value.starts_with(checksum_mark))
             fail({"checksums under ", quoted{safetensors_checksum_key}, " alone"});
-        header.metadata.emplace(key, std::move(value));
+        header.metadata.insert({key, std::move(value)});
         return;
     }
     header.checksum = parse_checksum(value);
@@ -255,7 +255,7 @@ parse_safetensors_header(std::span<const std::byte> beginning, std::uintmax_t si
                 detail::scan_metadata(scanner, text, prefix, file, key, header);
             });
         else
-            header.tensors.emplace(name, detail::scan_entry(scanner, file, name));
+            header.tensors.insert({name, detail::scan_entry(scanner, file, name)});
     });
     scanner.end();
 
