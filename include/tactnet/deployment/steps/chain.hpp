@@ -55,7 +55,8 @@ struct step_chain : step_defaults {
     static constexpr bool gives_probabilities = at<size - 1>::gives_probabilities;
     static constexpr bool large = (Steps::large || ...);
 
-    static constexpr void pack(const float* from, packed_number* to) {
+    /// Runs once, so that it is not worth the time to compile it for speed.
+    [[gnu::cold]] static constexpr void pack(const float* from, packed_number* to) {
         ((Steps::pack(from, to), from += Steps::folded_elements, to += Steps::packed_elements), ...);
     }
     /// The largest bound of all steps: maps between them must stay finite as well.
