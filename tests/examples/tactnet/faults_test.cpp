@@ -33,7 +33,7 @@ std::string training(const workshop& shop, const std::string& more) {
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("standard error: messages that cannot be shown are dropped") {
+    TEST_CASE("standard_error: messages that cannot be shown are dropped") {
         const workshop shop;
         for (const char* end : {"2>/dev/full", "2>&-", "2>&- >&-", "2> >(true)"}) {
             CAPTURE(end);
@@ -53,7 +53,7 @@ TEST_SUITE("program") {
         }
     }
 
-    TEST_CASE("standard output: results that cannot be printed are no success") {
+    TEST_CASE("standard_output: results that cannot be printed are no success") {
         const workshop shop;
         REQUIRE(shop.train("--epochs 2 --output net").status == 0);
         const std::string image = " '" + (shop.data() / "left" / "image0.png").string() + "'";
@@ -75,7 +75,7 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "other.checkpoint"));
     }
 
-    TEST_CASE("output files: one file under two names is refused") {
+    TEST_CASE("output_files: one file under two names is refused") {
         const workshop shop;
         REQUIRE(shop.train("--epochs 2 --output net").status == 0);
         const std::string kept = text_of(shop / "net");
@@ -117,7 +117,7 @@ TEST_SUITE("program") {
         refuses("evaluate --data DATA --weights net", "--weights and --results: expected different files");
     }
 
-    TEST_CASE("output files: nothing is written among the images") {
+    TEST_CASE("output_files: nothing is written among the images") {
         const workshop shop;
         for (const char* output : {"left/net", "new/net", "left/image0.png"})
             shop.refuses(shop.train_arguments({"--output", (shop.data() / output).string()}),
@@ -130,7 +130,7 @@ TEST_SUITE("program") {
         CHECK(shop.train({"--epochs", "1", "--output", (shop.data() / "net").string()}).status == 0);
     }
 
-    TEST_CASE("output files: names are tried before the work") {
+    TEST_CASE("output_files: names are tried before the work") {
         const workshop shop;
         const auto refuses = [&](const std::string& output, const std::string& sentence) {
             // By its first word of progress a training would tell that it has begun.
@@ -203,7 +203,7 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "net.checkpoint"));
     }
 
-    TEST_CASE("output files: what a killed program left half-written goes with the next run") {
+    TEST_CASE("output_files: what a killed program left half-written goes with the next run") {
         const workshop shop;
         const std::string name = ".tactnet-17-0.partial";
         fs::create_directories(shop / "results");
@@ -231,7 +231,7 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "made" / "rock" / name));
     }
 
-    TEST_CASE("output files: two trainings of one file are refused, however it is named") {
+    TEST_CASE("output_files: two trainings of one file are refused, however it is named") {
         const workshop shop;
         fs::create_directory_symlink(".", shop / "here");
         const pid_t first = shop.start(shop.train_arguments("--epochs 1000000 --output new/net"));
