@@ -17,6 +17,7 @@ get_filename_component(folder "${folder}" DIRECTORY)
 set(ENV{PKG_CONFIG_PATH} "${folder}:$ENV{PKG_CONFIG_PATH}")
 separate_arguments(flags UNIX_COMMAND "${FLAGS}")
 
+set(programs "${CMAKE_CURRENT_LIST_DIR}/../../packaging/conan/test_package")
 foreach(package_and_source IN ITEMS "tactnet-sensors sensors" "tactnet-eigen eigen")
     separate_arguments(parts UNIX_COMMAND "${package_and_source}")
     list(GET parts 0 package)
@@ -37,7 +38,7 @@ foreach(package_and_source IN ITEMS "tactnet-sensors sensors" "tactnet-eigen eig
     separate_arguments(options UNIX_COMMAND "${options}")
     set(program "${FOLDER}/with_${package}")
     execute_process(
-        COMMAND "${COMPILER}" -std=c++20 ${flags} "${CMAKE_CURRENT_LIST_DIR}/${source}/main.cpp" ${options} -o "${program}"
+        COMMAND "${COMPILER}" -std=c++20 ${flags} "${programs}/${source}.cpp" ${options} -o "${program}"
                 COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY
     )
     execute_process(COMMAND "${program}" COMMAND_ERROR_IS_FATAL ANY)
