@@ -54,7 +54,8 @@ void check_learns() {
     CHECK(last < 0.75 * first); // 0.9⁵ ≈ 0.59
 }
 
-/// At the smallest size and at an odd one between two published resolutions; TACTNET_TEST_EVERY_SIZE takes more.
+/// At the smallest size and at an odd one between two published resolutions; TACTNET_TEST_EVERY_SIZE takes
+/// more.
 template <template <tactnet::shape> class Network>
 void check_learns_at_sizes() {
     check_learns<Network<tactnet::shape{7, 13, 1}>>();

@@ -40,8 +40,8 @@ template <class To, class From>
 
 } // namespace detail
 
-/// The bytes of a cache line. The arrays of a deployed network begin at cache lines on all targets, so that an
-/// exported network is the same for each.
+/// The bytes of a cache line. The arrays of a deployed network begin at cache lines on all targets, so that
+/// an exported network is the same for each.
 inline constexpr std::size_t cache_line = 64;
 /// The alignment in bytes of memory for vectors: no register is wider than a cache line.
 inline constexpr std::size_t alignment = cache_line;

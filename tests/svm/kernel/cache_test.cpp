@@ -57,8 +57,7 @@ TEST_CASE("kernel_cache: a row that gave up its place is filled again, and two r
     CHECK(cache.filled == std::vector<std::size_t>{0, 1, 2, 1, 0});
 }
 
-TEST_CASE(
-    "kernel_cache: every row that is left is cut, and one that is not is filled when it comes again") {
+TEST_CASE("kernel_cache: every row that is left is cut, and one that is not is filled when it comes again") {
     recorded_cache cache(5 * 16 * sizeof(float));
     for (const std::size_t sample : {0U, 1U, 2U, 3U})
         (void)cache(sample, 5);
