@@ -15,10 +15,9 @@ std::vector<std::uint8_t> packet(std::uint8_t identifier, const std::vector<std:
                                     0};
     for (const std::uint8_t byte : payload)
         bytes.push_back(byte);
-    tactnet::weiss_checksum checksum;
-    checksum.add(std::as_bytes(std::span(bytes)).subspan(from));
-    bytes.push_back(static_cast<std::uint8_t>(checksum.value() & 0xFFU));
-    bytes.push_back(static_cast<std::uint8_t>(checksum.value() >> 8U));
+    const std::uint16_t checksum = tactnet::weiss_checksum(std::as_bytes(std::span(bytes)).subspan(from));
+    bytes.push_back(static_cast<std::uint8_t>(checksum & 0xFFU));
+    bytes.push_back(static_cast<std::uint8_t>(checksum >> 8U));
     return bytes;
 }
 

@@ -22,31 +22,31 @@
 namespace tactnet {
 inline namespace TACTNET_ARCH {
 
+namespace detail {
+
+/// The table of the polynomial 1021.
+inline constexpr auto weiss_table = [] {
+    std::array<std::uint16_t, 256> entries{};
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        std::uint32_t entry = static_cast<std::uint32_t>(i) << 8U;
+        for (int bit = 0; bit < 8; ++bit)
+            entry = (entry << 1U) ^ ((entry & 0x8000U) != 0 ? 0x1021U : 0U);
+        entries[i] = static_cast<std::uint16_t>(entry);
+    }
+    return entries;
+}();
+
+} // namespace detail
+
 /// CRC-16 with the polynomial 1021 and the start value FFFF. As in these controllers, the table is that of
 /// the form that is not reflected, but values are shifted to the right.
-class weiss_checksum {
-public:
-    constexpr void add(std::span<const std::byte> bytes) noexcept {
-        for (const std::byte byte : bytes)
-            value_ = static_cast<std::uint16_t>(table[(value_ ^ static_cast<std::uint8_t>(byte)) & 0xFFU] ^
-                                                (value_ >> 8U));
-    }
-    [[nodiscard]] constexpr std::uint16_t value() const noexcept { return value_; }
-
-private:
-    static constexpr auto table = [] {
-        std::array<std::uint16_t, 256> entries{};
-        for (std::size_t i = 0; i < entries.size(); ++i) {
-            std::uint32_t entry = static_cast<std::uint32_t>(i) << 8U;
-            for (int bit = 0; bit < 8; ++bit)
-                entry = (entry << 1U) ^ ((entry & 0x8000U) != 0 ? 0x1021U : 0U);
-            entries[i] = static_cast<std::uint16_t>(entry);
-        }
-        return entries;
-    }();
-
-    std::uint16_t value_ = 0xFFFF;
-};
+[[nodiscard]] constexpr std::uint16_t weiss_checksum(std::span<const std::byte> bytes) noexcept {
+    std::uint16_t value = 0xFFFF;
+    for (const std::byte byte : bytes)
+        value = static_cast<std::uint16_t>(
+            detail::weiss_table[(value ^ static_cast<std::uint8_t>(byte)) & 0xFFU] ^ (value >> 8U));
+    return value;
+}
 
 /// The array of a live stream, which does not describe itself.
 struct weiss_array {
@@ -138,12 +138,11 @@ private:
             return skip_one();
         if (packet.size() < header_size + size + checksum_size)
             return false;
-        weiss_checksum checksum;
         const std::size_t from = coverage_ == weiss_coverage::whole_packet ? 0 : preamble_size;
-        checksum.add(packet.subspan(from, header_size + size - from));
+        const std::uint16_t checksum = weiss_checksum(packet.subspan(from, header_size + size - from));
         const auto given = little_endian<std::uint16_t>(packet.subspan(header_size + size));
-        if (given != checksum.value()) {
-            report(byte_ - packet.size(), {"a checksum of ", checksum.value()}, {given});
+        if (given != checksum) {
+            report(byte_ - packet.size(), {"a checksum of ", checksum}, {given});
             return skip_one();
         }
         if (packet[preamble_size] == frame_identifier)
