@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -232,7 +231,8 @@ void kernel_machine_parameters<Kernel>::check() const {
     const std::size_t k = labels.size(), machines = machine_count(k, scheme);
     require(k >= 2, "classes, at least", 2, k);
     require(features >= 1, "features, at least", 1, features);
-    require(std::adjacent_find(labels.begin(), labels.end(), std::greater_equal<>()) == labels.end(),
+    require(std::adjacent_find(labels.begin(), labels.end(),
+                               [](std::size_t a, std::size_t b) { return a >= b; }) == labels.end(),
             "distinct labels in rising order", k, 0);
     require_same("counts of support vectors", k, support_counts.size());
     const std::size_t vectors = support_vectors.size() / features;

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -32,7 +31,8 @@ struct linear_machine_parameters {
     void check() const {
         const std::size_t k = labels.size();
         if (k < 2 || features == 0 || weights.size() != k * features || offsets.size() != k ||
-            std::adjacent_find(labels.begin(), labels.end(), std::greater_equal<>()) != labels.end() ||
+            std::adjacent_find(labels.begin(), labels.end(),
+                               [](std::size_t a, std::size_t b) { return a >= b; }) != labels.end() ||
             (standardise &&
              (standardise->mean.size() != features || standardise->deviation.size() != features)))
             detail::throw_invalid_argument({"linear machine: ", k, " classes, ", features, " features, ",
