@@ -19,11 +19,9 @@
 #include <interrupt.hpp>
 #include <list>
 #include <mutex>
-#include <new>
 #include <span>
 #include <stopwatch.hpp>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -246,9 +244,8 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
         try {
             while (workers.size() + 1 < wanted)
                 workers.emplace_back([&] { shared.work(); });
-        } catch (const std::system_error&) { // the results do not depend on how many there are
-            shared.tell_refused(workers.size() + 1, wanted);
-        } catch (const std::bad_alloc&) {
+        } catch (
+            const std::exception&) { // no thread or no memory; results do not depend on how many there are
             shared.tell_refused(workers.size() + 1, wanted);
         }
         shared.work();

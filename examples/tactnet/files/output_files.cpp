@@ -100,12 +100,10 @@ void check_regular(const std::vector<named_file>& outputs) {
     for (const auto& [option, path] : outputs) {
         std::error_code code;
         const auto status = fs::status(path, code);
-        if (fs::is_directory(status))
-            throw usage_error(fmt::format("{}: expected the name of a file to write, found a folder at {}",
-                                          option, printable(path.string())));
         if (fs::exists(status) && !fs::is_regular_file(status))
-            throw usage_error(fmt::format("{}: expected the name of a file, found a device or a pipe at {}",
-                                          option, printable(path.string())));
+            throw usage_error(fmt::format("{}: expected the name of a file to write, found {} at {}", option,
+                                          fs::is_directory(status) ? "a folder" : "a device or a pipe",
+                                          printable(path.string())));
     }
 }
 

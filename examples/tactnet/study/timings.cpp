@@ -2,6 +2,8 @@
 
 #include "methods/description.hpp"
 
+#include <tactnet/io/file_error.hpp>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -77,6 +79,15 @@ tactnet::file_metadata this_program() {
     return key;
 }
 
+/// Which program has measured a timing, and where.
+tactnet::file_metadata program_in(const tactnet::file_metadata& settings) {
+    tactnet::file_metadata program;
+    for (const auto& [key, value] : this_program())
+        if (const auto found = settings.find(key); found != settings.end())
+            program[key] = found->second;
+    return program;
+}
+
 tactnet::file_metadata key_of(const method& what, std::size_t bits, tactnet::file_metadata program) {
     program.merge(tactnet::file_metadata{{"method", what.name},
                                          {"rows", fmt::to_string(what.rows)},
@@ -131,27 +142,23 @@ void timing_list::read_on() {
                 throw std::runtime_error(fmt::format("expected {} above 0, found {}", name, value));
             return value;
         };
-        all_[line.at("settings").get<tactnet::file_metadata>()] = {positive("median"), positive("p99"),
-                                                                   positive("in_batch"), positive("jitter")};
+        const auto settings = line.at("settings").get<tactnet::file_metadata>();
+        latest_ = program_in(settings);
+        all_[settings] = {positive("median"), positive("p99"), positive("in_batch"), positive("jitter")};
     });
 }
 
 void timing_list::show_others() {
     std::map<tactnet::file_metadata, std::size_t> counts;
+    for (const auto& [settings, latency] : all_)
+        ++counts[program_in(settings)];
     std::size_t most = 0;
-    for (const auto& [settings, latency] : all_) {
-        tactnet::file_metadata program;
-        for (const auto& [key, value] : this_program())
-            if (const auto found = settings.find(key); found != settings.end())
-                program[key] = found->second;
-        if (program.size() < this_program().size())
-            continue;
-        if (const std::size_t count = ++counts[program]; count > most) {
+    for (const auto& [program, count] : counts)
+        if (program.size() == shown_.size() && (count > most || (count == most && program == latest_))) {
             most = count;
             shown_ = program;
             others_ = true;
         }
-    }
 }
 
 const frame_latency* timing_list::find(const method& what, std::size_t bits) const {
@@ -177,6 +184,9 @@ std::map<std::string, frame_latency> timing_list::by_instruction_set(const metho
 }
 
 void timing_list::add(const method& what, std::size_t bits, const frame_latency& found) {
+    // A clock that stands still would leave a line that nobody can read.
+    if (!(found.median > 0 && found.p99 > 0 && found.in_batch > 0 && found.jitter > 0))
+        throw tactnet::file_error(file_.path().string(), "", "times above 0", "a clock that stands still");
     const tactnet::file_metadata key = key_of(what, bits, this_program());
     file_.add(nlohmann::ordered_json{{"settings", key},
                                      {"median", found.median},

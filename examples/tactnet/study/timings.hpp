@@ -51,7 +51,7 @@ public:
     /// program was compiled for.
     std::map<std::string, frame_latency> by_instruction_set(const method& what, std::size_t bits) const;
     /// From now on `find` and `by_instruction_set` show what another program or machine has measured: the one
-    /// with the most timings in the file, if there are any.
+    /// with the most timings in the file, the latest among equals, if there are any.
     void show_others();
     bool others() const { return others_; }
     /// Whose times are shown: processor, machine, compiler, version and instruction set.
@@ -60,7 +60,7 @@ public:
 
 private:
     line_file file_;
-    tactnet::file_metadata shown_;
+    tactnet::file_metadata shown_, latest_; ///< `latest_` has the last line of the file
     bool others_ = false;
     std::map<tactnet::file_metadata, frame_latency> all_;
 };

@@ -141,9 +141,10 @@ TEST_SUITE("program") {
                 "expected the name of a file that can be written, found 'File name too long'");
         refuses("new/" + std::string(300, 'a') + "/net", "'File name too long'");
         refuses(std::string(250, 'a'), "'File name too long'"); // its reports' names are longer
-        refuses("/dev/null", "--output: expected the name of a file, found a device or a pipe at /dev/null");
+        refuses("/dev/null",
+                "--output: expected the name of a file to write, found a device or a pipe at /dev/null");
         shop.refuses(shop.train_arguments("--output net --checkpoint /dev/null"),
-                     "--checkpoint: expected the name of a file, found a device or a pipe");
+                     "--checkpoint: expected the name of a file to write, found a device or a pipe");
         CHECK(fs::exists("/dev/null"));
     }
 
