@@ -111,20 +111,15 @@ std::string take_from_elsewhere(std::vector<task>& tasks, const result_list& res
             t.settings[key] = found->settings.at(key);
         ++counts[fmt::format("tactnet {} for {}", t.settings["library"], t.settings["instruction_set"])];
     }
-    std::string sentences;
+    std::vector<std::string> sentences;
     for (const auto& [program, count] : counts)
-        sentences += fmt::format("{}{} of {} trainings are by {}", sentences.empty() ? "" : "; ", count,
-                                 tasks.size(), program);
-    return sentences;
+        sentences.push_back(fmt::format("{} of {} trainings are by {}", count, tasks.size(), program));
+    return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
 std::string text_of(const tactnet::file_metadata& program) {
-    const auto part = [&](const char* key) {
-        const auto found = program.find(key);
-        return found == program.end() ? "unknown" : found->second;
-    };
-    return fmt::format("{}, {}, {}; tactnet {}", part("processor"), part("compiler"), part("instruction_set"),
-                       part("library"));
+    return fmt::format("{}, {}, {}; tactnet {}", program.at("processor"), program.at("compiler"),
+                       program.at("instruction_set"), program.at("library"));
 }
 
 /// Says what a report that trains and times nothing has, and lacks.

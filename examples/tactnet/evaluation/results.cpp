@@ -148,6 +148,7 @@ void result_list::add(training_result result) {
 
 void result_list::keep(training_result result) {
     tactnet::file_metadata settings = result.settings;
-    elsewhere_.insert_or_assign(without_program(settings), settings);
+    if (settings.contains("library") && settings.contains("instruction_set"))
+        elsewhere_.insert_or_assign(without_program(settings), settings);
     results_.try_emplace(std::move(settings), std::move(result));
 }
