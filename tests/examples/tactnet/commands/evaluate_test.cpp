@@ -20,24 +20,13 @@ using namespace support;
 TEST_SUITE("program") {
     TEST_CASE("evaluate: what is done is kept") {
         const workshop shop;
-        const auto evaluate = [&](std::vector<std::string> more) {
-            std::vector<std::string> all{"evaluate",
-                                         "--data",
-                                         shop.data().string(),
-                                         "--method",
-                                         "tactnet4,tactnet6-economical",
-                                         "--rows",
-                                         "7",
-                                         "--columns",
-                                         "13",
-                                         "--epochs",
-                                         "3",
-                                         "--results",
-                                         "r"};
-            all.insert(all.end(), more.begin(), more.end());
-            return shop.run(all);
+        const auto evaluate = [&](const words& more) {
+            return shop.run(
+                "evaluate --data DATA --method tactnet4,tactnet6-economical --rows 7 --columns 13 "
+                "--epochs 3 --results r" +
+                more);
         };
-        const outcome first = evaluate({"--splits", "1", "--jobs", "2"});
+        const outcome first = evaluate("--splits 1 --jobs 2");
         REQUIRE_MESSAGE(first.status == 0, first.error);
         CHECK(first.error.find("4 trainings to do, 0 done before") != std::string::npos);
         const auto kept = text_of(shop / "r/evaluation.jsonl");
@@ -62,13 +51,13 @@ TEST_SUITE("program") {
         // last layer.
         CHECK(first.out.find(" 6 323 ") != std::string::npos);
 
-        const outcome second = evaluate({"--splits", "2", "--jobs", "1"});
+        const outcome second = evaluate("--splits 2 --jobs 1");
         REQUIRE_MESSAGE(second.status == 0, second.error);
         CHECK(second.error.find("4 trainings to do, 4 done before") != std::string::npos);
         CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(kept));
 
         // One kind of split alone: the same trainings, and nothing is said of the other kind.
-        const outcome random = evaluate({"--splits", "2", "--split", "random", "--jobs", "1"});
+        const outcome random = evaluate("--splits 2 --split random --jobs 1");
         CHECK(random.status == 0);
         CHECK(random.error.find("0 trainings to do, 4 done before") != std::string::npos);
         CHECK(random.out.find("random splits, %") != std::string::npos);
@@ -82,7 +71,7 @@ TEST_SUITE("program") {
         const auto whole = text_of(shop / "r/evaluation.jsonl");
         tactnet::write_file(shop / "r/evaluation.jsonl",
                             std::string_view(whole).substr(0, whole.size() - 20));
-        const outcome third = evaluate({"--splits", "2", "--jobs", "1"});
+        const outcome third = evaluate("--splits 2 --jobs 1");
         CHECK(third.error.find("1 trainings to do, 7 done before") != std::string::npos);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 8);
 
@@ -93,7 +82,7 @@ TEST_SUITE("program") {
         for (std::size_t at = 0; (at = older.find(version, at)) != std::string::npos; at += version.size())
             older.insert(at + version.size(), "0.");
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
-        const outcome changed = evaluate({"--splits", "1"});
+        const outcome changed = evaluate("--splits 1");
         CHECK(changed.status == 2);
         CHECK(changed.error.find("evaluation.jsonl: checksum of the line 1: expected") != std::string::npos);
         // As that version would have written it.
@@ -105,16 +94,15 @@ TEST_SUITE("program") {
         };
         older = summed_anew(older);
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
-        CHECK(evaluate({"--splits", "1"}).error.find("4 trainings to do, 0 done before") !=
-              std::string::npos);
+        CHECK(evaluate("--splits 1").error.find("4 trainings to do, 0 done before") != std::string::npos);
         CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(older));
 
-        CHECK(evaluate({"--splits", "1", "--afresh"}).error.find("4 trainings to do, 0 done before") !=
+        CHECK(evaluate("--splits 1 --afresh").error.find("4 trainings to do, 0 done before") !=
               std::string::npos);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
 
         tactnet::write_file(shop / "r/evaluation.jsonl", "{}\n");
-        const outcome damaged = evaluate({"--splits", "1"});
+        const outcome damaged = evaluate("--splits 1");
         CHECK(damaged.status == 2);
         CHECK(damaged.error.find("evaluation.jsonl: line 1: expected a result of tactnet evaluate, found") !=
               std::string::npos);
@@ -136,7 +124,7 @@ TEST_SUITE("program") {
                 list.erase(count, list.find(',', count) - count + 1);
             }
             tactnet::write_file(shop / "r/evaluation.jsonl", summed_anew(list));
-            const outcome refused = evaluate({"--splits", "1"});
+            const outcome refused = evaluate("--splits 1");
             CHECK(refused.status == 2);
             CHECK_MESSAGE(refused.error.find("line 1: expected a result of tactnet evaluate, found 'expected "
                                              "a whole number from 0, found ") != std::string::npos,
@@ -146,16 +134,12 @@ TEST_SUITE("program") {
 
     TEST_CASE("evaluate: support vector machines, on the same splits") {
         const workshop shop;
-        const auto evaluate = [&](std::vector<std::string> more) {
-            std::vector<std::string> all{"evaluate", "--data",   shop.data().string(),
-                                         "--rows",   "7",        "--columns",
-                                         "13",       "--split",  "random",
-                                         "--splits", "2",        "--results",
-                                         "r",        "--method", "svm-linear,svm-rbf,surf-svm"};
-            all.insert(all.end(), more.begin(), more.end());
-            return all;
+        const auto evaluate = [](const words& more) {
+            return "evaluate --data DATA --rows 7 --columns 13 --split random --splits 2 --results r "
+                   "--method svm-linear,svm-rbf,surf-svm" +
+                   more;
         };
-        const outcome first = shop.run(evaluate({"--jobs", "2"}));
+        const outcome first = shop.run(evaluate("--jobs 2"));
         REQUIRE_MESSAGE(first.status == 0, first.error);
         const auto table = lines_of(text_of(shop / "r/table.csv"));
         REQUIRE(table.size() == 4);
@@ -170,7 +154,7 @@ TEST_SUITE("program") {
             CHECK(fs::exists(shop / ("r/confusion_" + std::string(names[m]) + "_7x13.csv").c_str()));
         }
         const auto kept = text_of(shop / "r/evaluation.jsonl");
-        const outcome again = shop.run(evaluate({"--jobs", "1"}));
+        const outcome again = shop.run(evaluate("--jobs 1"));
         CHECK(again.error.find("0 trainings to do, 6 done before") != std::string::npos);
         CHECK(text_of(shop / "r/evaluation.jsonl") == kept);
 
@@ -178,10 +162,10 @@ TEST_SUITE("program") {
         CHECK(shop.run("evaluate --data DATA --rows 7 --columns 13 --split random --splits 1 --epochs 2 "
                        "--method tactnet4,svm-linear --results both")
                   .status == 0);
-        shop.refuses(evaluate({"--epochs", "3"}), "expected a network, found svm-linear");
-        shop.refuses(evaluate({"--recipe", "published"}),
+        shop.refuses(evaluate("--epochs 3"), "expected a network, found svm-linear");
+        shop.refuses(evaluate("--recipe published"),
                      "expected default, since nothing was published for svm-linear");
-        shop.refuses(evaluate({"--recipe", "thorough"}),
+        shop.refuses(evaluate("--recipe thorough"),
                      "a thorough training is one of a network that begins by chance, not of svm-linear");
 
         // They are described by their own settings, and by no recipe of networks.
@@ -227,14 +211,10 @@ TEST_SUITE("program") {
 
     TEST_CASE("evaluate: several share a folder of results") {
         const workshop shop;
-        const auto arguments = [&](const char* seed, const char* splits, const char* results) {
-            return std::vector<std::string>{"evaluate",  "--data",    shop.data().string(),
-                                            "--method",  "tactnet4",  "--rows",
-                                            "7",         "--columns", "13",
-                                            "--epochs",  "2",         "--jobs",
-                                            "1",         "--split",   "random",
-                                            "--results", results,     "--seed",
-                                            seed,        "--splits",  splits};
+        const auto arguments = [](const char* seed, const char* splits, const char* results) {
+            return "evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 2 --jobs 1 --split "
+                   "random" +
+                   words{"--results", results, "--seed", seed, "--splits", splits};
         };
         REQUIRE(shop.run(arguments("0", "1", "other")).status == 0);
         const std::string line = text_of(shop / "other/evaluation.jsonl");

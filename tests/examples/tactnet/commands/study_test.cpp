@@ -21,25 +21,11 @@ using namespace support;
 namespace {
 
 /// A study of two methods on 7 × 13 tactels, in single precision.
-std::vector<std::string> study(const workshop& shop, const std::string& results,
-                               const std::vector<std::string>& more = {}) {
-    std::vector<std::string> all{"study",
-                                 "--data",
-                                 shop.data().string(),
-                                 "--methods",
-                                 "tactnet4,svm-linear",
-                                 "--sizes",
-                                 "7x13",
-                                 "--recipes",
-                                 "default",
-                                 "--splits",
-                                 "2",
-                                 "--bits",
-                                 "32",
-                                 "--results",
-                                 results};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+words study(const std::string& results_and_more) {
+    return words(("study --data DATA --methods tactnet4,svm-linear --sizes 7x13 --recipes default --splits 2 "
+                  "--bits 32 --results " +
+                  results_and_more)
+                     .c_str());
 }
 
 /// What of the table does not depend on the machine or the hour: all up to the first time.
@@ -75,7 +61,7 @@ std::string with_member(std::string json, const std::string& name, const std::st
 TEST_SUITE("program") {
     TEST_CASE("study: methods trained and timed once, on one page") {
         const workshop shop;
-        const outcome first = shop.run(study(shop, "s"));
+        const outcome first = shop.run(study("s"));
         REQUIRE_MESSAGE(first.status == 0, first.error);
         CHECK(first.error.find("8 trainings to do, of 8 in all") != std::string::npos);
         CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8);
@@ -110,7 +96,7 @@ TEST_SUITE("program") {
             CHECK_MESSAGE(tables.find(part) != std::string::npos, part);
 
         const auto before = text_of(shop / "s/study.csv");
-        const outcome second = shop.run(study(shop, "s"));
+        const outcome second = shop.run(study("s"));
         REQUIRE_MESSAGE(second.status == 0, second.error);
         CHECK(second.error.find("0 trainings to do, of 8 in all") != std::string::npos);
         CHECK(text_of(shop / "s/study.csv") == before);
@@ -118,9 +104,8 @@ TEST_SUITE("program") {
 
     TEST_CASE("study: networks in 8 bits have rows of their own, of the same trainings") {
         const workshop shop;
-        const std::vector<std::string> both{
-            "study",     "--data",  shop.data().string(), "--methods", "tactnet4",  "--sizes", "7x13",
-            "--recipes", "default", "--splits",           "2",         "--results", "s"};
+        const words both(
+            "study --data DATA --methods tactnet4 --sizes 7x13 --recipes default --splits 2 --results s");
         const outcome first = shop.run(both);
         REQUIRE_MESSAGE(first.status == 0, first.error);
         CHECK(first.error.find("4 trainings to do, of 4 in all") != std::string::npos);
@@ -136,14 +121,12 @@ TEST_SUITE("program") {
         CHECK(text_of(shop / "s/study.html").find(">tactnet4 in 8 bits</td>") != std::string::npos);
 
         // It weighs less than a third, so a budget of bytes finds it.
-        const outcome small = shop.run({"recommend", "--results", "s", "--bytes", "12000"});
+        const outcome small = shop.run("recommend --results s --bytes 12000");
         REQUIRE_MESSAGE(small.status == 0, small.error);
         CHECK(small.out.starts_with("tactnet4 7x13 in 8 bits, default recipe: "));
 
         // Single precision alone needs no more trainings.
-        std::vector<std::string> single = both;
-        single.insert(single.end(), {"--bits", "32"});
-        const outcome second = shop.run(single);
+        const outcome second = shop.run(both + "--bits 32");
         REQUIRE_MESSAGE(second.status == 0, second.error);
         CHECK(second.error.find("0 trainings to do, of 4 in all") != std::string::npos);
         CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 1);
@@ -151,14 +134,13 @@ TEST_SUITE("program") {
 
     TEST_CASE("study: parts of several machines give the table of one, to the last digit") {
         const workshop shop;
-        REQUIRE(shop.run(study(shop, "whole")).status == 0);
+        REQUIRE(shop.run(study("whole")).status == 0);
         for (const char* part : {"1", "2"}) {
-            const outcome run =
-                shop.run(study(shop, std::string("part") + part, {"--shard", std::string(part) + "/2"}));
+            const outcome run = shop.run(study("part" + std::string(part) + " --shard " + part + "/2"));
             REQUIRE_MESSAGE(run.status == 0, run.error);
             CHECK(run.error.find("4 trainings to do, of 8 in all") != std::string::npos);
         }
-        const outcome merged = shop.run(study(shop, "merged", {"--merge", "part1,part2", "--report-only"}));
+        const outcome merged = shop.run(study("merged --merge part1,part2 --report-only"));
         REQUIRE_MESSAGE(merged.status == 0, merged.error);
         CHECK(accuracies_in(text_of(shop / "merged/study.csv")) ==
               accuracies_in(text_of(shop / "whole/study.csv")));
@@ -166,20 +148,19 @@ TEST_SUITE("program") {
         CHECK(merged.error.find("\nwarning: 8 of 8 trainings are there, 0 of 2 methods are timed\n") !=
               std::string::npos);
         // Again: nothing is doubled.
-        REQUIRE(shop.run(study(shop, "merged", {"--merge", "part1,part2", "--report-only"})).status == 0);
+        REQUIRE(shop.run(study("merged --merge part1,part2 --report-only")).status == 0);
         CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
     }
 
     TEST_CASE("study: killed, it goes on with what is left, and so do two programs on one folder") {
         const workshop shop;
-        REQUIRE(shop.run(study(shop, "whole")).status == 0);
-        const pid_t child = shop.start(study(shop, "killed", {"--jobs", "1"}));
+        REQUIRE(shop.run(study("whole")).status == 0);
+        const pid_t child = shop.start(study("killed --jobs 1"));
         for (int i = 0; i < 60'000 && !fs::exists(shop / "killed/evaluation.jsonl"); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
         kill(child, SIGKILL);
         shop.wait(child);
-        const pid_t one = shop.start(study(shop, "killed", {"--jobs", "1"})),
-                    other = shop.start(study(shop, "killed", {"--jobs", "1"}));
+        const pid_t one = shop.start(study("killed --jobs 1")), other = shop.start(study("killed --jobs 1"));
         CHECK(shop.wait(one).status == 0);
         CHECK(shop.wait(other).status == 0);
         CHECK(lines_of(text_of(shop / "killed/timings.jsonl")).size() == 2); // one of them timed
@@ -190,11 +171,11 @@ TEST_SUITE("program") {
 
     TEST_CASE("study: blocked splits alone, and fewer splits than were asked for, are shown as that") {
         const workshop shop;
-        const outcome blocked = shop.run(study(shop, "s", {"--split", "blocked"}));
+        const outcome blocked = shop.run(study("s --split blocked"));
         REQUIRE_MESSAGE(blocked.status == 0, blocked.error);
         CHECK(text_of(shop / "s/study.html").find("Test accuracy over blocked splits") != std::string::npos);
         CHECK(text_of(shop / "s/study.html").find("class=\"confusion\"") != std::string::npos);
-        std::vector<std::string> more = study(shop, "s", {"--split", "blocked", "--report-only"});
+        words more = study("s --split blocked --report-only");
         *(std::find(more.begin(), more.end(), "--splits") + 1) = "5";
         const outcome fewer = shop.run(more);
         REQUIRE_MESSAGE(fewer.status == 0, fewer.error);
@@ -203,26 +184,23 @@ TEST_SUITE("program") {
         CHECK(text_of(shop / "s/study.html").find(" (2 of 5)</td>") != std::string::npos);
 
         // Of another kind of split nothing is there: rows without accuracies, or none.
-        CHECK(
-            shop.run(study(shop, "s", {"--split", "random", "--report-only"})).out.find("not trained yet") !=
-            std::string::npos);
-        const outcome none =
-            shop.run(study(shop, "s", {"--split", "random", "--report-only", "--only-trained"}));
+        CHECK(shop.run(study("s --split random --report-only")).out.find("not trained yet") !=
+              std::string::npos);
+        const outcome none = shop.run(study("s --split random --report-only --only-trained"));
         REQUIRE_MESSAGE(none.status == 0, none.error);
         CHECK(text_of(shop / "s/study.csv").empty());
-        shop.refuses(study(shop, "s", {"--report-only", "--shard", "1/2"}),
-                     "expected one of them, found both");
+        shop.refuses(study("s --report-only --shard 1/2"), "expected one of them, found both");
     }
 
     TEST_CASE("study: times of programs compiled for other instruction sets stand beside its own") {
         const workshop shop;
-        const outcome timed = shop.run(study(shop, "s", {"--times-only"}));
+        const outcome timed = shop.run(study("s --times-only"));
         REQUIRE_MESSAGE(timed.status == 0, timed.error);
         CHECK(!fs::exists(shop / "s/evaluation.jsonl"));
         CHECK(!fs::exists(shop / "s/study.html"));
         std::string lines = text_of(shop / "s/timings.jsonl");
         REQUIRE(lines_of(lines).size() == 2);
-        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        REQUIRE(shop.run(study("s")).status == 0);
         CHECK(text_of(shop / "s/timings.jsonl") == lines); // not timed again
         CHECK(text_of(shop / "s/study.html").find("Other instruction sets") == std::string::npos);
 
@@ -235,19 +213,18 @@ TEST_SUITE("program") {
                      '\n';
         }
         tactnet::write_file(shop / "s/timings.jsonl", lines);
-        REQUIRE(shop.run(study(shop, "s", {"--report-only"})).status == 0);
+        REQUIRE(shop.run(study("s --report-only")).status == 0);
         const std::string page = text_of(shop / "s/study.html");
         CHECK(page.find("Other instruction sets") != std::string::npos);
         CHECK(page.find("<th>scalar_sse2</th>") != std::string::npos);
         CHECK(page.find("sse41</th>") == std::string::npos);
-        shop.refuses(study(shop, "s", {"--times-only", "--report-only"}),
-                     "--report-only excludes --times-only");
+        shop.refuses(study("s --times-only --report-only"), "--report-only excludes --times-only");
     }
 
     TEST_CASE("study: trainings and times by other programs are reported as that, where there are none of "
               "its own") {
         const workshop shop;
-        REQUIRE(shop.run(study(shop, "s")).status == 0);
+        REQUIRE(shop.run(study("s")).status == 0);
         const std::string table = text_of(shop / "s/study.csv");
         for (const char* file : {"s/evaluation.jsonl", "s/timings.jsonl"}) {
             std::string lines;
@@ -257,7 +234,7 @@ TEST_SUITE("program") {
                          '\n';
             tactnet::write_file(shop / file, lines);
         }
-        const outcome report = shop.run(study(shop, "s", {"--report-only"}));
+        const outcome report = shop.run(study("s --report-only"));
         REQUIRE_MESSAGE(report.status == 0, report.error);
         CHECK(text_of(shop / "s/study.csv") == table);
         const std::string whose = "8 of 8 trainings are by tactnet 0.0.9 for scalar_sse2";
@@ -267,73 +244,66 @@ TEST_SUITE("program") {
         CHECK(text_of(shop / "s/study.md").find(whose) != std::string::npos);
         CHECK(text_of(shop / "s/study.html").find("scalar_sse2; tactnet 0.0.9") != std::string::npos);
         // A study that trains takes none of them.
-        CHECK(shop.run(study(shop, "s", {"--shard", "1/2"})).error.find("4 trainings to do, of 8 in all") !=
+        CHECK(shop.run(study("s --shard 1/2")).error.find("4 trainings to do, of 8 in all") !=
               std::string::npos);
     }
 
     TEST_CASE("study: what cannot be had has its row, with the reason") {
         const workshop shop;
-        const outcome run =
-            shop.run({"study", "--data", shop.data().string(), "--methods", "svm-linear,squeezenet-svm",
-                      "--sizes", "7x13", "--splits", "1", "--results", "s"});
+        const words both(
+            "study --data DATA --methods svm-linear,squeezenet-svm --sizes 7x13 --splits 1 --results s");
+        const outcome run = shop.run(both);
         REQUIRE_MESSAGE(run.status == 0, run.error);
         const std::string reason =
             "needs SqueezeNet 1.1 trained on photographs, --pretrained squeezenet=FILE";
         CHECK(run.out.find("squeezenet-svm 7x13: " + reason) != std::string::npos);
         CHECK(text_of(shop / "s/study.html").find(reason) != std::string::npos);
         CHECK(text_of(shop / "s/study.csv").find(reason) != std::string::npos);
-        REQUIRE(shop.run({"study", "--data", shop.data().string(), "--methods", "svm-linear,squeezenet-svm",
-                          "--sizes", "7x13", "--splits", "1", "--results", "s", "--report-only",
-                          "--only-trained"})
-                    .status == 0);
+        REQUIRE(shop.run(both + "--report-only --only-trained").status == 0);
         CHECK(text_of(shop / "s/study.csv").find("squeezenet") == std::string::npos);
     }
 
     TEST_CASE("study: what it cannot take is said") {
         const workshop shop;
-        shop.refuses(study(shop, "s", {"--shard", "3/2"}),
+        shop.refuses(study("s --shard 3/2"),
                      "--shard: expected a part of all such as 1/4, from 1 on, found '3/2'");
-        shop.refuses(study(shop, "s", {"--shard", "0/2"}), "found '0/2'");
+        shop.refuses(study("s --shard 0/2"), "found '0/2'");
         shop.refuses(
-            study(shop, "s", {"--pretrained", "resnet=x"}),
+            study("s --pretrained resnet=x"),
             "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'");
-        shop.refuses({"study", "--data", shop.data().string(), "--methods", "tactnet5"},
-                     "--methods: tactnet5 not in {");
-        shop.refuses({"study", "--data", shop.data().string(), "--sizes", "1x1"}, "--sizes: 1x1 not in {");
-        shop.refuses(study(shop, "s", {"--merge", "nowhere"}),
+        shop.refuses("study --data DATA --methods tactnet5", "--methods: tactnet5 not in {");
+        shop.refuses("study --data DATA --sizes 1x1", "--sizes: 1x1 not in {");
+        shop.refuses(study("s --merge nowhere"),
                      "--merge: expected a folder of results, found no nowhere/evaluation.jsonl");
     }
 
     TEST_CASE("recommend: the best network of a study within a budget, or why there is none") {
         const workshop shop;
-        REQUIRE(shop.run(study(shop, "s")).status == 0);
-        const auto recommend = [&](std::vector<std::string> more) {
-            more.insert(more.begin(), {"recommend", "--results", "s"});
-            return more;
-        };
-        const outcome any = shop.run(recommend({"--microseconds", "1000000"}));
+        REQUIRE(shop.run(study("s")).status == 0);
+        const auto recommend = [](const words& more) { return "recommend --results s" + more; };
+        const outcome any = shop.run(recommend("--microseconds 1000000"));
         REQUIRE_MESSAGE(any.status == 0, any.error);
         CHECK(any.out.starts_with("tactnet4 7x13, default recipe: "));
         CHECK(any.out.find(" over 2 random splits, ") != std::string::npos);
         CHECK(any.out.ends_with("tactnet::tactnet4<tactnet::shape{7, 13}, 22>\n"));
-        CHECK(shop.run(recommend({"--rows", "7", "--columns", "13", "--split", "blocked"})).status == 0);
-        shop.refuses(recommend({"--bytes", "100"}),
+        CHECK(shop.run(recommend("--rows 7 --columns 13 --split blocked")).status == 0);
+        shop.refuses(recommend("--bytes 100"),
                      "expected a budget that a network of s/study.jsonl keeps, found "
                      "none; the fastest, tactnet4 7x13, takes ");
-        shop.refuses(recommend({"--rows", "6"}), "found none; the fastest");
-        shop.refuses({"recommend", "--results", "nowhere"}, "nowhere/study.jsonl: expected");
+        shop.refuses(recommend("--rows 6"), "found none; the fastest");
+        shop.refuses("recommend --results nowhere", "nowhere/study.jsonl: expected");
 
         // Rows that are lost, at the end and before it.
         const std::string whole = text_of(shop / "s/study.jsonl");
         const std::size_t first = whole.find('\n') + 1;
         tactnet::write_file(shop / "s/study.jsonl", whole.substr(0, first));
-        shop.refuses(recommend({}), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
+        shop.refuses(recommend(""), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
         tactnet::write_file(shop / "s/study.jsonl", whole.substr(0, whole.size() - 1));
-        shop.refuses(recommend({}), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
+        shop.refuses(recommend(""), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
         tactnet::write_file(shop / "s/study.jsonl", whole.substr(first));
-        shop.refuses(recommend({}), "s/study.jsonl: line 1: expected a row of tactnet study, found 'the row "
+        shop.refuses(recommend(""), "s/study.jsonl: line 1: expected a row of tactnet study, found 'the row "
                                     "that was line 2 of 2'");
         tactnet::write_file(shop / "s/study.jsonl", std::string("{\"method\": 3}\n"));
-        shop.refuses(recommend({}), "s/study.jsonl: line 1: expected a row of tactnet study, found '");
+        shop.refuses(recommend(""), "s/study.jsonl: line 1: expected a row of tactnet study, found '");
     }
 }
