@@ -63,7 +63,7 @@ void write_weights(const std::filesystem::path& file, bool whole = true) {
 }
 
 support::program_result run(const std::string& arguments) {
-    return run_program(std::string(TACTNET_TRANSFER_PROGRAM) + " " + arguments);
+    return run_program(TACTNET_TRANSFER_PROGRAM " " + arguments);
 }
 
 } // namespace
