@@ -40,6 +40,7 @@ private:
 
 #else
 
+/// The name of a file to read.
 using file_name = std::filesystem::path;
 
 #endif
