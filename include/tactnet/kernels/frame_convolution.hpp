@@ -178,8 +178,8 @@ struct frame_method {
     /// The same in a register block of direct taps: with 16 wide registers, it has too few sums to hide the
     /// latency and reaches about 60 % of the peak.
     static constexpr std::uint64_t direct_product = wide_vectors && vector_registers < 32 ? 26 : product;
-    /// Methods that read weights and maps anew for each register block wait for memory where no near cache
-    /// holds them: by so much that panels are preferred wherever they are possible.
+    /// The penalty of methods that read weights and maps again for each register block. They wait for memory
+    /// once these exceed the near caches; the factor makes panels win wherever they apply.
     static constexpr std::uint64_t waiting(const frame_convolution& c) {
         return c.exceeds_near_caches() ? 16 : 1;
     }

@@ -12,7 +12,7 @@
 // template on the description of the computation (a convolution, its sizes and its epilogue) with static
 // members:
 //   name                what benchmarks print
-//   applicable          whether it can compute this description and pays for its sizes
+//   applicable          whether it can compute this description and is worthwhile at its sizes
 //   cost                estimated work, comparable among the methods of a list; read only if applicable
 //   packed_elements     of weights and biases in the order of use, whole cache lines
 //   workspace_elements  of memory while it runs, whole cache lines

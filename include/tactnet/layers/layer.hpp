@@ -85,8 +85,8 @@ enum class parameter_role { weight, bias, scale, shift, running_mean, running_va
     return r != parameter_role::running_mean && r != parameter_role::running_variance;
 }
 
-/// One array of a network. Its offset counts in the learnable parameters of the network, or in its
-/// statistics.
+/// One array of a network. Its offset, in elements, is into the learnable parameters of the network or into
+/// its statistics.
 struct parameter : named_array {
     parameter_role what; ///< decides how initialisation and weight decay treat it
     std::size_t fan_in;  ///< inputs of one output, for initialisation

@@ -46,7 +46,7 @@ public:
     void on_each_thread(const Body& body) {
         share_out(code_of<Body>, &body);
     }
-    /// Calls body(share) as on_each_thread does, but a single part wakes up no other thread.
+    /// Calls body(share) as on_each_thread does. If `count` is 1, the calling thread runs body alone.
     template <class Body>
     void on_each_share(std::size_t count, const Body& body) {
         if (count == 1)

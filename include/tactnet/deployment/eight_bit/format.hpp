@@ -33,7 +33,8 @@ struct eight_bit_between {
 /// The number format of 8 bits: bytes between layers, floats at the outputs.
 using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;
 
-/// The range of a map: a byte stands for (byte − zero) × scale. The zero is an integer 0 … 255.
+/// The affine quantisation of a map: value = (byte − zero) × scale. The zero point is an integer from 0 to
+/// 255.
 struct map_range {
     float scale = 1, zero = 0;
 
@@ -127,8 +128,8 @@ private:
 
 namespace detail {
 
-/// The only error of a step that cannot be the first, since it would write the frame's words of 16 bits on as
-/// bytes. Such steps derive from those that read bytes, so that no other error follows.
+/// The base of steps that cannot come first: they would treat the 16-bit words of the frame as bytes. They
+/// also derive from the version that reads bytes, so this is the only error shown.
 template <std::size_t Stride>
 struct cannot_read_the_frame {
     static_assert(Stride == 0,

@@ -21,7 +21,7 @@ namespace kernels {
 inline constexpr std::size_t block_channels = vector_registers == 32 ? 8 : 4;
 inline constexpr std::size_t block_outputs = 3;
 
-/// Twice the taps on pixels.
+/// The cost in halves of a multiply-add: twice the taps on pixels, for each channel of the group and filter.
 [[nodiscard]] constexpr std::size_t direct_cost(const batch_convolution& c) {
     std::size_t rows = 0, columns = 0;
     for (std::size_t phase = 0; phase < c.spacing.rows; ++phase)

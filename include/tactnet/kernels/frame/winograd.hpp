@@ -158,9 +158,9 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
     }
 }
 
-/// Winograd's tiles of so many outputs. Tiles of several frames may form one list: a layer with few tiles
-/// computes them before its kernels have arrived, which more tiles then share. The bits of a frame do not
-/// depend on the others.
+/// Winograd convolution in tiles of `Outputs`. The tiles of several frames may share one list: with few
+/// tiles, a layer waits for its weights, and more tiles amortise the load. The bits of a frame do not depend
+/// on the others.
 template <frame_convolution C, extent2d Outputs = best_tile(C)>
 struct winograd_method : frame_method {
     static constexpr const char* name = "Winograd";
