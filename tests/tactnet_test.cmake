@@ -21,7 +21,8 @@ endfunction()
 # in which no test case is left fails, rather than passing because nothing was wrong.
 #
 # FULLY_OPTIMISED is for rooms whose subject is the optimised code itself: the kernels, and what is built of them as
-# users build it; there, QUICK are files at -O1: those that compare many lists of layers with a reference, where most of
+# users build it; there, QUICK are files at -O1
+# (unless TACTNET_TEST_EVERY_SIZE is set, as the preset all-sizes does): those that compare many lists of layers with a reference, where most of
 # the time of compiling would go. They stand last, so that of a function that other files have, too, the linker takes
 # the fully optimised one. DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that
 # do not belong to the project (support/files/data_folder.hpp), and are an entry <room>.data of their own, which CTest
@@ -39,7 +40,7 @@ function(tactnet_test room)
         set(test_COST 20)
     endif()
     add_executable(test_${room} ${test_SOURCES} ${test_QUICK})
-    if(test_QUICK)
+    if(test_QUICK AND NOT TACTNET_TEST_EVERY_SIZE)
         set_source_files_properties(
             ${test_QUICK} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1> SKIP_PRECOMPILE_HEADERS ON
         )
