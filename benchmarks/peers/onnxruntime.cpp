@@ -41,7 +41,7 @@ public:
     [[nodiscard]] const std::string& str() const { return bytes_; }
 
 private:
-    /// Seven bits a byte, the lowest first; the eighth tells that more follow.
+    /// Seven bits per byte, the lowest first; the eighth reports that more bytes follow.
     void append(std::uint64_t value) {
         for (; value >= 128; value >>= 7)
             bytes_ += static_cast<char>(value % 128 + 128);

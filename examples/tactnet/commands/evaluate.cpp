@@ -155,6 +155,10 @@ int evaluate(const evaluate_options& o) {
         tell("stopped; the same command goes on with what is left\n");
         return interrupted_by_user;
     }
+    for (const task& t : all)
+        if (results.find(in_single_precision(t.settings)) == nullptr) // a line was removed by hand
+            throw tactnet::file_error(o.results, "", "results in 8 bits beside those in single precision",
+                                      "only the former; see --afresh");
     const pinned here;
     const std::string here_by(program_instruction_set());
     report(o, rows_of(
