@@ -17,7 +17,7 @@ using namespace tactnet;
 
 namespace {
 
-constexpr float steps = 64, most = 500 * steps;
+constexpr float steps = 64, largest_count = 500 * steps;
 
 struct drawn_counts {
     std::vector<float> counts;
@@ -33,7 +33,8 @@ struct drawn_counts {
     }
     template <class Count>
     bool fits(const std::vector<Count>& from) {
-        return kernels::counts_to_words(from.data(), from.size(), mean.data(), steps, most, words.data());
+        return kernels::counts_to_words(from.data(), from.size(), mean.data(), steps, largest_count,
+                                        words.data());
     }
     /// Words that are not those of plain loops, with those behind the last that were touched.
     [[nodiscard]] std::size_t wrong() const {
@@ -136,12 +137,13 @@ TEST_CASE("roots_to_bytes: numbers below the zero give that of the zero, large o
         CHECK(roots_of(below, 7, offset, 0.5f, {30, 255, 30}) == std::vector<int>(6, 30));
     CHECK(roots_of(std::vector<std::int16_t>{8, 32767}, 7, 0, 1, {0, 200, 30}) == std::vector<int>(2, 200));
     // Of roots beyond 4095 there is no difference any more: products stay within 32 bits.
-    constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
-    CHECK(roots_of(std::vector<std::int32_t>{0, 1, most}, 0, 1e9f, 1, {0, 255, 9}) == std::vector<int>(3, 9));
-    CHECK(roots_of(std::vector<std::int32_t>{4094 * 4094, 4095 * 4095, 4096 * 4096, most}, 0, 0,
+    constexpr std::int32_t largest = std::numeric_limits<std::int32_t>::max();
+    CHECK(roots_of(std::vector<std::int32_t>{0, 1, largest}, 0, 1e9f, 1, {0, 255, 9}) ==
+          std::vector<int>(3, 9));
+    CHECK(roots_of(std::vector<std::int32_t>{4094 * 4094, 4095 * 4095, 4096 * 4096, largest}, 0, 0,
                    1.0f / (16 * 1024), {}) == std::vector<int>{255, 255, 255, 255});
-    CHECK(roots_of(std::vector<std::int32_t>{4095 * 4095, 4096 * 4096, most}, 0, 0, 1.0f / (32 * 1024), {}) ==
-          std::vector<int>{128, 128, 128}); // 127.97
+    CHECK(roots_of(std::vector<std::int32_t>{4095 * 4095, 4096 * 4096, largest}, 0, 0, 1.0f / (32 * 1024),
+                   {}) == std::vector<int>{128, 128, 128}); // 127.97
 }
 
 TEST_CASE("roots_to_bytes: all words and bytes follow the rule, in any number") {
