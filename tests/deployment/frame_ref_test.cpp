@@ -31,8 +31,8 @@ static_assert(std::is_same_v<decltype(try_view<size>(std::declval<std::vector<fl
 // Another number of elements, another shape, another type, or a size that is known at run time.
 static_assert(!converts<std::array<float, 5>> && !converts<float (&)[7]> && !converts<std::span<float, 7>>);
 static_assert(!converts<float (&)[3][2]> && !converts<float (&)[2][2][3]> &&
-              !converts<tensor<float, {3, 2}>>);
-static_assert(!converts<tensor<float, {6, 1}>> && !converts<tensor_view<float, deep>>);
+              !converts<tensor<float, shape{3, 2}>>);
+static_assert(!converts<tensor<float, shape{6, 1}>> && !converts<tensor_view<float, deep>>);
 static_assert(!converts<std::array<double, 6>> && !converts<std::array<std::int8_t, 6>> && !converts<float*>);
 static_assert(!converts<std::vector<float>> && !converts<std::span<const float>> && !converts<std::string>);
 static_assert(!converts<std::optional<tensor_view<const float, size>>>);
@@ -44,7 +44,7 @@ static_assert(holds_frames<std::vector<float>> && holds_frames<std::span<const s
 static_assert(holds_frames<std::vector<std::array<float, 6>>> &&
               holds_frames<std::vector<tensor<float, size>>> && holds_frames<labelled_images>);
 static_assert(!holds_frames<std::vector<double>> && !holds_frames<std::vector<std::array<float, 5>>> &&
-              !holds_frames<std::vector<tensor<float, {3, 2}>>>);
+              !holds_frames<std::vector<tensor<float, shape{3, 2}>>>);
 // Views lie one after the other, but what they view does not.
 static_assert(!holds_frames<std::vector<tensor_view<const float, size>>> &&
               !holds_frames<std::vector<std::span<const float, 6>>>);

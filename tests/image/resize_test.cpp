@@ -220,7 +220,7 @@ TEST_CASE("resize: at the border Lagrange's weights stay below 6 in magnitude, K
     static_assert(magnitude<lagrange_cubic>(28, 227) > 5.18 && magnitude<lagrange_cubic>(28, 227) < 5.19);
     static_assert(magnitude<lagrange_cubic>(50, 227) > 4.59 && magnitude<lagrange_cubic>(50, 227) < 4.60);
     for (std::size_t from = 1; from <= 50; ++from)
-        for (const std::size_t to : {1, 7, 28, 50, 224, 227, 5000})
+        for (const std::size_t to : {1u, 7u, 28u, 50u, 224u, 227u, 5000u})
             CHECK(magnitude<lagrange_cubic>(from, to) < 6);
     CHECK(magnitude<lagrange_cubic>(4, 5000) > 5.99);
     CHECK(magnitude<keys_cubic<>>(28, 227) <= 1.25 + 1e-12);

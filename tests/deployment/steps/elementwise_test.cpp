@@ -32,6 +32,7 @@ struct one_more {
         return gradient;
     }
 };
+static_assert(activation_function<one_more>);
 
 } // namespace
 

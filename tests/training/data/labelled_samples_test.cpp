@@ -95,10 +95,10 @@ TEST_CASE("labelled_samples: a feature that is not finite is an error with its p
 
 TEST_CASE("labelled_images: an image by its number") {
     constexpr shape picture{2, 3};
-    std::vector<std::uint8_t> pixels(3 * picture.size());
-    std::iota(pixels.begin(), pixels.end(), std::uint8_t{0});
-    const std::vector<std::size_t> labels{0, 1, 1};
-    const labelled_images images{pixels, labels, 2};
+    std::vector<std::uint8_t> counts(3 * picture.size());
+    std::iota(counts.begin(), counts.end(), std::uint8_t{0});
+    const std::vector<std::size_t> classes{0, 1, 1};
+    const labelled_images images{counts, classes, 2};
     const auto last = images.image<picture>(2);
     static_assert(last.extent == 6);
     CHECK(last.front() == 12);
@@ -109,8 +109,8 @@ TEST_CASE("labelled_images: an array for each image") {
     constexpr shape picture{2, 3};
     std::vector<std::array<std::uint8_t, picture.size()>> arrays(2);
     arrays[1][5] = 7;
-    const std::vector<std::size_t> labels{0, 1};
-    const labelled_images images{arrays, labels, 2};
+    const std::vector<std::size_t> classes{0, 1};
+    const labelled_images images{arrays, classes, 2};
     CHECK(images.pixels.size() == 12);
     CHECK(images.pixels.data() == arrays[0].data());
     CHECK(images.image<picture>(1)[5] == 7);
