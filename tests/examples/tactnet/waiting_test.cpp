@@ -1,4 +1,4 @@
-// Waiting for what other programs do.
+// Waiting for what other programs do, and for a clock.
 
 #include <doctest/doctest.h>
 
@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <functional>
 #include <interrupt.hpp>
+#include <stopwatch.hpp>
 #include <string>
 #include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
@@ -84,4 +85,10 @@ TEST_SUITE("program") {
         });
         CHECK(found.status == 1);
     }
+}
+
+TEST_CASE("median_microseconds: work that takes no time has a time all the same") {
+    const double found = median_microseconds([] {});
+    CHECK(found >= 0);
+    CHECK(found < 1);
 }
