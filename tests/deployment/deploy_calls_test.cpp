@@ -138,10 +138,10 @@ TEST_CASE("deployed: parameters that are no numbers, and impossible variances, a
              {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
             refused([&](tiny& bad) { bad.learnable_values()[i] = value; });
     good.for_each_parameter([&](const parameter& p, std::span<float>) {
-        for (std::size_t i = p.offset; i < p.offset + p.size && !learnable(p.what); ++i) {
+        for (std::size_t i = p.offset; i < p.offset + p.size && !learnable(p.role); ++i) {
             refused(
                 [&](tiny& bad) { bad.running_statistics()[i] = std::numeric_limits<float>::quiet_NaN(); });
-            if (p.what == parameter_role::running_mean)
+            if (p.role == parameter_role::running_mean)
                 refused(
                     [&](tiny& bad) { bad.running_statistics()[i] = std::numeric_limits<float>::infinity(); });
             else

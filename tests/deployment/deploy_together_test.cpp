@@ -72,7 +72,7 @@ std::unique_ptr<Network> random_network() {
     std::uint64_t state = 3;
     net->for_each_parameter([&](const parameter& p, std::span<float> values) {
         for (float& value : values)
-            value = p.what == parameter_role::running_variance
+            value = p.role == parameter_role::running_variance
                         ? 1 + 0.5f * support::draw(state)
                         : support::draw(state) / std::sqrt(static_cast<float>(p.fan_in));
     });

@@ -39,12 +39,12 @@ void fill(Network& net, std::uint64_t seed) {
     net.for_each_parameter([&](const tactnet::parameter& p, auto values) {
         using tactnet::parameter_role;
         const float spread =
-            p.what == parameter_role::weight ? std::sqrt(6.0f / static_cast<float>(p.fan_in)) : 0.5f;
+            p.role == parameter_role::weight ? std::sqrt(6.0f / static_cast<float>(p.fan_in)) : 0.5f;
         for (float& value : values) {
             value = draw.next(-spread, spread);
-            if (p.what == parameter_role::running_variance)
+            if (p.role == parameter_role::running_variance)
                 value = 0.3f + 2 * std::abs(value);
-            if (p.what == parameter_role::scale)
+            if (p.role == parameter_role::scale)
                 value += value < 0 ? -0.7f : 0.7f;
         }
     });

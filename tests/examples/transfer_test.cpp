@@ -51,7 +51,7 @@ void write_weights(const std::filesystem::path& file, bool whole = true) {
     tactnet::random_stream random(6, tactnet::random_purposes::order);
     for (const tactnet::parameter& p : trunk::describe()) {
         const double most =
-            p.what == tactnet::parameter_role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
+            p.role == tactnet::parameter_role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
         std::vector<float> values(p.size);
         for (float& value : values)
             value = static_cast<float>(random.uniform(-most, most));

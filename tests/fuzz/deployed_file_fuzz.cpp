@@ -82,7 +82,7 @@ std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
     float number = 0;
     model.network.for_each_parameter([&](const tactnet::parameter& p, auto values) {
         for (float& v : values)
-            v = p.what == tactnet::parameter_role::running_variance
+            v = p.role == tactnet::parameter_role::running_variance
                     ? 1
                     : ((number += 37) > 50 ? number -= 101 : number) / 64;
     });

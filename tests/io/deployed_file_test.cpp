@@ -43,7 +43,7 @@ model<net> trained(std::size_t classes) {
     std::size_t i = 0;
     m.network.for_each_parameter([&](const parameter& p, auto values) {
         for (float& v : values)
-            v = p.what == parameter_role::running_variance ? 1.5f : std::sin(static_cast<float>(++i)) / 4;
+            v = p.role == parameter_role::running_variance ? 1.5f : std::sin(static_cast<float>(++i)) / 4;
     });
     std::fill(m.normalise.mean.begin(), m.normalise.mean.end(), 20.5f);
     m.normalise.scale = 1.0f / 64;

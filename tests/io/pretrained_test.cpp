@@ -46,7 +46,7 @@ safetensors_writer file_of(element_type type) {
     for (const parameter& p : trunk::describe()) {
         std::vector<float> values(p.size);
         for (std::size_t i = 0; i < p.size; ++i)
-            values[i] = p.what == parameter_role::running_variance ? 1.5F : exact(i + p.offset);
+            values[i] = p.role == parameter_role::running_variance ? 1.5F : exact(i + p.offset);
         std::vector<std::uint16_t> halves(p.size);
         std::transform(values.begin(), values.end(), halves.begin(),
                        type == element_type::float16 ? as_float16 : as_bfloat16);
@@ -71,7 +71,7 @@ TEST_CASE("pretrained: weights in float32, float16 and bfloat16") {
         n.for_each_parameter([](const parameter& p, std::span<const float> values) {
             for (std::size_t i = 0; i < values.size(); ++i)
                 REQUIRE(values[i] ==
-                        (p.what == parameter_role::running_variance ? 1.5F : exact(i + p.offset)));
+                        (p.role == parameter_role::running_variance ? 1.5F : exact(i + p.offset)));
         });
     }
 }
@@ -120,7 +120,7 @@ TEST_CASE("pretrained: a network among other tensors, under a prefix") {
         n.for_each_parameter([](const parameter& p, std::span<const float> values) {
             for (std::size_t i = 0; i < values.size(); ++i)
                 REQUIRE(values[i] ==
-                        (p.what == parameter_role::running_variance ? 1.5F : exact(i + p.offset)));
+                        (p.role == parameter_role::running_variance ? 1.5F : exact(i + p.offset)));
         });
         return std::string();
     };
@@ -141,7 +141,7 @@ TEST_CASE("pretrained: values that cannot be") {
     safetensors_writer writer;
     for (const parameter& p : trunk::describe()) {
         std::vector<float> values(p.size, 1);
-        if (p.what == parameter_role::shift)
+        if (p.role == parameter_role::shift)
             values[1] = std::numeric_limits<float>::quiet_NaN();
         writer.add(p.name, p.extents, std::span<const float>(values));
     }

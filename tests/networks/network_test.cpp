@@ -36,7 +36,7 @@ void check_cover() {
         for (const std::size_t e : p.extents)
             size *= e;
         CHECK(p.size == size);
-        std::vector<int>& cover = learnable(p.what) ? learned : counted;
+        std::vector<int>& cover = learnable(p.role) ? learned : counted;
         REQUIRE(p.offset + p.size <= cover.size());
         for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
             ++cover[i];
@@ -54,15 +54,15 @@ TEST_CASE("describe: every number of a network once, under PyTorch's names") {
     const auto arrays = arrays_of<net4>();
     CHECK(arrays.size() == 3 * 2 + 3 * 4 + 2);
     CHECK(arrays.at("conv1.weight").extents == std::vector<std::size_t>{8, 1, 5, 5});
-    CHECK(arrays.at("conv1.weight").what == parameter_role::weight);
+    CHECK(arrays.at("conv1.weight").role == parameter_role::weight);
     CHECK(arrays.at("conv1.weight").fan_in == 25);
     CHECK(arrays.at("conv3.bias").extents == std::vector<std::size_t>{32});
-    CHECK(arrays.at("bn1.weight").what == parameter_role::scale);
-    CHECK(arrays.at("bn2.bias").what == parameter_role::shift);
-    CHECK(arrays.at("bn1.running_mean").what == parameter_role::running_mean);
-    CHECK(arrays.at("bn3.running_var").what == parameter_role::running_variance);
+    CHECK(arrays.at("bn1.weight").role == parameter_role::scale);
+    CHECK(arrays.at("bn2.bias").role == parameter_role::shift);
+    CHECK(arrays.at("bn1.running_mean").role == parameter_role::running_mean);
+    CHECK(arrays.at("bn3.running_var").role == parameter_role::running_variance);
     CHECK(arrays.at("fc.weight").extents == std::vector<std::size_t>{22, 32 * 4 * 7});
-    CHECK(arrays.at("fc.bias").what == parameter_role::bias);
+    CHECK(arrays.at("fc.bias").role == parameter_role::bias);
 }
 
 TEST_CASE("describe: the arrays of residual blocks are named after the block") {
@@ -89,7 +89,7 @@ TEST_CASE("network: scales and running variances begin at one, all else at zero;
     network<shape{7, 13, 1}, conv2d<3, 3>, batch_norm, relu, dense<4>> net;
     net.for_each_parameter([](const parameter& p, std::span<float> values) {
         CHECK(values.size() == p.size);
-        const bool one = p.what == parameter_role::scale || p.what == parameter_role::running_variance;
+        const bool one = p.role == parameter_role::scale || p.role == parameter_role::running_variance;
         CHECK(std::all_of(values.begin(), values.end(), [&](float v) { return v == (one ? 1 : 0); }));
         if (p.name == "bn1.weight")
             values[2] = 7;

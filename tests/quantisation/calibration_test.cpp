@@ -261,9 +261,9 @@ TEST_CASE("eight_bit_calibration: maps that hold nothing but zero are no difficu
     small n; // all zeros
     std::fill(n.learnable_values().begin(), n.learnable_values().end(), 0.0f);
     n.for_each_parameter([](const parameter& p, auto values) {
-        if (p.what == parameter_role::bias) // the last one is the dense layer's
+        if (p.role == parameter_role::bias) // the last one is the dense layer's
             values.back() = 0.75f;
-        if (p.what == parameter_role::bias && values.size() == 4)
+        if (p.role == parameter_role::bias && values.size() == 4)
             values.back() = 0;
     });
     const std::vector<float> frames = support::frames_for<small>(2, 3);

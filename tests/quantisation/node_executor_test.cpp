@@ -99,10 +99,11 @@ struct drawn_step {
                                 most = most ? std::max(*most, *sum) : *sum;
                     double number = step.rectified ? std::max(*most, 0.0) : *most;
                     if (rounded) { // scales are powers of two: quotients are exact
-                        const double byte =
-                            std::clamp(std::nearbyint(number / static_cast<double>(range.scale)) + range.zero,
-                                       0.0, 255.0);
-                        number = (byte - static_cast<double>(range.zero)) * static_cast<double>(range.scale);
+                        const double byte = std::clamp(
+                            std::nearbyint(number / static_cast<double>(range.scale)) + range.zero_point, 0.0,
+                            255.0);
+                        number =
+                            (byte - static_cast<double>(range.zero_point)) * static_cast<double>(range.scale);
                     }
                     expected[net.maps[2].begin + (y * step.to.columns + x) * step.to.channels + step.first +
                              f] = static_cast<float>(number);

@@ -22,9 +22,9 @@ TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
         initialise(net, rule, 1);
         net.for_each_parameter([&](const parameter& p, std::span<float> values) {
             CAPTURE(p.name);
-            if (p.what != parameter_role::weight) {
+            if (p.role != parameter_role::weight) {
                 const bool one =
-                    p.what == parameter_role::scale || p.what == parameter_role::running_variance;
+                    p.role == parameter_role::scale || p.role == parameter_role::running_variance;
                 CHECK(std::all_of(values.begin(), values.end(), [&](float v) { return v == (one ? 1 : 0); }));
                 return;
             }

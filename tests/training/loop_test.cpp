@@ -45,10 +45,10 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
     for (const parameter& p : parameters)
         arrays.push_back(p.name.starts_with("fc")
                              ? std::vector<float>()
-                             : std::vector<float>(p.size, p.what == parameter_role::weight ? 0.25F : 0.5F));
+                             : std::vector<float>(p.size, p.role == parameter_role::weight ? 0.25F : 0.5F));
     const auto values_of = [](const trainable& network, const parameter& p) {
         const net& own = static_cast<const trainable_network<net>&>(network).network();
-        return (learnable(p.what) ? own.learnable_values() : own.running_statistics())
+        return (learnable(p.role) ? own.learnable_values() : own.running_statistics())
             .subspan(p.offset, p.size);
     };
 
@@ -63,7 +63,7 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
         loop.run_epoch();
     // At no share of the rate what was learnt stays, apart from what is measured.
     for (std::size_t i = 0; i < arrays.size(); ++i)
-        if (learnable(parameters[i].what))
+        if (learnable(parameters[i].role))
             CHECK(support::same_bits(values_of(loop.latest(), parameters[i]), arrays[i]) ==
                   !arrays[i].empty());
     CHECK_THROWS_AS(loop.start_from_trunk(arrays), std::logic_error);

@@ -88,14 +88,14 @@ struct batch_inference {
             return view.infer_batch(frames, first, to.data() + first * outputs, thread_memory, executor,
                                     status == nullptr ? nullptr : status + first);
         };
-        std::atomic<bool> usual = true;
+        std::atomic<bool> in_range = true;
         if constexpr (View::large) {
             const std::size_t group = std::max(most_on_all_threads, pool.threads());
             for (std::size_t first = 0; first < count; first += group) {
                 const batch_executor<thread_pool> executor{pool, std::min(group, count - first)};
                 if (infer(first, memory.hold<activation>(executor.copies() * View::workspace_elements),
                           executor) != frame_status::ok)
-                    usual = false;
+                    in_range = false;
             }
         } else {
             const std::size_t shares = std::min(pool.threads(), count); // one frame wakes no other thread
@@ -114,11 +114,11 @@ struct batch_inference {
                     const batch_executor<inline_executor<on_one_thread>> executor{
                         here, std::min(on_one_thread, end - first)};
                     if (infer(first, thread_memory, executor) != frame_status::ok)
-                        usual = false;
+                        in_range = false;
                 }
             });
         }
-        return usual ? frame_status::ok : frame_status::not_finite;
+        return in_range ? frame_status::ok : frame_status::not_finite;
     }
 };
 

@@ -51,16 +51,16 @@ struct input_stage<single_precision, Input> {
         if constexpr (Input.channels == 1) {
             return kernels::normalise_counts<Input.size()>(counts, mean, scale, limit, in);
         } else {
-            std::uint32_t beyond = 0;
+            std::uint32_t out_of_range = 0;
             for (std::size_t channel = 0; channel < Input.channels; ++channel)
                 for (std::size_t pixel = 0; pixel < Input.area(); ++pixel) {
                     const std::size_t at = channel * Input.area() + pixel;
                     const float number = (static_cast<float>(counts[at]) - mean[at]) * scale;
                     in[pixel * Input.channels + channel] = number;
                     if constexpr (std::is_floating_point_v<Count>)
-                        beyond += !(number <= limit && number >= -limit);
+                        out_of_range += !(number <= limit && number >= -limit);
                 }
-            return beyond == 0;
+            return out_of_range == 0;
         }
     }
 };
@@ -72,13 +72,13 @@ struct output_stage<single_precision, Output, Stride> {
     static constexpr std::size_t map = whole_lines(Output.area() * Stride); ///< elements of the last map
     /// Whether all outputs are finite.
     static bool write(const float* out, std::span<float, Output.size()> to) noexcept {
-        std::uint32_t beyond = 0;
+        std::uint32_t out_of_range = 0;
         for (std::size_t channel = 0; channel < Output.channels; ++channel)
             for (std::size_t pixel = 0; pixel < Output.area(); ++pixel)
                 to[channel * Output.area() + pixel] = out[pixel * Stride + channel];
         for (const float value : to)
-            beyond += !(std::abs(value) <= std::numeric_limits<float>::max());
-        return beyond == 0;
+            out_of_range += !(std::abs(value) <= std::numeric_limits<float>::max());
+        return out_of_range == 0;
     }
 };
 
@@ -163,9 +163,9 @@ public:
                        workspace& memory) const noexcept {
         activation* const in = memory.elements.data();
         activation* const out = in + input::map;
-        const bool usual = read(frame, in);
+        const bool in_range = read(frame, in);
         Steps::run(packed_ + input::packed_elements, in, out, out + output::map);
-        return output::write(out, to) && usual ? frame_status::ok : frame_status::not_finite;
+        return output::write(out, to) && in_range ? frame_status::ok : frame_status::not_finite;
     }
     /// As above, with a workspace on the stack.
     frame_status infer(frame_ref<Input> frame, std::span<float, outputs> to) const noexcept {
@@ -209,11 +209,11 @@ private:
                              activation* memory, const Executor& executor, frame_status* status) const {
         activation* const in = memory;
         activation* const out = in + executor.copies() * input::map;
-        std::atomic<bool> usual = true;
+        std::atomic<bool> in_range = true;
         const auto check = [&](std::size_t i, bool finite) {
             if (finite)
                 return;
-            usual = false;
+            in_range = false;
             if (status != nullptr)
                 status[i] = frame_status::not_finite;
         };
@@ -225,7 +225,7 @@ private:
             check(i,
                   output::write(out + i * output::map, std::span<float, outputs>(to + i * outputs, outputs)));
         });
-        return usual ? frame_status::ok : frame_status::not_finite;
+        return in_range ? frame_status::ok : frame_status::not_finite;
     }
 
     bool read(frame_ref<Input> frame, activation* in) const noexcept {

@@ -180,7 +180,7 @@ struct frame_method {
     static constexpr std::uint64_t direct_product = wide_vectors && vector_registers < 32 ? 26 : product;
     /// The penalty of methods that read weights and maps again for each register block. They wait for memory
     /// once these exceed the near caches; the factor makes panels win wherever they apply.
-    static constexpr std::uint64_t waiting(const frame_convolution& c) {
+    static constexpr std::uint64_t memory_penalty(const frame_convolution& c) {
         return c.exceeds_near_caches() ? 16 : 1;
     }
 };

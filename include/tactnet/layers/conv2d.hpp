@@ -110,27 +110,27 @@ struct conv2d {
         }
 
         static void prepare(const execution_context&, const T* values, const T*, memory& m) {
-            m.forward_weights.resize(ahead::packed_elements);
+            m.forward_weights.resize(forward_method::packed_elements);
             const auto weight = [&](auto filter, auto channel, auto row, auto column) {
                 return values[((filter * channels + channel) * Kernel.rows + row) * Kernel.columns + column];
             };
-            ahead::pack(weight, m.forward_weights.data());
+            forward_method::pack(weight, m.forward_weights.data());
         }
 
         static void infer(const execution_context& context, const T* values, const T*, memory& m,
                           input_view<T, Input> in, output_view<T, output> out) {
-            detail::grow(m.scratch, context.threads.threads() * ahead::workspace_elements);
+            detail::grow(m.scratch, context.threads.threads() * forward_method::workspace_elements);
             context.threads.on_each_share(in.lane_blocks(), [&](thread_pool::share part) {
                 for (std::size_t b = part.begin(in.lane_blocks()); b < part.end(in.lane_blocks()); ++b)
-                    ahead::run(m.forward_weights.data(), has_bias ? values + weights : nullptr,
-                               in.lane_block(b), out.lane_block(b),
-                               m.scratch.data() + part.index * ahead::workspace_elements);
+                    forward_method::run(m.forward_weights.data(), has_bias ? values + weights : nullptr,
+                                        in.lane_block(b), out.lane_block(b),
+                                        m.scratch.data() + part.index * forward_method::workspace_elements);
             });
         }
 
         static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
-            m.totals.assign(of_weights::totals + biases, 0.0);
-            m.backward_weights.resize(back::packed_elements);
+            m.totals.assign(weight_gradient_method::totals + biases, 0.0);
+            m.backward_weights.resize(input_gradient_method::packed_elements);
             const auto weight = [&](auto channel, auto filter, auto row, auto column) {
                 const std::size_t group = channel / channels;
                 return values[(((group * filters + filter) * channels + channel % channels) * Kernel.rows +
@@ -138,12 +138,13 @@ struct conv2d {
                                   Kernel.columns +
                               (Kernel.columns - 1 - column)];
             };
-            back::pack(weight, m.backward_weights.data());
+            input_gradient_method::pack(weight, m.backward_weights.data());
         }
         static void backward(const execution_context& context, const T*, memory& m, input_view<T, Input> in,
                              input_view<T, output>, input_view<T, output> out_gradient,
                              output_view<T, Input> in_gradient, T*) {
-            constexpr std::size_t needed = std::max(of_weights::workspace_elements, back::workspace_elements);
+            constexpr std::size_t needed = std::max(weight_gradient_method::workspace_elements,
+                                                    input_gradient_method::workspace_elements);
             detail::grow(m.scratch, context.threads.threads() * needed);
             // Threads share the weights and the biases, each adding all lane blocks in order, and the lane
             // blocks of the input gradient. Lane block by lane block, so that each is fetched from memory
@@ -151,11 +152,12 @@ struct conv2d {
             context.threads.on_each_thread([&](thread_pool::share part) {
                 T* const scratch = m.scratch.data() + part.index * needed;
                 for (std::size_t b = 0; b < in.lane_blocks(); ++b) {
-                    of_weights::add(in.lane_block(b), out_gradient.lane_block(b), m.totals.data(), scratch,
-                                    part.begin(of_weights::pieces), part.end(of_weights::pieces));
+                    weight_gradient_method::add(in.lane_block(b), out_gradient.lane_block(b), m.totals.data(),
+                                                scratch, part.begin(weight_gradient_method::pieces),
+                                                part.end(weight_gradient_method::pieces));
                     for (std::size_t f = part.begin(biases); f < part.end(biases); ++f) {
                         const T* from = out_gradient.lane_block(b) + f * output.area() * kernels::lanes<T>;
-                        m.totals[of_weights::totals + f] +=
+                        m.totals[weight_gradient_method::totals + f] +=
                             kernels::sum_terms<1, T>(output.area(), [&](std::size_t i) {
                                 return std::array<kernels::vector<T>, 1>{
                                     kernels::load(from + i * kernels::lanes<T>)};
@@ -163,15 +165,17 @@ struct conv2d {
                     }
                     if (in_gradient.data() != nullptr && b >= part.begin(in.lane_blocks()) &&
                         b < part.end(in.lane_blocks()))
-                        back::run(m.backward_weights.data(), nullptr, out_gradient.lane_block(b),
-                                  in_gradient.lane_block(b), scratch);
+                        input_gradient_method::run(m.backward_weights.data(), nullptr,
+                                                   out_gradient.lane_block(b), in_gradient.lane_block(b),
+                                                   scratch);
                 }
             });
         }
         static void end_backward(memory& m, T* gradients) {
-            of_weights::finish(m.totals.data(), gradients);
+            weight_gradient_method::finish(m.totals.data(), gradients);
             for (std::size_t filter = 0; filter < biases; ++filter)
-                gradients[weights + filter] = static_cast<T>(m.totals[of_weights::totals + filter]);
+                gradients[weights + filter] =
+                    static_cast<T>(m.totals[weight_gradient_method::totals + filter]);
         }
 
     private:
@@ -180,10 +184,10 @@ struct conv2d {
         static constexpr std::size_t computed = Filters > 0 ? Filters : 1;
         static constexpr auto description = kernels::batch_convolution::forward(window, computed, groups);
 
-        using ahead = kernels::lane_convolution<description, T>;
-        using back =
+        using forward_method = kernels::lane_convolution<description, T>;
+        using input_gradient_method =
             kernels::lane_convolution<kernels::batch_convolution::backward(window, computed, groups), T>;
-        using of_weights = kernels::weight_gradient<description, T>;
+        using weight_gradient_method = kernels::weight_gradient<description, T>;
     };
 };
 

@@ -88,7 +88,7 @@ enum class parameter_role { weight, bias, scale, shift, running_mean, running_va
 /// One array of a network. Its offset, in elements, is into the learnable parameters of the network or into
 /// its statistics.
 struct parameter : named_array {
-    parameter_role what; ///< decides how initialisation and weight decay treat it
+    parameter_role role; ///< decides how initialisation and weight decay treat it
     std::size_t fan_in;  ///< inputs of one output, for initialisation
 };
 
@@ -242,12 +242,12 @@ void run(const execution_context& context, const T* values, Statistic* running,
 /// Appends the array "prefix.name" to the layer's arrays. `flattened` is the input of a fully connected
 /// layer, for its weights. Not inlined, to save compile time.
 [[gnu::cold, gnu::noinline]] inline void
-describe_array(std::vector<parameter>& list, const std::string& prefix, const char* name, parameter_role what,
+describe_array(std::vector<parameter>& list, const std::string& prefix, const char* name, parameter_role role,
                std::initializer_list<std::size_t> extents, std::size_t offset, std::size_t fan_in = 1,
                const shape& flattened = {0, 0, 0}) {
     std::string path(prefix); // appending compiles less than adding
     path.append(".", 1).append(name);
-    parameter p{{std::move(path), extents, {}, offset, 0}, what, fan_in};
+    parameter p{{std::move(path), extents, {}, offset, 0}, role, fan_in};
     p.size = product_of(p.extents);
     if (flattened.size() > 0)
         p.flattened = {flattened.channels, flattened.rows, flattened.columns};

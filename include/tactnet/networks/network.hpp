@@ -122,7 +122,7 @@ public:
     basic_network()
         : values_(kernels::padded_size<T>(parameters)), statistics_(kernels::padded_size<T>(statistics)) {
         for_each_parameter([](const parameter& p, std::span<T> values) {
-            if (p.what == parameter_role::scale || p.what == parameter_role::running_variance)
+            if (p.role == parameter_role::scale || p.role == parameter_role::running_variance)
                 std::fill(values.begin(), values.end(), T{1});
         });
     }
@@ -149,13 +149,13 @@ public:
     template <class Visit>
     void for_each_parameter(Visit&& visit) {
         for (const parameter& p : describe())
-            visit(p, std::span<T>((learnable(p.what) ? values_ : statistics_).data() + p.offset, p.size));
+            visit(p, std::span<T>((learnable(p.role) ? values_ : statistics_).data() + p.offset, p.size));
     }
     template <class Visit>
     void for_each_parameter(Visit&& visit) const {
         for (const parameter& p : describe())
             visit(p,
-                  std::span<const T>((learnable(p.what) ? values_ : statistics_).data() + p.offset, p.size));
+                  std::span<const T>((learnable(p.role) ? values_ : statistics_).data() + p.offset, p.size));
     }
 
     /// Prepares a workspace for the present parameters. Call it again whenever they change.

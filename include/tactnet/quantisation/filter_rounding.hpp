@@ -82,7 +82,7 @@ public:
     /// authors' TactNet-4 at 14 × 25, calibrated on four fifths of 110 images, five times: from 0 to 0.1 the
     /// error of outputs on these images is 0.099 to 0.107 (least at 0.001), with nearest rounding 0.160. So
     /// the figure matters little.
-    static constexpr double pull_to_exact = 1e-3;
+    static constexpr double ridge = 1e-3;
     /// Rounds of the descent. This limit ends most fits, with small moves left. Measured as above: after 1,
     /// 2, 4, 8 and 64 rounds the error of outputs is 0.108, 0.104, 0.103, 0.099, 0.102.
     static constexpr int most_rounds = 8;
@@ -95,7 +95,7 @@ public:
             for (std::size_t u = 0; u < taps; ++u)
                 covariance_[t * taps + u] = seen.covariance(t, u);
         for (std::size_t t = 0; t < taps; ++t)
-            pull_ += covariance_[t * taps + t] * pull_to_exact / static_cast<double>(taps);
+            ridge_term_ += covariance_[t * taps + t] * ridge / static_cast<double>(taps);
     }
 
     /// Rounds exact weights to whole multiples of `scale`. Each weight in turn takes the value that is best
@@ -108,7 +108,7 @@ public:
             whole[t] = nearest(static_cast<double>(exact[t]) / step);
         for (std::size_t t = 0; t < taps_; ++t) {
             rest_[t] = seen_.covariance_with_wanted(filter, t) +
-                       pull_ * (static_cast<double>(exact[t]) - whole[t] * step);
+                       ridge_term_ * (static_cast<double>(exact[t]) - whole[t] * step);
             for (std::size_t u = 0; u < taps_; ++u)
                 rest_[t] -= covariance_[t * taps_ + u] * whole[u] * step;
         }
@@ -116,7 +116,7 @@ public:
         for (int round = 0; moved && round < most_rounds; ++round) {
             moved = false;
             for (std::size_t t = 0; t < taps_; ++t) {
-                const double curvature = covariance_[t * taps_ + t] + pull_;
+                const double curvature = covariance_[t * taps_ + t] + ridge_term_;
                 if (!(curvature > 0))
                     continue;
                 const double better = nearest(whole[t] + rest_[t] / curvature / step);
@@ -125,7 +125,7 @@ public:
                     continue;
                 for (std::size_t u = 0; u < taps_; ++u)
                     rest_[u] -= covariance_[t * taps_ + u] * change;
-                rest_[t] -= pull_ * change;
+                rest_[t] -= ridge_term_ * change;
                 whole[t] = better, moved = true;
             }
         }
@@ -141,7 +141,7 @@ private:
     const pixel_moments& seen_;
     std::size_t taps_;
     std::vector<double> covariance_, rest_;
-    double pull_ = 0;
+    double ridge_term_ = 0;
 };
 
 } // namespace detail

@@ -186,8 +186,8 @@ private:
     /// A number rounded to a byte of the range.
     [[nodiscard]] static float nearest(float value, const map_range& range) {
         constexpr float largest_byte = 255;
-        return (std::clamp(std::nearbyint(value / range.scale) + range.zero, 0.0f, largest_byte) -
-                range.zero) *
+        return (std::clamp(std::nearbyint(value / range.scale) + range.zero_point, 0.0f, largest_byte) -
+                range.zero_point) *
                range.scale;
     }
     [[gnu::cold]] void order_weights(bool as_bytes) {

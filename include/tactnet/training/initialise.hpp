@@ -32,8 +32,8 @@ namespace detail {
 template <class T>
 void initialise(const parameter& p, std::span<T> values, const initialisation& rule, std::uint64_t seed,
                 std::uint32_t& index) {
-    if (p.what != parameter_role::weight) {
-        const bool one = p.what == parameter_role::scale || p.what == parameter_role::running_variance;
+    if (p.role != parameter_role::weight) {
+        const bool one = p.role == parameter_role::scale || p.role == parameter_role::running_variance;
         std::fill(values.begin(), values.end(), T(one ? 1 : 0));
         return;
     }

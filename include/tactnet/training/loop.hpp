@@ -122,7 +122,7 @@ public:
             const parameter& p = parameters[i];
             for (trainable* const each : {network_.get(), averaged_.get(), best_.get()})
                 std::copy(arrays[i].begin(), arrays[i].end(), each->values_of(p).begin());
-            if (learnable(p.what))
+            if (learnable(p.role))
                 step_.set_rate_share(p, how_.pretrained_rate);
         }
     }

@@ -59,8 +59,8 @@ inline aligned_vector<float> decay_mask(const optimiser& rule, const std::vector
     const bool norms = descent && descent->l2_of_norms;
     aligned_vector<float> mask(size, 0.0f);
     for (const parameter& p : parameters)
-        if (p.what == parameter_role::weight ||
-            (norms && (p.what == parameter_role::scale || p.what == parameter_role::shift)))
+        if (p.role == parameter_role::weight ||
+            (norms && (p.role == parameter_role::scale || p.role == parameter_role::shift)))
             std::fill_n(mask.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size, 1.0f);
     return mask;
 }

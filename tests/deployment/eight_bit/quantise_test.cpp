@@ -120,7 +120,7 @@ TEST_CASE("scale_of_filter: no sum passes 32 bits, however many the weights and 
                 // A bias is rounded to half a unit at most; sums below 2³¹, in double precision, to 2⁻²².
                 if (!adds) // of which the bytes' zero is counted twice by these
                     CHECK(worst_sums(weights, scale, largest_input, adds).most <=
-                          scale.most + 0.5 + 4 * 0x1p-22);
+                          scale.max_abs_sum + 0.5 + 4 * 0x1p-22);
                 const float largest = *std::max_element(weights.begin(), weights.end(), [](float a, float b) {
                     return std::abs(a) < std::abs(b);
                 });
@@ -130,10 +130,10 @@ TEST_CASE("scale_of_filter: no sum passes 32 bits, however many the weights and 
                 for (const float w : weights)
                     sum += detail::quantised(w, scale);
                 const auto zero =
-                    static_cast<std::int64_t>(ranges.input.zero) - (!words && seed % 3 == 0 ? 128 : 0);
+                    static_cast<std::int64_t>(ranges.input.zero_point) - (!words && seed % 3 == 0 ? 128 : 0);
                 const double without = static_cast<double>(
                     scale.start + zero * sum +
-                    (adds ? static_cast<std::int64_t>(ranges.added.zero) * scale.added : 0));
+                    (adds ? static_cast<std::int64_t>(ranges.added.zero_point) * scale.added : 0));
                 CHECK(std::abs(without - bias / scale.unit) <= 0.5);
             }
     }

@@ -60,8 +60,8 @@ Network filled_network() {
     net.for_each_parameter([&](const tactnet::parameter& p, auto values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             const float drawn = static_cast<float>((i * 73 + i * i * 3 + p.offset * 5) % 201) / 100.0f - 1.0f;
-            const bool positive = p.what == tactnet::parameter_role::running_variance ||
-                                  p.what == tactnet::parameter_role::scale;
+            const bool positive = p.role == tactnet::parameter_role::running_variance ||
+                                  p.role == tactnet::parameter_role::scale;
             values[i] = positive ? 1.0f + drawn / 2 : drawn / 4;
         }
     });

@@ -202,11 +202,11 @@ void check_folded(const std::string& name, float mean, float variance, double ep
     support::fill(net, 3);
     net.epsilon = epsilon;
     net.for_each_parameter([&](const parameter& p, auto values) {
-        if (p.what == parameter_role::running_mean)
+        if (p.role == parameter_role::running_mean)
             std::fill(values.begin(), values.end(), mean);
-        if (p.what == parameter_role::running_variance)
+        if (p.role == parameter_role::running_variance)
             std::fill(values.begin(), values.end(), variance);
-        if (p.what == parameter_role::bias && values.size() == 4)
+        if (p.role == parameter_role::bias && values.size() == 4)
             std::fill(values.begin(), values.end(), bias);
     });
     const auto layers = support::describe<folding>();
@@ -232,7 +232,7 @@ bool refused(float variance, double epsilon) {
     support::fill(net, 3);
     net.epsilon = epsilon;
     net.for_each_parameter([&](const parameter& p, auto values) {
-        if (p.what == parameter_role::running_variance)
+        if (p.role == parameter_role::running_variance)
             values[1] = variance;
     });
     try {

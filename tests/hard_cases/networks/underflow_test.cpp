@@ -61,7 +61,7 @@ net small_network(float weights) {
     support::fill(n, 11);
     n.for_each_parameter([&](const parameter& p, auto values) {
         for (float& value : values)
-            value *= p.what == parameter_role::weight ? weights : 0;
+            value *= p.role == parameter_role::weight ? weights : 0;
     });
     return n;
 }

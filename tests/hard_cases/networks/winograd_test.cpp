@@ -32,7 +32,7 @@ double check_tiles(const std::string& name, hardness kind) {
     support::fill(net, 21);
     support::numbers draw(5);
     net.for_each_parameter([&](const parameter& p, auto values) {
-        if (p.what != parameter_role::weight)
+        if (p.role != parameter_role::weight)
             return;
         // Filters that add up to nothing see no offset; others have weights from 1e-6 to 1e6.
         for (std::size_t i = 0; i < values.size(); i += 9) {

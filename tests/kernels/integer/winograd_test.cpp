@@ -20,7 +20,8 @@ std::size_t tiles_differing(numbers_are kind = numbers_are::drawn) {
 } // namespace
 
 TEST_CASE("winograd_integer_method: kernels of 3 x 3 and 2 x 2 give the sums of plain loops") {
-    static_assert(kernels::integer_tiles<of({6, 8, 8}, 8, 3)>::possible);
+    // Without vectors, tiles take longer than plain loops.
+    static_assert(kernels::integer_tiles<of({6, 8, 8}, 8, 3)>::possible == (kernels::max_integer_lanes > 1));
     CHECK(tiles_differing<of({6, 8, 8}, 8, 3)>() == 0);
     CHECK(tiles_differing<of({7, 5, 16}, 33, 3)>() == 0);
     CHECK(tiles_differing<of({5, 7, 12}, 5, 2)>() == 0);

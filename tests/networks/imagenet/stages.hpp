@@ -45,10 +45,10 @@ void fill_by_name(Network& net) {
         draw_by_name(p.name, values);
         const float spread = static_cast<float>(std::sqrt(6.0 / static_cast<double>(p.fan_in)));
         for (float& value : values) {
-            if (p.what == parameter_role::scale || p.what == parameter_role::running_variance)
+            if (p.role == parameter_role::scale || p.role == parameter_role::running_variance)
                 value = 1.0f + 0.5f * value;
             else
-                value *= p.what == parameter_role::weight ? spread : 0.125f;
+                value *= p.role == parameter_role::weight ? spread : 0.125f;
         }
     });
 }

@@ -115,10 +115,10 @@ public:
         std::copy(values.begin(), values.end(), values_.begin());
         std::copy(running.begin(), running.end(), running_.begin());
         for (const tactnet::parameter& p : facts_->describe()) {
-            if (p.what == tactnet::parameter_role::running_variance)
+            if (p.role == tactnet::parameter_role::running_variance)
                 for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
                     running_[i] = static_cast<T>(1.25) + running_[i];
-            if (p.what ==
+            if (p.role ==
                 tactnet::parameter_role::weight) // so that many layers in a row keep the size of their values
                 for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
                     values_[i] =
@@ -204,11 +204,11 @@ void check_costs(const subject_in<T>& subject, const reference_layer& reference)
         CAPTURE(p.name);
         CHECK(p.size ==
               std::accumulate(p.extents.begin(), p.extents.end(), std::size_t{1}, std::multiplies<>()));
-        std::vector<int>& cover = learnable(p.what) ? learned : counted;
+        std::vector<int>& cover = learnable(p.role) ? learned : counted;
         REQUIRE(p.offset + p.size <= cover.size());
         for (std::size_t i = p.offset; i < p.offset + p.size; ++i)
             ++cover[i];
-        if (p.what == tactnet::parameter_role::weight)
+        if (p.role == tactnet::parameter_role::weight)
             CHECK(p.fan_in * p.extents[0] == p.size);
     }
     CHECK(std::all_of(learned.begin(), learned.end(), [](int n) { return n == 1; }));

@@ -132,7 +132,8 @@ private:
         const filter_scale sums = filter_of(values, of_one, static_cast<double>(bias), scale, ranges,
                                             step.find("added") != nullptr, step.largest_input, 0);
         require(sums.fits(), step.find("bias")->name, filter,
-                "a filter and a bias whose sums have at most 32 bits, which are 2147483647 steps", sums.most);
+                "a filter and a bias whose sums have at most 32 bits, which are 2147483647 steps",
+                sums.max_abs_sum);
         check_factor(step.find("scale")->name, filter, sums.unit, ranges.output);
     }
 

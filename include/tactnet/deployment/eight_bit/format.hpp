@@ -10,7 +10,7 @@
 #include <string_view>
 
 // The number format of 8 bits: maps of bytes, weights of signed bytes with a scale for each filter, sums of
-// 32 bits. A byte q of a map stands for (q − zero) × scale, with one scale and one zero a map.
+// 32 bits. A byte q of a map stands for (q − zero point) × scale, with one scale and one zero point a map.
 //
 // A step with parameters lists the arrays of its folded numbers in `arrays`, for packing, checks and files.
 
@@ -33,10 +33,10 @@ struct eight_bit_between {
 /// The number format of 8 bits: bytes between layers, floats at the outputs.
 using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;
 
-/// The affine quantisation of a map: value = (byte − zero) × scale. The zero point is an integer from 0 to
-/// 255.
+/// The affine quantisation of a map: value = (byte − zero point) × scale. The zero point is an integer from 0
+/// to 255.
 struct map_range {
-    float scale = 1, zero = 0;
+    float scale = 1, zero_point = 0;
 
     /// The range of values from `lowest` to `highest`, both finite. It contains 0, so that padding is exact.
     [[nodiscard]] static constexpr map_range of(double lowest, double highest) {
@@ -48,7 +48,7 @@ struct map_range {
     }
     /// Reads a range from folded numbers.
     [[nodiscard]] static constexpr map_range read(const float* from) { return {from[0], from[1]}; }
-    constexpr void write(float* to) const { to[0] = scale, to[1] = zero; }
+    constexpr void write(float* to) const { to[0] = scale, to[1] = zero_point; }
     static constexpr std::size_t numbers = 2;
 };
 
@@ -57,7 +57,7 @@ enum class folded_kind {
     weights, ///< signed bytes times the scale of their filter; the first extent counts the filters
     numbers, ///< plain numbers
     scales,  ///< the step of the weights of each filter
-    range    ///< scale and zero of a map: map_range
+    range    ///< scale and zero point of a map: map_range
 };
 /// An array of the folded numbers of a step. The array of a range has the name of a map: input, added,
 /// output.

@@ -52,10 +52,10 @@ struct filter_scale {
     double unit = 1;         ///< the step of the sums
     std::int64_t added = 0;  ///< the factor of a byte of the other map
     std::int64_t start = 0;  ///< of the sum: the bias, and a correction for zeros that are not 0
-    double most = 0;         ///< the largest magnitude of a sum, and of all partial sums
+    double max_abs_sum = 0;  ///< the largest magnitude of a sum, and of all partial sums
 
     [[nodiscard]] constexpr bool fits() const {
-        return most < static_cast<double>(std::numeric_limits<std::int32_t>::max());
+        return max_abs_sum < static_cast<double>(std::numeric_limits<std::int32_t>::max());
     }
 };
 
@@ -90,11 +90,11 @@ struct filter_scale {
         of_weights += weight;
     }
     const double start_of_bias = bias / result.unit;
-    result.most = of_magnitudes * largest_input + magnitude(start_of_bias) +
-                  magnitude(static_cast<double>(of_weights)) * 383.0 +
-                  255.0 * static_cast<double>(result.added);
-    const auto zero = static_cast<std::int64_t>(ranges.input.zero);
-    const auto added_zero = static_cast<std::int64_t>(ranges.added.zero);
+    result.max_abs_sum = of_magnitudes * largest_input + magnitude(start_of_bias) +
+                         magnitude(static_cast<double>(of_weights)) * 383.0 +
+                         255.0 * static_cast<double>(result.added);
+    const auto zero = static_cast<std::int64_t>(ranges.input.zero_point);
+    const auto added_zero = static_cast<std::int64_t>(ranges.added.zero_point);
     result.start = whole(start_of_bias) - (zero - offset) * of_weights - added_zero * result.added;
     return result;
 }

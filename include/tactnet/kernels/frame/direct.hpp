@@ -34,7 +34,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     using wide = sized_vector<float, C.width()>;
     constexpr std::size_t width = C.width(), step = C.window.stride.columns;
     constexpr extent2d kernel = C.window.kernel;
-    constexpr std::size_t under_rows = (Rows - 1) * C.window.stride.rows + kernel.rows;
+    constexpr std::size_t footprint_rows = (Rows - 1) * C.window.stride.rows + kernel.rows;
     constexpr std::size_t under_columns = (Columns - 1) * step + kernel.columns;
     constexpr auto stride = static_cast<std::ptrdiff_t>(C.input_stride);
 
@@ -55,7 +55,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
 
     for (std::size_t channel = 0; channel < C.window.input.channels; ++channel) {
 #pragma GCC unroll 64
-        for (std::size_t r = 0; r < under_rows; ++r) {
+        for (std::size_t r = 0; r < footprint_rows; ++r) {
             if (r < where.first_row || r >= where.last_row)
                 continue;
             const std::ptrdiff_t row =
@@ -161,7 +161,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
 [[gnu::always_inline]] inline void convolve_rows(const float* input, const float* weights, const float* bias,
                                                  float* output, std::size_t y) {
     using blocks = column_blocks<C>;
-    constexpr std::size_t under_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
+    constexpr std::size_t footprint_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
     const std::size_t first = y * C.window.stride.rows; // row under the first tap, counted with the padding
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(first) - static_cast<std::ptrdiff_t>(C.window.top);
     float* const to = output + y / C.pool.rows * C.output_columns() * C.output_stride();
@@ -171,7 +171,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
                                static_cast<std::ptrdiff_t>(C.window.left),
                 .first_row = C.window.top - std::min(C.window.top, first),
                 .last_row =
-                    std::min(under_rows, std::max(C.window.top + C.window.input.rows, first) - first)};
+                    std::min(footprint_rows, std::max(C.window.top + C.window.input.rows, first) - first)};
     };
     blocks::for_each([&](auto columns, auto left, auto right, std::size_t b) __attribute__((always_inline)) {
         convolve_block<C, Vectors, Rows, columns, left, right>(
@@ -184,7 +184,7 @@ template <frame_convolution C>
 struct direct_method : frame_method {
     static constexpr const char* name = "direct";
     static constexpr bool applicable = C.groups == 1 && C.fits_map();
-    static constexpr std::uint64_t cost = C.vector_products() * direct_product * waiting(C);
+    static constexpr std::uint64_t cost = C.vector_products() * direct_product * memory_penalty(C);
     static constexpr std::size_t packed_weights = whole_lines(C.weights());
     static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
 

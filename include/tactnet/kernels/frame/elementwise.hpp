@@ -26,14 +26,14 @@ template <std::size_t Size, class Count>
 [[nodiscard]] inline bool normalise_counts(const Count* counts, const float* mean, float scale, float limit,
                                            float* to) {
     constexpr std::size_t width = lanes_for<float>(Size);
-    constexpr bool always_usual = !std::is_floating_point_v<Count>;
+    constexpr bool always_in_range = !std::is_floating_point_v<Count>;
     if constexpr (Size < width) {
-        bool usual = true;
+        bool in_range = true;
         for (std::size_t i = 0; i < Size; ++i) {
             to[i] = (static_cast<float>(counts[i]) - mean[i]) * scale;
-            usual = usual && (always_usual || (to[i] <= limit && to[i] >= -limit));
+            in_range = in_range && (always_in_range || (to[i] <= limit && to[i] >= -limit));
         }
-        return usual;
+        return in_range;
     } else {
         using wide = sized_vector<float, width>;
         wide beyond(0.0f);
@@ -43,7 +43,7 @@ template <std::size_t Size, class Count>
                 (load_floats<wide>(counts + at) - load_anywhere<wide>(mean + at)) * wide(scale);
             store_anywhere(to + at, number);
             // The difference is 0 within the limits, infinite for an infinity and NaN for NaN.
-            if constexpr (!always_usual)
+            if constexpr (!always_in_range)
                 beyond = select_if_zero(clamp(number, wide(-limit), wide(limit)) - number, beyond,
                                         wide(std::numeric_limits<float>::infinity()));
         }

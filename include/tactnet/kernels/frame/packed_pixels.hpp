@@ -27,7 +27,7 @@ struct packed_pixels {
     /// Lanes of a pixel, and pixels of a vector.
     static constexpr std::size_t width = C.width(), pixels = std::max<std::size_t>(lanes<float> / width, 1);
     /// Whether several pixels fit a vector, and the kernel below supports the rest.
-    static constexpr bool suits =
+    static constexpr bool applicable =
         pixels > 1 &&
         C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent2d(1) &&
         !C.adds && C.map_stride == 0 && pixels % C.pool.columns == 0 && C.columns() >= pixels;
@@ -45,7 +45,7 @@ struct packed_pixels {
     }();
 
     /// Rows of the input under a block, kept broadcast.
-    static constexpr std::size_t under_rows = rows - 1 + C.window.kernel.rows;
+    static constexpr std::size_t footprint_rows = rows - 1 + C.window.kernel.rows;
     /// Elements of one of them.
     static constexpr std::size_t row_elements = (vectors * pixels + C.window.kernel.columns - 1) * width;
 };
@@ -70,13 +70,13 @@ void broadcast_row(const float* row, float* to) {
 /// pixels of each row count. `rows` are those under its taps, null where there is padding.
 template <frame_convolution C, std::size_t Rows, std::size_t Vectors, std::size_t Columns>
 [[gnu::flatten, gnu::noinline]] void
-convolve_packed_block(const std::array<const float*, packed_pixels<C>::under_rows>& rows,
+convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint_rows>& rows,
                       const float* weights, const float* biases, float* output) {
     using plan = packed_pixels<C>;
     using narrow = sized_vector<float, plan::width>;
     constexpr std::size_t width = plan::width, pixels = plan::pixels;
     constexpr extent2d kernel = C.window.kernel;
-    constexpr std::size_t under_rows = Rows - 1 + kernel.rows;
+    constexpr std::size_t footprint_rows = Rows - 1 + kernel.rows;
     constexpr std::size_t under_columns = (Vectors - 1) * pixels + kernel.columns;
 
     register_block<vector<float>, Rows, Vectors> sums;
@@ -88,7 +88,7 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::under_row
             sums[y][v] = start;
 
 #pragma GCC unroll 64
-    for (std::size_t r = 0; r < under_rows; ++r) {
+    for (std::size_t r = 0; r < footprint_rows; ++r) {
         if (rows[r] == nullptr)
             continue;
 #pragma GCC unroll 64
@@ -141,12 +141,12 @@ template <frame_convolution C>
 struct packed_pixels_method : frame_method {
     using plan = packed_pixels<C>;
     static constexpr const char* name = "packed pixels";
-    static constexpr bool applicable = plan::suits;
-    static constexpr std::uint64_t cost = C.vector_products() * product * waiting(C) / plan::pixels;
+    static constexpr bool applicable = plan::applicable;
+    static constexpr std::uint64_t cost = C.vector_products() * product * memory_penalty(C) / plan::pixels;
     static constexpr std::size_t packed_weights =
         whole_lines(C.window.kernel.area() * plan::pixels * plan::width);
     static constexpr std::size_t packed_elements = packed_weights + whole_lines(plan::pixels * plan::width);
-    static constexpr std::size_t workspace_elements = whole_lines(plan::under_rows * plan::row_elements);
+    static constexpr std::size_t workspace_elements = whole_lines(plan::footprint_rows * plan::row_elements);
 
     /// [kernel row][kernel column][pixel of a vector][filter], the same for each pixel, as are biases.
     template <class Weight>
@@ -164,12 +164,12 @@ struct packed_pixels_method : frame_method {
         constexpr std::size_t height = C.window.input.rows;
         std::size_t done = 0; // rows of the image that are broadcast
         const auto some_rows = [&](auto rows, std::size_t y) {
-            std::array<const float*, plan::under_rows> under{};
+            std::array<const float*, plan::footprint_rows> under{};
             for (std::size_t r = 0; r < rows - 1 + C.window.kernel.rows; ++r) {
                 if (y + r < C.window.top || y + r - C.window.top >= height)
                     continue;
                 const std::size_t row = y + r - C.window.top;
-                float* const place = workspace + row % plan::under_rows * plan::row_elements;
+                float* const place = workspace + row % plan::footprint_rows * plan::row_elements;
                 if (row >= done) {
                     broadcast_row<C>(input + row * C.window.input.columns * C.input_stride, place);
                     done = row + 1;

@@ -50,12 +50,12 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
     }
 
     constexpr std::size_t step = C.window.stride.columns;
-    constexpr std::size_t under_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
+    constexpr std::size_t footprint_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
     constexpr std::size_t under_columns =
         (Columns - 1) * step + (Layout::groups_of_row - 1) * Layout::columns_of_group + 1;
     for (std::size_t in_pixel = 0; in_pixel < Layout::groups_of_pixel; ++in_pixel) {
 #pragma GCC unroll 64
-        for (std::size_t r = 0; r < under_rows; ++r) {
+        for (std::size_t r = 0; r < footprint_rows; ++r) {
             if constexpr (!Layout::few_registers) // there a branch takes as long as a product
                 if (r < multiplied.first || r >= multiplied.last)
                     continue;

@@ -89,12 +89,12 @@ struct selected_partner {
                                                      double rising, double least_curvature,
                                                      std::size_t count) {
     using v = vector<double>;
-    const v two(-2.0), k(own), top(rising), least(least_curvature), none(-1.0), zero(0.0);
+    const v minus_two(-2.0), k(own), top(rising), least(least_curvature), none(-1.0), zero(0.0);
     detail::lane_maximum best;
     v lowest(std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < count; i += lanes<double>) {
         const v g = load(gradient + i) + load(low + i), b = top - g;
-        const v curvature = multiply_add(two, widen(row + i), k + load(diagonal + i));
+        const v curvature = multiply_add(minus_two, widen(row + i), k + load(diagonal + i));
         const v a = choose<double>(curvature > least, curvature, least);
         best.take(choose<double>(b > zero, b * b / a, none));
         lowest = choose<double>(g < lowest, g, lowest);

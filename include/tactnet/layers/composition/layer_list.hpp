@@ -37,7 +37,7 @@ using describe_function = void (*)(const std::string& prefix, std::vector<parame
     const std::size_t first = list.size();
     describe(name, list);
     for (std::size_t p = first; p < list.size(); ++p)
-        list[p].offset += learnable(list[p].what) ? offset.parameters : offset.statistics;
+        list[p].offset += learnable(list[p].role) ? offset.parameters : offset.statistics;
 }
 
 /// A layer of a list, as its description needs it.

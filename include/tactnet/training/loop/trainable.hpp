@@ -70,7 +70,7 @@ public:
     }
     /// The values of one array of `describe`.
     [[nodiscard]] std::span<float> values_of(const parameter& p) {
-        return (learnable(p.what) ? learnable_values() : running_statistics()).subspan(p.offset, p.size);
+        return (learnable(p.role) ? learnable_values() : running_statistics()).subspan(p.offset, p.size);
     }
     void take(trainable& other) { take(other.learnable_values(), other.running_statistics()); }
 

@@ -43,9 +43,9 @@ void write_pretrained(const std::filesystem::path& file, tactnet::element_type t
         // Few numbers again and again: hundreds of megabytes of them would take seconds.
         std::vector<float> some(4099);
         const bool one =
-            p.what == tactnet::parameter_role::scale || p.what == tactnet::parameter_role::running_variance;
+            p.role == tactnet::parameter_role::scale || p.role == tactnet::parameter_role::running_variance;
         const double most =
-            p.what == tactnet::parameter_role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
+            p.role == tactnet::parameter_role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
         for (float& value : some)
             value = static_cast<float>(random.uniform(-most, most) + (one ? 1 : 0));
         std::vector<std::uint16_t> halves(some.size());

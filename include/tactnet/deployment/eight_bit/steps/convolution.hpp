@@ -90,10 +90,10 @@ public:
                                      scales[filter]);
         };
         method::pack(weight, to);
-        const auto zero_byte = static_cast<double>(maps.output.zero);
+        const auto zero_byte = static_cast<double>(maps.output.zero_point);
         detail::store_byte(to + bytes + lowest, Kernel.rectified ? zero_byte : 0);
         detail::store_byte(to + bytes + zero, zero_byte);
-        detail::store_byte(to + bytes + padding, static_cast<double>(maps.input.zero));
+        detail::store_byte(to + bytes + padding, static_cast<double>(maps.input.zero_point));
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t* memory) noexcept {

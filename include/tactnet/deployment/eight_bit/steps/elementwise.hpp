@@ -27,16 +27,16 @@ struct activation_step<eight_bit, Function, Map, Stride> : step_base<eight_bit, 
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
         if constexpr (clamps) {
-            detail::store_byte(to, static_cast<double>(input.zero));
+            detail::store_byte(to, static_cast<double>(input.zero_point));
         } else {
             for (int byte = 0; byte < 256; ++byte) {
-                const double value = Function::value((byte - static_cast<double>(input.zero)) *
+                const double value = Function::value((byte - static_cast<double>(input.zero_point)) *
                                                      static_cast<double>(input.scale));
                 // What is not a number counts as zero.
                 const double steps =
                     value == value ? std::clamp(value / static_cast<double>(result.scale), -512.0, 512.0) : 0;
                 detail::store_byte(to + byte, std::clamp(static_cast<double>(detail::nearest_even(steps)) +
-                                                             static_cast<double>(result.zero),
+                                                             static_cast<double>(result.zero_point),
                                                          0.0, 255.0));
             }
         }
@@ -82,13 +82,13 @@ public:
             const double unit = detail::norm_unit(from[c], from[Map.channels + c], input);
             const std::int64_t times = detail::nearest_even(weight * static_cast<double>(input.scale) / unit);
             const std::int64_t start =
-                detail::nearest_even(offset / unit) - times * static_cast<std::int64_t>(input.zero);
+                detail::nearest_even(offset / unit) - times * static_cast<std::int64_t>(input.zero_point);
             detail::store_number(to + 4 * c, static_cast<std::int32_t>(times));
             detail::store_number(to + starts + 4 * c, static_cast<std::int32_t>(start));
             detail::store_number(to + factors + 4 * c,
                                  static_cast<float>(unit / static_cast<double>(result.scale)));
         }
-        const auto zero_byte = static_cast<double>(result.zero);
+        const auto zero_byte = static_cast<double>(result.zero_point);
         detail::store_byte(to + bytes + lowest, Rectified ? zero_byte : 0);
         detail::store_byte(to + bytes + zero, zero_byte);
     }
@@ -130,8 +130,8 @@ public:
         detail::store_number(to + of_part,
                              static_cast<float>(1 / 1024.0 / static_cast<double>(result.scale)));
         detail::store_number(to + of_step, input.scale);
-        detail::store_byte(to + bytes, static_cast<double>(input.zero));
-        detail::store_byte(to + bytes + 1, static_cast<double>(result.zero));
+        detail::store_byte(to + bytes, static_cast<double>(input.zero_point));
+        detail::store_byte(to + bytes + 1, static_cast<double>(result.zero_point));
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {

@@ -44,8 +44,8 @@ public:
         const auto [input, added, result] = arrays.read_ranges(from);
         detail::store_number(
             to, static_cast<float>(static_cast<double>(input.scale) / static_cast<double>(result.scale)));
-        detail::store_byte(to + input_zero, static_cast<double>(input.zero));
-        detail::store_byte(to + zero, static_cast<double>(result.zero));
+        detail::store_byte(to + input_zero, static_cast<double>(input.zero_point));
+        detail::store_byte(to + zero, static_cast<double>(result.zero_point));
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
