@@ -1,7 +1,7 @@
 #pragma once
 
-// Recordings that do not belong to the project: the folder TACTNET_DATA, else ../shared/data beside the
-// sources.
+// Recordings that do not belong to the project: the folder that TACTNET_DATA names, or the usual one beside
+// the sources.
 
 #include <doctest/doctest.h>
 

@@ -24,7 +24,9 @@ namespace tactnet {
 inline namespace TACTNET_ARCH {
 namespace detail {
 
-// Values as C++. They are not templates, so that each is compiled once for all steps of a network.
+// Values as C++. They are not templates, so that each is compiled once for all steps of a network. A
+// description is first taken apart into all of its members: one that gains a member does not compile until
+// its text has it.
 [[nodiscard]] inline std::string text_of(std::unsigned_integral auto value) {
     if constexpr (std::is_same_v<decltype(value), bool>)
         return value ? "true" : "false";
@@ -49,36 +51,43 @@ namespace detail {
     return "tactnet::extent2d" + list_of(e);
 }
 [[nodiscard]] inline std::string text_of(const sliding_window& w) {
-    return "tactnet::sliding_window{.input = " + text_of(w.input) + ", .kernel = " + list_of(w.kernel) +
-           ", .stride = " + list_of(w.stride) + ", .top = " + std::to_string(w.top) +
-           ", .bottom = " + std::to_string(w.bottom) + ", .left = " + std::to_string(w.left) +
-           ", .right = " + std::to_string(w.right) + "}";
+    const auto& [input, kernel, stride, top, bottom, left, right] = w;
+    return "tactnet::sliding_window{.input = " + text_of(input) + ", .kernel = " + list_of(kernel) +
+           ", .stride = " + list_of(stride) + ", .top = " + std::to_string(top) +
+           ", .bottom = " + std::to_string(bottom) + ", .left = " + std::to_string(left) +
+           ", .right = " + std::to_string(right) + "}";
 }
 [[nodiscard]] inline std::string text_of(const average_windows& w) {
     const auto axis = [](const average_axis& a) {
-        return list_of({a.size, a.outputs, a.kernel, a.stride, a.before, a.after});
+        const auto& [size, outputs, kernel, stride, before, after] = a;
+        return list_of({size, outputs, kernel, stride, before, after});
     };
-    return "tactnet::average_windows{.rows = " + axis(w.rows) + ", .columns = " + axis(w.columns) +
-           ", .counts_padding = " + text_of(w.counts_padding) + "}";
+    const auto& [rows, columns, counts_padding] = w;
+    return "tactnet::average_windows{.rows = " + axis(rows) + ", .columns = " + axis(columns) +
+           ", .counts_padding = " + text_of(counts_padding) + "}";
 }
 [[nodiscard]] inline std::string text_of(const kernels::frame_convolution& c, const std::string& stride) {
-    std::string text = "tactnet::kernels::frame_convolution{\n    .window = " + text_of(c.window) +
-                       ",\n    .filters = " + std::to_string(c.filters) + ", .input_stride = " + stride +
-                       ", .pool = " + list_of(c.pool) + ", .pooled_rows = " + std::to_string(c.pooled_rows) +
-                       ", .pooled_columns = " + std::to_string(c.pooled_columns) +
-                       ", .rectified = " + text_of(c.rectified);
-    if (c.adds)
+    // The stride of the input is the exported one, and the last two concern a group of several alone.
+    const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, rectified, adds, groups,
+                 map_stride, map_offset, map_offset_multiple, input_offset_multiple] = c;
+    std::string text = "tactnet::kernels::frame_convolution{\n    .window = " + text_of(window) +
+                       ",\n    .filters = " + std::to_string(filters) + ", .input_stride = " + stride +
+                       ", .pool = " + list_of(pool) + ", .pooled_rows = " + std::to_string(pooled_rows) +
+                       ", .pooled_columns = " + std::to_string(pooled_columns) +
+                       ", .rectified = " + text_of(rectified);
+    if (adds)
         text += ", .adds = true";
-    if (c.groups > 1)
-        text += ", .groups = " + std::to_string(c.groups);
-    if (c.map_stride > 0)
-        text += ", .map_stride = " + std::to_string(c.map_stride) +
-                ", .map_offset = " + std::to_string(c.map_offset);
+    if (groups > 1)
+        text += ", .groups = " + std::to_string(groups);
+    if (map_stride > 0)
+        text +=
+            ", .map_stride = " + std::to_string(map_stride) + ", .map_offset = " + std::to_string(map_offset);
     return text + "}";
 }
 [[nodiscard]] inline std::string text_of(const kernels::frame_dense& d, const std::string& stride) {
-    return "tactnet::kernels::frame_dense{.input = " + text_of(d.input) + ", .input_stride = " + stride +
-           ", .outputs = " + std::to_string(d.outputs) + "}";
+    const auto& [input, input_stride, outputs] = d;
+    return "tactnet::kernels::frame_dense{.input = " + text_of(input) + ", .input_stride = " + stride +
+           ", .outputs = " + std::to_string(outputs) + "}";
 }
 
 /// Types as C++.

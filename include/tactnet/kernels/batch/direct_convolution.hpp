@@ -18,7 +18,7 @@ namespace kernels {
 
 /// Output channels × neighbouring outputs of a register block: accumulators, inputs and a weight must fit
 /// into the registers.
-inline constexpr std::size_t block_channels = vector_registers == 32 ? 8 : 4;
+inline constexpr std::size_t block_channels = vector_registers >= 32 ? 8 : 4;
 inline constexpr std::size_t block_outputs = 3;
 
 /// The cost in halves of a multiply-add: twice the taps on pixels, for each channel of the group and filter.

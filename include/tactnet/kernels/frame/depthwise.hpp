@@ -165,7 +165,7 @@ private:
     /// 5).
     static constexpr std::size_t block_columns = [] {
         const std::size_t live = ceil_div(C.window.kernel.rows, C.window.stride.rows);
-        return C.block_columns((vector_registers == 32 ? 20 : 15) / live);
+        return C.block_columns((vector_registers >= 32 ? 20 : 15) / live);
     }();
 };
 

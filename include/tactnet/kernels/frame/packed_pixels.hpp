@@ -36,7 +36,7 @@ struct packed_pixels {
     static constexpr std::size_t rows = C.block_rows(); ///< of outputs that are computed together
     /// Sums in a register block, so that a third of the registers is left to inputs and weights: with 12 to
     /// 24 of 32 the times are within 9 % (Zen 5), with 20 they are the least.
-    static constexpr std::size_t most_sums = vector_registers == 32 ? 20 : 10;
+    static constexpr std::size_t most_sums = vector_registers >= 32 ? 20 : 10;
     /// Vectors of a row in a register block, evenly spread.
     static constexpr std::size_t block = [] {
         constexpr std::size_t most = std::max<std::size_t>(most_sums / rows, 1);

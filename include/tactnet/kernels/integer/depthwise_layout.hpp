@@ -82,7 +82,7 @@ struct depthwise_integer_layout {
     /// Rows of a band: those of least cost per row, whose sums fit into registers.
     static constexpr std::size_t band = [] {
         const std::size_t most =
-            std::min(std::max<std::size_t>(vector_registers == 32 ? 4 : 2, C.pool.rows), C.rows());
+            std::min(std::max<std::size_t>(vector_registers >= 32 ? 4 : 2, C.pool.rows), C.rows());
         std::size_t best = std::min(C.pool.rows, C.rows());
         for (std::size_t rows = best; rows <= most; rows += C.pool.rows)
             if (band_cost(rows) * best < band_cost(best) * rows)
@@ -91,7 +91,7 @@ struct depthwise_integer_layout {
     }();
     /// Columns of a register block, evenly spread.
     static constexpr std::size_t block_columns = [] {
-        const std::size_t step = C.pool.columns, sums = vector_registers == 32 ? 8 : 4;
+        const std::size_t step = C.pool.columns, sums = vector_registers >= 32 ? 8 : 4;
         const std::size_t most = std::max(sums / band / step * step, step);
         return round_up(ceil_div(C.columns(), ceil_div(C.columns(), most)), step);
     }();

@@ -18,10 +18,10 @@ inline namespace TACTNET_ARCH {
 namespace kernels {
 
 /// The most vectors of filters in a panel: the more, the fewer inputs are read.
-inline constexpr std::size_t most_panel_vectors = vector_registers == 32 ? 4 : 2;
+inline constexpr std::size_t most_panel_vectors = vector_registers >= 32 ? 4 : 2;
 /// The most rows of a register block: they leave registers for the weights and one input.
 [[nodiscard]] constexpr std::size_t most_panel_rows(std::size_t vectors) {
-    constexpr std::size_t most = vector_registers == 32 ? 14 : 12;
+    constexpr std::size_t most = vector_registers >= 32 ? 14 : 12;
     return std::min((vector_registers - 1 - vectors) / vectors, most);
 }
 
@@ -139,7 +139,7 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
 
 /// Panels that a single row multiplies together, if they have `vectors` vectors each.
 [[nodiscard]] constexpr std::size_t panels_of_one_row(std::size_t vectors) {
-    return std::max<std::size_t>((vector_registers == 32 ? 16 : 6) / vectors, 1);
+    return std::max<std::size_t>((vector_registers >= 32 ? 16 : 6) / vectors, 1);
 }
 
 /// `count` rows times the panels [first, last). Panels lie one after the other in the weights, beginning with

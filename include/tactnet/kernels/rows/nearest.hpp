@@ -54,7 +54,7 @@ private:
     // A block of points × vectors of sums stays in registers; a group of points and a panel of rows stay in
     // the first cache.
     static constexpr std::size_t block_points = 6;
-    static constexpr std::size_t block_vectors = vector_registers == 32 ? 4 : 2;
+    static constexpr std::size_t block_vectors = vector_registers >= 32 ? 4 : 2;
     static constexpr std::size_t panel = block_vectors * lanes<float>;
 
     struct best {

@@ -193,7 +193,7 @@ inline constexpr std::size_t vector_registers = 16;
 #endif
 /// The accumulators of a register block: as many as leave room for inputs and weights, since a block also has
 /// a fixed cost.
-inline constexpr std::size_t max_block_sums = vector_registers == 32 ? 24 : 12;
+inline constexpr std::size_t max_block_sums = vector_registers >= 32 ? 24 : 12;
 
 } // namespace kernels
 } // namespace TACTNET_ARCH
