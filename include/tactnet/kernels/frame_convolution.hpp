@@ -85,7 +85,7 @@ struct frame_convolution {
     static constexpr std::size_t max_pool_area = 6;
     static_assert(2 * max_pool_area <= max_block_sums);
 
-    /// Whether each channel is a group of its own, with one filter or several.
+    /// Whether each channel is a group of its own, with one filter or several (a multiplier above 1).
     [[nodiscard]] constexpr bool is_depthwise() const {
         return groups > 1 && groups == window.input.channels;
     }

@@ -13,7 +13,9 @@
 // members:
 //   name                what benchmarks print
 //   applicable          whether it can compute this description and is worthwhile at its sizes
-//   cost                estimated work, comparable among the methods of a list; read only if applicable
+//   cost                estimated work; read only if applicable. The unit is that of its list: in frame/ a
+//                       twentieth of a multiply-add of a vector, in integer/ an instruction on a vector,
+//                       in batch/ half a multiply-add of a lane block
 //   packed_elements     of weights and biases in the order of use, whole cache lines
 //   workspace_elements  of memory while it runs, whole cache lines
 //   pack, run           from folded to packed weights; from one map to the next

@@ -110,8 +110,8 @@ struct batch_convolution {
         one.input.channels /= groups, one.output.channels /= groups, one.groups = 1;
         return one;
     }
-    /// Whether each channel is a group of its own, with one filter.
-    [[nodiscard]] constexpr bool is_depthwise() const {
+    /// Whether each channel has one filter of its own: a depthwise convolution without a multiplier.
+    [[nodiscard]] constexpr bool one_filter_per_channel() const {
         return groups == input.channels && groups == output.channels;
     }
     [[nodiscard]] constexpr std::size_t weights() const {
