@@ -9,6 +9,8 @@
 #include <chrono>
 #include <cmath>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace {
@@ -124,7 +126,12 @@ study_table instruction_sets_table(const std::vector<study_row>& rows) {
             sets.insert(name);
     if (sets.size() < 2)
         return t;
-    t.cells[0].insert(t.cells[0].end(), sets.begin(), sets.end());
+    for (const std::string_view name : sets) {
+        constexpr std::string_view without_vectors = "scalar_";
+        t.cells[0].push_back(name.starts_with(without_vectors)
+                                 ? fmt::format("no vectors ({})", name.substr(without_vectors.size()))
+                                 : std::string(name));
+    }
     std::set<std::string> shown; // a recipe changes no time
     for (const study_row& row : rows) {
         if (row.by_instruction_set.size() < 2 || !shown.insert(method_title(row) + size_of(row)).second)

@@ -5,6 +5,7 @@
 #include <tactnet/sensors/tekscan/binary.hpp>
 #include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
+#include <tactnet/sensors/text/lines.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -30,11 +31,14 @@ public:
     decode_status push(std::span<const std::byte> bytes, Sink&&) {
         if (status() == decode_status::damaged)
             return status();
+        const std::string_view foreign =
+            foreign_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
         return fail(
             {.expected = "a Tekscan recording or map (a line 'ASCII_DATA @@' or 'SENSOR_MAP @@', or bytes "
                          "0A BB BA)",
-             .found = bytes.empty() ? "not a single byte, as from a file that is empty or not there"
-                                    : "none of it in the first " + std::to_string(bytes.size()) + " bytes"});
+             .found = bytes.empty()     ? "not a single byte, as from a file that is empty or not there"
+                      : foreign.empty() ? "none of it in the first " + std::to_string(bytes.size()) + " bytes"
+                                        : std::string(foreign)});
     }
     template <class Sink>
     decode_status finish(Sink&&) {

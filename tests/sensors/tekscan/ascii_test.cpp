@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <support/allocations.hpp>
@@ -282,6 +283,86 @@ TEST_CASE("tekscan_ascii: frame lines: numbers, times, sums") {
     const auto none = decode("ROWS 1\nCOLS 1\nASCII_DATA @@\nFrame 1\n1\n");
     REQUIRE(none.frames.size() == 1);
     CHECK(!none.frames[0].seconds);
+}
+
+TEST_CASE("tekscan_ascii: a sum or a time that cannot be read is a warning with its place") {
+    const auto warnings = [](std::string_view from, std::string_view to) {
+        const std::string text = replaced(recording, from, to);
+        CAPTURE(to);
+        const decoded found = decode(text);
+        CHECK(found.status == decode_status::finished);
+        CHECK(found.warning_count == found.warnings.size());
+        return found.warnings;
+    };
+    CHECK(warnings("9", "9").empty());
+    const std::vector<std::string> unread{
+        place(recording, "Frame 2") +
+        ", frame 2: expected a number after 'Raw Sum=', found none, so that the "
+        "cells are not checked"};
+    for (const std::string sum : {"u03", "nan", "-303", "303x", "", "inf"})
+        CHECK(warnings("Raw Sum=,,303", "Raw Sum=,," + sum) == unread);
+    for (const std::string name : {"Raw 5um=", "raw_sum=", "Sum", "=", "Sum\x01"})
+        CHECK(warnings("Raw Sum=,,303", name + ",,303") ==
+              std::vector<std::string>{place(recording, "Frame 2") +
+                                       ", frame 2: expected 'Raw Sum=' before the last number, found other "
+                                       "text, so that the cells are not checked"});
+    CHECK(warnings(",Raw Sum=,,303", "") ==
+          std::vector<std::string>{place(recording, "Frame 2") +
+                                   ", frame 2: expected a 'Raw Sum' in all frames "
+                                   "or in none, found none any more"});
+    CHECK(warnings(",Raw Sum=,,9", "").size() == 1);
+    CHECK(warnings("Frame 2, 0.1,,", "Frame 2, p.1,,").size() == 1);
+    // What is allowed: no sum and no time in any frame, other letters, a sum at once after the sign.
+    CHECK(warnings(",,,Raw Sum=", ",,,,").size() == 2); // of numbers that nothing names
+    CHECK(decode(replaced(replaced(recording, ",Raw Sum=,,303", ""), ",Raw Sum=,,9", "")).warning_count == 0);
+    CHECK(warnings("Raw Sum=,,", "RAW SUM=").empty());
+    CHECK(warnings("Raw Sum=,,", "Raw Sum,").empty());
+    CHECK(warnings(", 0.1,,", ", 100 ms,,").empty());
+}
+
+TEST_CASE("tekscan_ascii: a measure of the header that cannot be read is a warning, and is left empty") {
+    using description = tactnet::recording_description;
+    const auto check = [](const std::string& line, std::optional<double> description::*measure) {
+        CAPTURE(line);
+        const decoded found = with_line(line);
+        CHECK(found.status == decode_status::finished);
+        REQUIRE(found.warnings.size() == 1);
+        CHECK(found.warnings[0].find(", line 5: expected a measure from ") != std::string::npos);
+        CHECK(!(found.description.*measure));
+    };
+    for (const std::string value : {"nan", "inf", "-1 mm", "0 mm", "1e308 mm", "1", "1 cubit"}) {
+        check("ROW_SPACING " + value, &description::row_spacing);
+        check("COL_SPACING " + value, &description::column_spacing);
+    }
+    for (const std::string value : {"nan", "0 cm2", "1e308 cm2", "1 acre"})
+        check("SENSEL_AREA " + value, &description::cell_area);
+    for (const std::string value : {"nan", "0 kPa", "1e308 kPa", "1 whatever"})
+        check("SATURATION_PRESSURE " + value, &description::saturation_pressure);
+    for (const std::string value : {"-3", "nan", "1e308", "x"})
+        check("NOISE_THRESHOLD " + value, &description::noise_threshold);
+    for (const std::string value : {"nan", "-1", "0", "1e308", "0.1 parsecs"}) {
+        const decoded found =
+            decode(replaced(recording, "SECONDS_PER_FRAME 0.1", "SECONDS_PER_FRAME " + value));
+        CAPTURE(value);
+        CHECK(found.warning_count == 1);
+        CHECK(!found.description.seconds_per_frame);
+    }
+    // What is allowed: no value, a threshold of zero, what real arrays have.
+    for (const std::string line : {"NOISE_THRESHOLD 0", "NOISE_THRESHOLD", "SATURATION_PRESSURE",
+                                   "ROW_SPACING 0.1 mm", "SATURATION_PRESSURE 200 MPa"})
+        CHECK(with_line(line).warning_count == 0);
+}
+
+TEST_CASE("tekscan_ascii: text in UTF-16 or without line feeds is named as such") {
+    std::string wide = "\xFF\xFE";
+    for (const char c : recording)
+        wide += c, wide += '\0';
+    CHECK(decode(wide).error ==
+          "byte 0, line 1: expected lines of text in ASCII or UTF-8, found text in UTF-16: save it as UTF-8");
+    CHECK(decode(wide.substr(2)).error.find("found text in UTF-16") != std::string::npos);
+    CHECK(decode(replaced(recording, "\n", "\r")).error.find("found carriage returns without line feeds") !=
+          std::string::npos);
+    check_both(decode(replaced(recording, "\n", "\r\n")));
 }
 
 TEST_CASE("tekscan_ascii: one frame without a line of its own") {

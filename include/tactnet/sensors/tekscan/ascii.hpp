@@ -86,8 +86,13 @@ private:
     }
 
     bool take_header(const text_line& line) {
+        if (const auto foreign = foreign_text(line.text); line.number == 1 && !foreign.empty())
+            return fail_at(line, 0, {"lines of text in ASCII or UTF-8"}, {foreign});
         if (auto problem = header_.take(line.text, mutable_description()))
             return fail_at(line, 0, {problem->expected}, {problem->found});
+        if (const auto doubt = header_.take_warning())
+            mutable_warnings().add(
+                {line.byte, line.number, 0, warning_text(doubt->expected), warning_text(doubt->found)});
         if (header_.next() == tekscan_part::map)
             return fail_at(line, 0, {"a line 'ASCII_DATA @@'"}, {"a map of a sensor"});
         return true;
@@ -105,11 +110,28 @@ private:
         if (announced_ && line.frame->number <= frame_.number)
             return fail_at(line.source, 0, {"a frame after number ", frame_.number},
                            {"number ", line.frame->number});
+        warn_of_measures(line.source, *line.frame);
         frame_ = *line.frame;
         if (!announced_)
             times_.begin(frame_);
         announced_ = open_ = true;
         return true;
+    }
+
+    /// A sum that cannot be read takes a frame's check away, a time that cannot be read its place in time.
+    void warn_of_measures(const text_line& line, const tekscan_frame_line& frame) {
+        const auto warn = [&](std::string_view expected, std::string_view found) {
+            mutable_warnings().add(
+                {line.byte, line.number, frames() + 1, warning_text(expected), warning_text(found)});
+        };
+        if (frame.names_sum && !frame.raw_sum)
+            warn("a number after 'Raw Sum='", "none, so that the cells are not checked");
+        else if (!frame.names_sum && frame.unnamed_number)
+            warn("'Raw Sum=' before the last number", "other text, so that the cells are not checked");
+        else if (announced_ && frame.names_sum != frame_.names_sum)
+            warn("a 'Raw Sum' in all frames or in none", frame.names_sum ? "the first one" : "none any more");
+        if (announced_ && frame.stamp.has_value() != frame_.stamp.has_value())
+            warn("a time in all frames or in none", frame.stamp ? "the first one" : "none any more");
     }
 
     bool take_row(const text_line& line) {

@@ -34,7 +34,7 @@ public:
 
     explicit tekscan_header(unit_of unit = unit_of::cells) : unit_(unit) {}
 
-    /// Takes a line. Returns the error in it, if any.
+    /// Takes a line. Returns the error in it, if any; then take_warning() has what is doubtful in it.
     [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
         bytes_ += line.size() + 1;
         if (bytes_ > largest_header_bytes || ++lines_ > largest_header_lines)
@@ -54,6 +54,9 @@ public:
             return std::nullopt;
         return key_and_value(read, may_be_comment, to);
     }
+
+    /// What is doubtful in the last line, once: a measure that cannot be read and is left empty.
+    [[nodiscard]] std::optional<text_problem> take_warning() { return std::exchange(warning_, std::nullopt); }
 
     /// What the next line belongs to: the header or the data.
     [[nodiscard]] tekscan_part next() const noexcept { return part_; }
@@ -78,10 +81,11 @@ public:
     }
 
 private:
-    /// Whether the value of a key matters, and what was expected of one that makes no sense.
+    /// Whether the value of a key matters, what was expected of one that makes no sense, and of one that is
+    /// left out.
     struct understanding {
         bool needed = true;
-        std::string expected{};
+        std::string expected{}, doubt{};
 
         [[nodiscard]] bool done() const { return needed && expected.empty(); }
     };
@@ -126,6 +130,8 @@ private:
             to.header.back().second = read.text;
             return std::nullopt;
         }
+        if (how.done() && !how.doubt.empty())
+            warning_ = text_problem{std::move(how.doubt), in_quotes(key) + " " + in_quotes(value)};
         if (!how.expected.empty()) {
             if (!comment_ || value.find(' ') == std::string_view::npos)
                 return text_problem{std::move(how.expected), in_quotes(key) + " " + in_quotes(value)};
@@ -152,17 +158,17 @@ private:
                 return {true, "the number of a frame"};
             (key == "START_FRAME" ? first_frame_ : last_frame_) = number;
         } else if (key == "ROW_SPACING") {
-            return to_base(value, length_units, {}, to.row_spacing);
+            return to_base(value, length_units, {}, largest_length, to.row_spacing);
         } else if (key == "COL_SPACING") {
-            return to_base(value, length_units, {}, to.column_spacing);
+            return to_base(value, length_units, {}, largest_length, to.column_spacing);
         } else if (key == "SENSEL_AREA") {
-            return to_base(value, area_units, {}, to.cell_area);
+            return to_base(value, area_units, {}, largest_length * largest_length, to.cell_area);
         } else if (key == "SATURATION_PRESSURE") {
-            return to_base(value, pressure_units, {}, to.saturation_pressure);
+            return to_base(value, pressure_units, {}, largest_pressure, to.saturation_pressure);
         } else if (key == "SECONDS_PER_FRAME") {
-            return to_base(value, time_units, 1, to.seconds_per_frame);
+            return to_base(value, time_units, 1, largest_time, to.seconds_per_frame);
         } else if (key == "NOISE_THRESHOLD") {
-            return to_base(value, {}, 1, to.noise_threshold);
+            return to_base(value, {}, 1, largest_count, to.noise_threshold, 0);
         } else if (key == "UNITS" && unit_ == unit_of::cells) {
             const auto size = unit_size(pressure_units, value);
             if (!size && !same_letters(value, "raw"))
@@ -177,21 +183,34 @@ private:
         return {};
     }
 
-    /// Converts a measure to base units. Without a unit it is in `plain` base units. An unknown unit or no
-    /// number leaves it empty; only an ambiguous number is an error.
+    // Beyond these no array is built, and no recording is made.
+    static constexpr double largest_length = 1, largest_pressure = 1e9, largest_time = 1e6,
+                            largest_count = 1e9;
+    static constexpr double smallest_measure = 1e-12;
+
+    /// Converts a measure to base units. Without a unit it is in `plain` base units. An unknown unit, no
+    /// number or one beyond [least, most] leaves it empty, with a doubt; only an ambiguous number is an
+    /// error.
     static understanding to_base(std::string_view value, std::span<const measure_unit> units,
-                                 std::optional<double> plain, std::optional<double>& to) {
+                                 std::optional<double> plain, double most, std::optional<double>& to,
+                                 double least = smallest_measure) {
+        to.reset();
         const auto found = scan_measure(value);
-        if (!found)
-            return {true, value.empty() || !detail::is_digit(value.front())
-                              ? ""
-                              : "a number with a decimal point, if any"};
-        const auto size = found->unit.empty() ? plain : unit_size(units, found->unit);
-        to = size ? std::optional(found->number * *size) : std::nullopt;
+        if (!found && !value.empty() && detail::is_digit(value.front()))
+            return {true, "a number with a decimal point, if any"};
+        const auto size = !found ? std::nullopt : found->unit.empty() ? plain : unit_size(units, found->unit);
+        if (size && found->number * *size >= least && found->number * *size <= most)
+            to = found->number * *size;
+        else if (!value.empty())
+            return {true,
+                    {},
+                    detail::joined({"a measure from ", shortest_text(least), " to ", shortest_text(most),
+                                    " in a unit that is known"})};
         return {};
     }
 
     std::optional<std::uint64_t> first_frame_, last_frame_;
+    std::optional<text_problem> warning_;
     double cell_scale_ = 1;
     std::size_t bytes_ = 0, lines_ = 0;
     bool in_block_ = false, next_is_comment_ = false;

@@ -67,11 +67,13 @@ struct tekscan_frame_line {
     std::optional<double> stamp;      ///< the time, in units of `stamp_unit`
     std::optional<double> stamp_unit; ///< seconds; empty if the line names no unit
     std::optional<double> raw_sum;
+    bool names_sum = false;      ///< whether it has the words Raw Sum, with a number or without
+    bool unnamed_number = false; ///< whether it ends with a number that nothing names
 };
 
 /// Reads what follows the word Frame: ' 1', ' 1, 0.1,, 12/2/2019 6:21:52.34PM,,,Raw Sum=,,310' or ' 1, 100
 /// ms'. The time of day is ignored, since its format depends on the country. Returns nothing if there is no
-/// frame number, or if the time has a decimal comma.
+/// frame number, or if the time has a decimal comma. A sum that cannot be read is left empty.
 [[nodiscard]] inline std::optional<tekscan_frame_line> scan_frame_line(std::string_view rest) {
     const auto next_field = [&] {
         const std::size_t length = std::min(rest.find_first_of(",;\t"), rest.size());
@@ -91,7 +93,7 @@ struct tekscan_frame_line {
     rest.remove_prefix(std::min(digits + 1, rest.size()));
 
     tekscan_frame_line result{*number, {}, {}, {}};
-    bool after_sum = false, after_stamp = false;
+    bool after_stamp = false;
     while (!rest.empty()) {
         std::string_view field = next_field();
         if (field.empty()) {
@@ -100,13 +102,14 @@ struct tekscan_frame_line {
         }
         constexpr std::string_view sum = "raw sum";
         if (field.size() >= sum.size() && same_letters(field.substr(0, sum.size()), sum)) {
-            after_sum = true;
+            result.names_sum = true;
             field = trimmed(field.substr(std::min(field.find('=') + 1, field.size())));
         }
         // Frames before a trigger may have negative times.
-        const bool negative = !after_sum && field.front() == '-';
+        const bool negative = !result.names_sum && field.starts_with('-');
         const auto found = scan_measure(field.substr(negative ? 1 : 0));
-        if (after_sum) {
+        result.unnamed_number = false;
+        if (result.names_sum) {
             if (found && found->unit.empty() && !result.raw_sum)
                 result.raw_sum = found->number;
         } else if (!result.stamp && found) {
@@ -121,6 +124,8 @@ struct tekscan_frame_line {
                 return std::nullopt; // '0,1': a decimal comma
             result.stamp_unit = unit_size(time_units, field);
             after_stamp = false;
+        } else {
+            result.unnamed_number = found && found->unit.empty();
         }
     }
     return result;

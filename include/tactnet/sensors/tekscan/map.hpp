@@ -63,6 +63,9 @@ private:
         if (header_.next() == tekscan_part::header) {
             if (auto problem = header_.take(line.text, mutable_description()))
                 return fail_at(line.byte, line.number, {problem->expected}, {problem->found});
+            if (const auto doubt = header_.take_warning())
+                mutable_warnings().add(
+                    {line.byte, line.number, 0, warning_text(doubt->expected), warning_text(doubt->found)});
             if (header_.next() == tekscan_part::cells)
                 return fail_at(line.byte, line.number, {"a line 'SENSOR_MAP @@'"}, {"a recording"});
             return true;

@@ -23,6 +23,18 @@ struct text_line {
     bool ended = true;      ///< false for a last line without a line end
 };
 
+/// What a text is instead of lines of single bytes that end with a line feed, by its first bytes; empty if it
+/// may be such lines.
+[[nodiscard]] inline std::string_view foreign_text(std::string_view begin) noexcept {
+    if (begin.starts_with("\xFF\xFE") || begin.starts_with("\xFE\xFF") ||
+        (begin.size() > 1 && (begin[0] == '\0') != (begin[1] == '\0')))
+        return "text in UTF-16: save it as UTF-8";
+    const std::size_t end = begin.find_first_of("\r\n");
+    if (end != std::string_view::npos && begin[end] == '\r' && begin.find('\n') == std::string_view::npos)
+        return "carriage returns without line feeds: save it with the line ends of Windows or Unix";
+    return {};
+}
+
 /// Splits bytes into lines.
 class line_splitter {
 public:
