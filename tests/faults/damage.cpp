@@ -2,8 +2,12 @@
 
 #include "groups.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstdlib>
 #include <functional>
+#include <string_view>
 
 namespace faults {
 namespace {
@@ -155,6 +159,59 @@ finding decode_damaged(scene& s, const std::string& name, const std::string& byt
     return s.handled();
 }
 
+/// The cells of frames in CSV: lines without their first two numbers, of which no sum knows.
+std::string cells_of(const std::string& csv) {
+    std::string cells;
+    for (std::size_t at = 0, end = 0; at < csv.size(); at = end + 1) {
+        end = std::min(csv.find('\n', at), csv.size());
+        const std::string line = csv.substr(at, end - at);
+        const std::size_t second = line.find(',', line.find(',') + 1);
+        cells += line.substr(std::min(second, line.size())) + '\n';
+    }
+    return cells;
+}
+
+/// Whether each frame of a text recording has the sum that it states: then nobody can know of damage.
+bool sums_hold(const std::string& text) {
+    constexpr std::string_view sum_begins = "raw sum=,,";
+    long stated = 0, found = 0;
+    for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+        end = std::min(text.find('\n', at), text.size());
+        std::string line = text.substr(at, end - at);
+        std::transform(line.begin(), line.end(), line.begin(), // a bit makes a letter small
+                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        std::erase(line, '"'); // which spreadsheets write around cells
+        if (line.starts_with("frame")) {
+            const std::size_t sum = line.find(sum_begins);
+            if (stated != found || sum == std::string::npos)
+                return false;
+            stated = std::strtol(line.c_str() + sum + sum_begins.size(), nullptr, 10), found = 0;
+        } else if (!line.empty() && line[0] >= '0' && line[0] <= '9') {
+            const char* cell = line.c_str();
+            for (char* stop = nullptr;; cell = stop + 1) {
+                found += std::strtol(cell, &stop, 10);
+                if (*stop != ',')
+                    break;
+            }
+        }
+    }
+    return stated == found;
+}
+
+/// Of a text recording, whose frames have sums: other cells need a message, unless every sum still holds.
+finding decode_summed(scene& s, const std::string& bytes) {
+    const std::string name = "sample.csv";
+    const ending end = decode(s, name, bytes);
+    if (!end.orderly())
+        return s.aborted(end);
+    if (end.status != 0)
+        return end.error.empty() ? s.silent(name + ": no message") : s.handled();
+    if (end.error.empty() && !sums_hold(bytes) &&
+        cells_of(end.out) != cells_of(decode(s, name, bytes_of(s.made / name)).out))
+        return s.silent(name + ": other frames without a word");
+    return s.handled();
+}
+
 } // namespace
 
 finding flip_bits(scene& s, std::size_t number) {
@@ -168,16 +225,19 @@ finding flip_bits_of_recordings(scene& s, std::size_t number) {
     const std::string name = names[number % names.size()];
     const std::string right = bytes_of(s.made / name);
     std::string bytes = damaged_by_bit(s, right);
-    // Only what a sum covers can be told: counts of a text recording, and packets. Binary recordings and maps
-    // have none, and are only to be taken or refused in good order.
+    if (name == "sample.csv")
+        return decode_summed(s, bytes);
+    // Packets have a sum. Binary recordings and maps have none, and are only to be taken or refused in good
+    // order.
     std::size_t changed = 0;
     while (bytes[changed] == right[changed])
         ++changed;
-    const std::size_t line = right.rfind('\n', changed) + 1;
-    const bool counts = name == "sample.csv" && right.find_first_of("0123456789", line) == line;
     // Whoever joins a stream cannot know that a packet came before.
-    const bool packets = name == "own.stream" && changed >= 2;
-    return decode_damaged(s, name, bytes, counts || packets);
+    return decode_damaged(s, name, bytes, name == "own.stream" && changed >= 2);
+}
+
+finding flip_two_bits_of_sums(scene& s, std::size_t) {
+    return decode_summed(s, damaged_by_bit(s, damaged_by_bit(s, bytes_of(s.made / "sample.csv"))));
 }
 
 finding cut_files(scene& s, std::size_t number) {

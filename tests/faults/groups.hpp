@@ -20,6 +20,7 @@ struct group {
 
 finding flip_bits(scene& s, std::size_t number);
 finding flip_bits_of_recordings(scene& s, std::size_t number);
+finding flip_two_bits_of_sums(scene& s, std::size_t number);
 finding cut_files(scene& s, std::size_t number);
 finding kill_and_resume(scene& s, std::size_t number);
 finding fill_the_disk(scene& s, std::size_t number);

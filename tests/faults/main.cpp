@@ -30,8 +30,9 @@ std::string needs_decoders(const programs& which) {
 
 // Shares are of 100.
 const std::array groups{
-    group{"bit flips", 33, flip_bits, always},
+    group{"bit flips", 29, flip_bits, always},
     group{"flips in recordings", 8, flip_bits_of_recordings, needs_decoders},
+    group{"two flips under a sum", 4, flip_two_bits_of_sums, needs_decoders},
     group{"cut files", 12, cut_files, needs_decoders},
     group{"kills", 8, kill_and_resume, always},
     group{"full disk", 5, fill_the_disk, small_disk},

@@ -137,7 +137,7 @@ TEST_CASE(
         double variance = 0;
         for (std::size_t t = 0; t < 5; ++t)
             variance += seen.covariance(t, t) / 5;
-        const double pull = filter_rounding::pull_to_exact * variance * 7 * 0.25 * 0.25;
+        const double pull = filter_rounding::ridge * variance * 7 * 0.25 * 0.25;
         CAPTURE(seed);
         CHECK(least <= error(rounded) + pull);
         moved += fitted != rounded;
