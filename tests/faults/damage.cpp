@@ -159,14 +159,14 @@ finding decode_damaged(scene& s, const std::string& name, const std::string& byt
     return s.handled();
 }
 
-/// The cells of frames in CSV: lines without their first two numbers, of which no sum knows.
+/// The rows of frames in CSV, without the lines of their numbers and times, which no sum covers.
 std::string cells_of(const std::string& csv) {
     std::string cells;
     for (std::size_t at = 0, end = 0; at < csv.size(); at = end + 1) {
         end = std::min(csv.find('\n', at), csv.size());
         const std::string line = csv.substr(at, end - at);
-        const std::size_t second = line.find(',', line.find(',') + 1);
-        cells += line.substr(std::min(second, line.size())) + '\n';
+        if (!line.starts_with("frame"))
+            cells += line + '\n';
     }
     return cells;
 }
