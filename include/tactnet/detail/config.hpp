@@ -8,6 +8,13 @@
 #include <tactnet_needs_cxx20>
 #endif
 
+// The promise that a frame with NaN or infinity is never recognised takes comparisons which compilers leave
+// out where they may assume that there are no such numbers.
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0
+#error                                                                                                       \
+    "tactnet checks for NaN and infinity: compile without -ffast-math, or add -fno-finite-math-only behind it"
+#endif
+
 // The instruction set names an inline namespace around the whole library, for example
 // `tactnet::for_avx2fbl`. Translation units built for different instruction sets can therefore be linked into
 // one program: the same template, compiled twice, has two names. A function that takes a type of the library
