@@ -158,6 +158,27 @@ TEST_CASE("safetensors: lengths that the file does not have") {
                              "found 18446744073709551615");
 }
 
+TEST_CASE("safetensors: a file of another kind is named") {
+    const auto error = [](std::string_view begin) {
+        const auto bytes = std::as_bytes(std::span(begin.data(), begin.size()));
+        return error_of(std::vector<std::byte>(bytes.begin(), bytes.end()));
+    };
+    CHECK(error("hello world, a text\n") ==
+          "file: expected a safetensors file, found text that begins with 'hello wo'");
+    CHECK(error("{\n  \"classes\": 22\n}")
+              .starts_with("file: expected a safetensors file, found text that begins with '{"));
+    CHECK(error("PK\x03\x04\n\n\x08\x08 archive/data.pkl")
+              .starts_with("file: expected a safetensors file, found a zip archive"));
+    CHECK(
+        error("\x80\x02}q\x01(X\x05 conv").starts_with("file: expected a safetensors file, found a pickle"));
+    CHECK(error("\x80\x04\x95q\x01(X\x05 conv")
+              .starts_with("file: expected a safetensors file, found a pickle"));
+    CHECK(
+        error("\x89HDF\r\n\x1A\n 0000").starts_with("file: expected a safetensors file, found an HDF5 file"));
+    CHECK(error("MATLAB 5.0 MAT-file")
+              .starts_with("file: expected a safetensors file, found a file of MATLAB"));
+}
+
 TEST_CASE("safetensors: a file cut at any byte is an error, never a crash") {
     safetensors_writer writer;
     writer.metadata["key"] = "value";

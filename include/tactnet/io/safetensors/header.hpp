@@ -6,6 +6,7 @@
 #include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/text/quoting.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -212,6 +213,26 @@ using tensor_order = std::vector<std::array<std::size_t, 3>>;
 
 } // namespace detail
 
+namespace detail {
+
+/// What a file is that is not safetensors, by its first bytes; empty if they say nothing.
+[[gnu::cold, gnu::noinline]] inline std::string other_file(std::string_view begin) {
+    if (begin.starts_with("PK\x03\x04"))
+        return "a zip archive, as torch.save writes: save it with safetensors.torch.save_file";
+    if (begin.starts_with("\x80\x02") || begin.starts_with("\x80\x04"))
+        return "a pickle of Python: save it with safetensors.torch.save_file";
+    if (begin.starts_with("\x89HDF"))
+        return "an HDF5 file";
+    if (begin.starts_with("MATLAB"))
+        return "a file of MATLAB: save it as safetensors";
+    const bool text = std::all_of(begin.begin(), begin.end(), [](char c) {
+        return (c >= ' ' && c <= '~') || c == '\t' || c == '\n' || c == '\r';
+    });
+    return text ? joined({"text that begins with ", quoted{begin}}) : std::string();
+}
+
+} // namespace detail
+
 /// A file begins with that many bytes, which hold the length of its header.
 inline constexpr std::size_t safetensors_prefix = sizeof(std::uint64_t);
 
@@ -224,10 +245,15 @@ inline constexpr std::size_t safetensors_prefix = sizeof(std::uint64_t);
                                  {beginning.size()});
     std::uint64_t length = 0;
     std::memcpy(&length, beginning.data(), safetensors_prefix);
-    if (length > safetensors_header_limit)
+    if (length > safetensors_header_limit) {
+        const std::string other =
+            detail::other_file({reinterpret_cast<const char*>(beginning.data()), safetensors_prefix});
+        if (!other.empty())
+            detail::throw_file_error(file, {}, {"a safetensors file"}, {other});
         detail::throw_file_error(file, {"header length"},
                                  {"at most ", safetensors_header_limit, " bytes in a safetensors file"},
                                  {length});
+    }
     if (length > size - safetensors_prefix)
         detail::throw_file_error(file, {"header"}, {length, " bytes"},
                                  {size - safetensors_prefix, " up to the end of the file"});
