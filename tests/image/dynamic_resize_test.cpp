@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -85,4 +86,16 @@ TEST_CASE("resize_bicubic: refuses what is no image") {
     CHECK_THROWS_AS(static_cast<void>(resize_bicubic(pixels(6), 2, 4, 1, 1)), std::invalid_argument);
     CHECK_THROWS_AS(static_cast<void>(resize_bicubic(pixels(), 0, 0, 1, 1)), std::invalid_argument);
     CHECK_THROWS_AS(static_cast<void>(resize_bicubic(pixels(6), 2, 3, 0, 1)), std::invalid_argument);
+    // Products of sizes that wrap around to what there is, or to nothing.
+    constexpr std::size_t half = std::size_t{1} << (std::numeric_limits<std::size_t>::digits - 1);
+    CHECK_THROWS_AS(static_cast<void>(resize_bicubic(pixels(6), half, 2, 1, 1)), std::invalid_argument);
+    CHECK_THROWS_AS(static_cast<void>(resize_bicubic(pixels(6), half + 3, 2, 1, 1)), std::invalid_argument);
+    for (const std::size_t size : {half, half / 2, half / 4})
+        for (const std::size_t other : {1u, 2u, 8u}) {
+            CHECK_THROWS_AS(static_cast<void>(resize_bicubic(pixels(6), 2, 3, size, other)),
+                            std::length_error);
+            CHECK_THROWS_AS(static_cast<void>(resize_bicubic(pixels(6), 2, 3, other, size)),
+                            std::length_error);
+        }
+    CHECK(resize_bicubic(pixels(6), 2, 3, 300, 200).size() == 60'000);
 }

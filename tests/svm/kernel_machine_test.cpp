@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <support/allocations.hpp>
+#include <utility>
 #include <vector>
 
 using namespace tactnet;
@@ -264,6 +265,37 @@ TEST_CASE("kernel_machine: samples that cannot be learnt from are refused in wor
     const support::samples none{3, {}, {}};
     CHECK_THROWS_WITH_AS((void)train<rbf_kernel>(none, {}),
                          "labels: expected two classes or more, found no samples", std::invalid_argument);
+}
+
+TEST_CASE("kernel_machine: options without a meaning are refused in words, and so is one moved from") {
+    const support::samples s = support::blobs(20, 3, 2, 1);
+    const auto error = [&](const kernel_training_options<rbf_kernel>& options) {
+        return support::error_of([&] { (void)train<rbf_kernel>(s, options); });
+    };
+    for (const double tolerance :
+         {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+        CHECK(error({.solver = {.tolerance = tolerance}})
+                  .starts_with("tolerance: expected a finite number above 0"));
+    CHECK(error({.probability_folds = 1}) ==
+          "probabilities: expected 2 parts or more to cross-validate with, found 1");
+    // More parts than samples are one for each sample.
+    const auto sigmoids = [&](std::size_t folds) {
+        return train<rbf_kernel>(s, {.probability_folds = folds}).machine.parameters().sigmoids;
+    };
+    const auto each = sigmoids(20), many = sigmoids(std::numeric_limits<std::size_t>::max());
+    REQUIRE(each.size() == 1);
+    CHECK(each[0].slope == many[0].slope);
+    CHECK(each[0].offset == many[0].offset);
+    CHECK(error({.class_weights = {{5, 1.0}}}) == "class weights: expected labels of the samples, found 5");
+    CHECK(error({.class_weights = {{1, 1.0}, {1, 2.0}}}) ==
+          "class weights: expected one for each label, found two for 1");
+
+    thread_pool alone;
+    auto machine = train<rbf_kernel>(s, {}).machine;
+    const auto taken = std::move(machine);
+    CHECK(taken.predict(s.rows(), alone).size() == 20);
+    CHECK_THROWS_WITH_AS((void)machine.predict(s.rows(), alone), "kernel machine: it has been moved from",
+                         std::logic_error);
 }
 
 TEST_CASE("kernel_machine: ten thousand classes are refused before they take the memory of their machines") {

@@ -10,7 +10,9 @@
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <support/allocations.hpp>
+#include <utility>
 #include <vector>
 
 using namespace tactnet;
@@ -224,6 +226,48 @@ TEST_CASE("linear_machine: samples that cannot be learnt from are refused in wor
                          std::invalid_argument);
     CHECK_THROWS_WITH_AS((void)machine.predict(feature_rows<>(broken, 1)),
                          "linear machine: expected rows of 3 features, found 1", std::invalid_argument);
+}
+
+TEST_CASE("linear_machine: options without a meaning are refused in words") {
+    const support::samples s = support::blobs(20, 3, 2, 1);
+    const auto error = [&](const linear_training_options& options) {
+        return support::error_of([&] { (void)train(s, options); });
+    };
+    for (const double tolerance :
+         {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+        CHECK(error({.solver = {.tolerance = tolerance}})
+                  .starts_with("tolerance: expected a finite number above 0"));
+    CHECK(error({.solver = {.tolerance = 1e-300, .iteration_limit = 3}}).empty());
+    CHECK(error({.class_weights = {{2, 1.0}}}) == "class weights: expected labels of the samples, found 2");
+    CHECK(error({.class_weights = {{0, 1.0}, {1, 2.0}, {0, 3.0}}}) ==
+          "class weights: expected one for each label, found two for 0");
+    CHECK(error({.class_weights = {{1, 1.0}, {0, 2.0}}}).empty());
+}
+
+TEST_CASE("linear_machine: features whose steps single precision does not hold are reported") {
+    for (const float scale : {1.0f, 1e6f, 1e12f, 1e18f, 1e20f, 1e22f, 1e25f, 1e30f, 1e37f}) {
+        CAPTURE(scale);
+        support::samples s = support::blobs(60, 3, 2, 0.1);
+        for (float& value : s.values)
+            value *= scale;
+        const auto result = train(s, {});
+        CHECK(result.converged() == (scale < 1e21f));
+        if (result.converged())
+            CHECK(accuracy(result.machine, s) == 1);
+        // What is to be done about large ones.
+        const auto standardised = train(s, {.standardise = true});
+        CHECK(standardised.converged());
+        CHECK(accuracy(standardised.machine, s) == 1);
+    }
+}
+
+TEST_CASE("linear_machine: one that has been moved from says so") {
+    const support::samples s = support::blobs(20, 3, 2, 1);
+    auto machine = train(s, {}).machine;
+    const auto taken = std::move(machine);
+    CHECK(taken.predict(s.rows()).size() == 20);
+    CHECK_THROWS_WITH_AS((void)machine.predict(s.rows()), "linear machine: it has been moved from",
+                         std::logic_error);
 }
 
 TEST_CASE("linear_machine: parameters that do not fit each other are refused") {

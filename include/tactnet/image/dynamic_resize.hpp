@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -40,8 +41,13 @@ template <class Kernel, class Count>
 [[nodiscard]] std::vector<double> resize_exactly(std::span<const Count> image, std::size_t rows,
                                                  std::size_t columns, std::size_t new_rows,
                                                  std::size_t new_columns) {
-    if (rows == 0 || columns == 0 || new_rows == 0 || new_columns == 0 || image.size() != rows * columns)
+    if (rows == 0 || columns == 0 || new_rows == 0 || new_columns == 0 || image.size() / rows != columns ||
+        image.size() % rows != 0)
         throw std::invalid_argument("resize_bicubic: expected non-empty images and rows × columns pixels");
+    // Products of sizes below this do not wrap around.
+    constexpr std::size_t most_pixels = std::numeric_limits<std::size_t>::max() / sizeof(double) / 64;
+    if (new_columns > most_pixels / new_rows || columns > most_pixels / new_rows)
+        throw std::length_error("resize_bicubic: expected an image that fits into memory");
     const dynamic_axis<Kernel> down(rows, new_rows), along(columns, new_columns);
     std::vector<double> middle(new_rows * columns), result(new_rows * new_columns);
     for (std::size_t y = 0; y < new_rows; ++y)
@@ -60,7 +66,8 @@ template <class Kernel, class Count>
 } // namespace detail
 
 /// Resizes a row-major 8-bit image, rounded and clamped to 0 … 255. `Kernel` is as in resize. Throws
-/// std::invalid_argument if an image is empty or its size does not match the pixels.
+/// std::invalid_argument if an image is empty or its size does not match the pixels, and std::length_error or
+/// std::bad_alloc if the new one does not fit into memory.
 template <class Kernel = keys_cubic<>>
 [[nodiscard]] std::vector<std::uint8_t> resize_bicubic(std::span<const std::uint8_t> image, std::size_t rows,
                                                        std::size_t columns, std::size_t new_rows,

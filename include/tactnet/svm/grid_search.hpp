@@ -101,6 +101,7 @@ grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::s
     classes.require_two();
     for (const double cost : grid.costs)
         static_cast<void>(class_costs(classes, cost, options.class_weights)); // throws before any work
+    detail::check_class_weights(classes, options.class_weights);
     detail::require_training_memory(classes.size(), rows.size(), options.scheme, options.memory_bytes,
                                     grid.costs.size(), rows.size() / grid.folds + 1);
     const std::vector<std::size_t> fold_of =

@@ -124,6 +124,8 @@ private:
     static constexpr std::size_t block_rows = 8 * kernels::packed_rows::block_rows;
 
     void check_rows(feature_rows<Features> rows) const {
+        if (classes() == 0)
+            throw std::logic_error("kernel machine: it has been moved from");
         if (rows.features() != features())
             detail::throw_invalid_argument(
                 {"kernel machine: expected rows of ", features(), " features, found ", rows.features()});

@@ -44,8 +44,8 @@ namespace detail {
 /// side without samples, the other side is the answer, as in LIBSVM.
 template <svm_kernel Kernel>
 sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const binary_problem& problem,
-                                const solver_options& options, std::size_t folds, std::uint64_t seed) {
-    const std::size_t n = problem.samples.size();
+                                const solver_options& options, std::size_t most_folds, std::uint64_t seed) {
+    const std::size_t n = problem.samples.size(), folds = std::min(most_folds, n);
     std::vector<std::vector<std::size_t>> sides(2);
     for (std::size_t k = 0; k < n; ++k)
         sides[problem.sides[k] > 0 ? 0 : 1].push_back(k);
@@ -121,8 +121,9 @@ void gather_support(kernel_machine_parameters<Kernel>& parts, feature_rows<> row
 
 /// Trains machines for all classes among the labels, on all threads; the result is bit-identical on any
 /// number of them. Throws std::invalid_argument for a feature that is not finite (with its row and column),
-/// for fewer than two classes or more than fit into `memory_bytes`, and if the numbers of labels and rows
-/// differ.
+/// for fewer than two classes or more than fit into `memory_bytes`, if the numbers of labels and rows differ,
+/// and for options without a meaning: a tolerance that is not above 0, weights of classes without samples,
+/// more parts to cross-validate with than samples.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] kernel_training_result<Kernel, Features>
 train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
@@ -130,6 +131,8 @@ train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     check_samples(rows, labels);
     const class_members classes(labels);
     classes.require_two();
+    detail::check_tolerance(options.solver.tolerance);
+    detail::check_class_weights(classes, options.class_weights);
     if (options.probability_folds == 1)
         throw std::invalid_argument(
             "probabilities: expected 2 parts or more to cross-validate with, found 1");

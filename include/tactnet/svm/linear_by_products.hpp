@@ -37,6 +37,8 @@ train_linear_machine_by_products(feature_rows<Features> rows, std::span<const st
     check_samples(rows, labels);
     const class_members classes(labels);
     classes.require_two();
+    detail::check_tolerance(options.solver.tolerance);
+    detail::check_class_weights(classes, options.class_weights);
     const std::size_t features = rows.features();
     linear_machine_parameters parts;
     parts.features = features;

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -92,6 +93,8 @@ public:
 
 private:
     void check_rows(feature_rows<Features> rows) const {
+        if (classes() == 0)
+            throw std::logic_error("linear machine: it has been moved from");
         if (rows.features() != features())
             detail::throw_invalid_argument(
                 {"linear machine: expected rows of ", features(), " features, found ", rows.features()});
@@ -128,7 +131,9 @@ using linear_training_result = svm_training_result<linear_machine<Features>>;
 
 /// Trains one machine for each class among the labels, on all threads; the result is bit-identical on any
 /// number of them. Throws std::invalid_argument for a feature that is not finite (with its row and column),
-/// for fewer than two classes, and if the numbers of labels and rows differ.
+/// for fewer than two classes, if the numbers of labels and rows differ, for a tolerance that is not above 0,
+/// and for weights of classes without samples. Features above about 10^15 leave the range of single
+/// precision: then converged() is false.
 template <std::size_t Features>
 [[nodiscard]] linear_training_result<Features>
 train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,
@@ -136,6 +141,8 @@ train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     check_samples(rows, labels);
     const class_members classes(labels);
     classes.require_two();
+    detail::check_tolerance(options.solver.tolerance);
+    detail::check_class_weights(classes, options.class_weights);
     linear_machine_parameters parts;
     parts.standardise = fit_standardisation(rows, options.standardise);
     const standardised_rows training(rows, parts.standardise);

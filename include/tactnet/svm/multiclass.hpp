@@ -125,6 +125,23 @@ struct class_members {
 
 namespace detail {
 
+/// Throws std::invalid_argument for a weight of a class that no sample has, or for two of one class.
+inline void check_class_weights(const class_members& classes, std::span<const class_weight> weights) {
+    for (auto w = weights.begin(); w != weights.end(); ++w) {
+        if (!std::binary_search(classes.labels.begin(), classes.labels.end(), w->label))
+            throw_invalid_argument({"class weights: expected labels of the samples, found ", w->label});
+        if (std::any_of(weights.begin(), w,
+                        [&](const class_weight& other) { return other.label == w->label; }))
+            throw_invalid_argument({"class weights: expected one for each label, found two for ", w->label});
+    }
+}
+/// Throws std::invalid_argument for a tolerance that is no finite number above 0.
+inline void check_tolerance(double tolerance) {
+    if (!(tolerance > 0) || tolerance > std::numeric_limits<double>::max())
+        throw_invalid_argument(
+            {"tolerance: expected a finite number above 0, found ", std::to_string(tolerance)});
+}
+
 /// Throws std::invalid_argument when training so many classes would take more memory than allowed. The
 /// problems and solutions of all machines are in memory at once; for one versus one they grow with the square
 /// of the classes. `costs` are tried at once, with `values` kept for each machine.

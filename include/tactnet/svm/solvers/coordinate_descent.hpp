@@ -95,12 +95,13 @@ public:
                           static_cast<std::uint32_t>(report.iterations))
                 .shuffle(active);
             ++report.iterations;
+            underflows_ = false;
             const gradient_range range = pass(active, before);
             report.violation = std::max(range.highest - range.lowest, 0.0);
             before = range;
             if (report.violation <= options_.tolerance) {
                 if (active.size() == rows_.size()) {
-                    report.converged = true;
+                    report.converged = !underflows_;
                     break;
                 }
                 // Checks all samples once more before the result is accepted.
@@ -158,8 +159,11 @@ private:
         // A sample of zeros has no curvature: its bound is the answer.
         const double curvature = std::max(rows_.norm(i) + ridge(i), std::numeric_limits<double>::min());
         alpha_[i] = std::clamp(old - g / curvature, 0.0, highest_alpha(i));
-        kernels::add_multiple(weights_.data(), static_cast<float>((alpha_[i] - old) * sides_[i]),
-                              rows_.row(i), rows_.stride());
+        const auto change = static_cast<float>((alpha_[i] - old) * sides_[i]);
+        // Of large features, steps of α are too small for single precision: then no weight moves.
+        underflows_ = underflows_ || (std::abs(g) > options_.tolerance && alpha_[i] != old &&
+                                      std::abs(change) < std::numeric_limits<float>::min());
+        kernels::add_multiple(weights_.data(), change, rows_.row(i), rows_.stride());
     }
     [[nodiscard]] descent_solution finish(solver_report report) {
         // Recomputed from the coefficients, free of accumulated rounding errors.
@@ -185,6 +189,7 @@ private:
     std::uint32_t machine_;
     std::vector<double> alpha_;
     aligned_vector<float> weights_;
+    bool underflows_ = false; ///< a step of the pass was lost in single precision
 };
 
 } // namespace TACTNET_ARCH
