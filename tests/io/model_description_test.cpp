@@ -22,7 +22,7 @@ file_metadata example() {
     add_description(metadata, {.network = "not written",
                                .rows = 4,
                                .columns = 6,
-                               .classes = {"cable", "a \"quoted\", one", "Schlüssel\n"},
+                               .classes = {"cable", "a \"quoted\", one", "Schlüssel"},
                                .epsilon = 0.1,
                                .subtracts_mean = true,
                                .scale = 1.0F / 255});
@@ -36,7 +36,7 @@ TEST_CASE("model_description: what was added is read back, number for number") {
     CHECK(d.network == "small");
     CHECK(d.rows == 4);
     CHECK(d.columns == 6);
-    CHECK(d.classes == std::vector<std::string>{"cable", "a \"quoted\", one", "Schlüssel\n"});
+    CHECK(d.classes == std::vector<std::string>{"cable", "a \"quoted\", one", "Schlüssel"});
     CHECK(d.epsilon == 0.1);
     CHECK(d.subtracts_mean == true);
     CHECK(d.scale == 1.0F / 255);

@@ -32,7 +32,7 @@ model<small_network> example(std::size_t classes = 3) {
     m.network.epsilon = 1e-4;
     for (std::size_t e = 0; e < size.size(); ++e)
         m.normalise.mean.data()[e] = 0.1F * static_cast<float>(e);
-    const std::vector<std::string> names{"cable", "a \"quoted\", one", "Schlüssel\n"};
+    const std::vector<std::string> names{"cable", "a \"quoted\", one", "Schlüssel"};
     m.classes.assign(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(classes));
     return m;
 }
@@ -181,6 +181,18 @@ TEST_CASE("model_file: metadata that mean nothing") {
           "m.safetensors: metadata 'classes': expected 3 names, as there are logits, found 2");
     CHECK(error_of(changed(good, {{"classes", "[\"a\",\"b"}})).find("m.safetensors: metadata 'classes': ") ==
           0);
+    for (const std::string name : {"a\\u001bb", "a\\nb", "\\u0000", "\xE2\x80\xAEgpj", "\xC2\x9B", "\x7F"})
+        CHECK(
+            error_of(changed(good, {{"classes", "[\"x\",\"" + name + "\",\"z\"]"}}))
+                .starts_with("m.safetensors: metadata 'classes': expected names without control characters, "
+                             "found '"));
+    CHECK(error_of(changed(good, {{"classes", "[\"\",\"Schlüssel, lang\",\"鍵 🔑\"]"}})) == "no error");
+    model named = example();
+    named.classes[1] = "a\nb";
+    CHECK_THROWS_WITH_AS(save_model(folder / "n.safetensors", named),
+                         "classes: expected names in UTF-8 without control characters, found 'a\\x0ab'",
+                         std::invalid_argument);
+    CHECK(!std::filesystem::exists(folder / "n.safetensors"));
     CHECK(error_of(changed(good, {{"input", "guess"}})) ==
           "m.safetensors: metadata 'input': expected 'mean' or 'scale', found 'guess'");
     // What another version means by a word is not for this one to judge.

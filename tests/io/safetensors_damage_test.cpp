@@ -39,7 +39,7 @@ model<small_network> example() {
             value = next += 0.03125F;
     });
     m.normalise.mean.data()[3] = 7.5F;
-    m.classes = {"cable", "a \"quoted\", one", "Schlüssel\n"};
+    m.classes = {"cable", "a \"quoted\", one", "Schlüssel"};
     return m;
 }
 

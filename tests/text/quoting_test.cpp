@@ -34,6 +34,22 @@ TEST_CASE("quoting: well-formed UTF-8, as the Unicode standard's table has it") 
     CHECK_FALSE(is_utf8("\xFF"));
 }
 
+TEST_CASE("quoting: a name is printable if a terminal shows it and does nothing else") {
+    using tactnet::is_printable;
+    for (const std::string_view name : {"", "plain name", "Schl\xC3\xBCssel", "\xE9\x8D\xB5",
+                                        "\xF0\x9F\x94\x91", "\xC2\xA0", "\xE2\x80\xA6", "\xE2\x81\xAA"})
+        CHECK(is_printable(name));
+    for (const std::string_view name :
+         {"a\nb", "\t", "\x1B[2J", "\x7F", "\xC2\x80", "\xC2\x9F", "\xD8\x9C", "\xE2\x80\x8E", "\xE2\x80\xA8",
+          "\xE2\x80\xAE", "\xE2\x81\xA6", "\xE2\x81\xA9", "\xFF"}) {
+        CHECK(!is_printable(name));
+        CHECK(is_printable(tactnet::in_quotes(name)));
+    }
+    CHECK(!is_printable(std::string_view("\0", 1)));
+    CHECK(tactnet::in_quotes("\xC2\x9B"
+                             "2J") == "'\\xc2\\x9b2J'");
+}
+
 TEST_CASE("quoting: every character there is, and none with a byte less or of the wrong kind") {
     std::size_t wrong = 0;
     std::string text;

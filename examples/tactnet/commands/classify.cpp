@@ -13,7 +13,6 @@
 #include <memory>
 #include <printable.hpp>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -32,9 +31,8 @@ int classify(const classify_options& o) {
         const tactnet::grey_image image = load_image(path, rows, columns, o.weights.resize);
         pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
     }
-    // To the letter for programs, without what a terminal would obey for people.
-    const bool terminal = ::isatty(STDOUT_FILENO) == 1;
-    const auto field = [&](const std::string& name) { return csv_field(terminal ? printable(name) : name); };
+    // A line an image, whatever its path; names of classes are printable, or their file is not loaded.
+    const auto field = [](const std::string& name) { return csv_field(printable(name)); };
     tactnet::thread_pool threads;
     const std::vector<scored_class> recognised = weights.trained->recognise(pixels, threads);
     for (std::size_t i = 0; i < o.images.size(); ++i) {

@@ -104,6 +104,10 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     json_scanner scanner(classes, detail::joined({file.file(), ": metadata 'classes'"}), 0);
     scanner.array([&] { d.classes.push_back(scanner.string()); });
     scanner.end();
+    for (const std::string& name : d.classes)
+        if (!is_printable(name))
+            detail::throw_file_error(file.file(), {"metadata 'classes'"},
+                                     {"names without control characters"}, {detail::quoted{name}});
     require(input == "mean" || input == "scale", "input", "'mean' or 'scale'");
     d.subtracts_mean = input == "mean";
     d.scale = detail::number_in<float>(file, "input_scale", "a positive number", ours);
@@ -119,6 +123,11 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     metadata["version"] = "1";
     metadata["rows"] = std::to_string(d.rows.value());
     metadata["columns"] = std::to_string(d.columns.value());
+    for (const std::string& name : d.classes)
+        if (!is_printable(name))
+            detail::throw_invalid_argument(
+                {"classes: expected names in UTF-8 without control characters, found ",
+                 detail::quoted{name}});
     metadata["classes"] = detail::json_array(d.classes);
     metadata["input"] = d.subtracts_mean.value() ? "mean" : "scale";
     if (d.epsilon)

@@ -41,6 +41,20 @@ constexpr std::size_t utf8_sequence_length(std::string_view text) noexcept {
     return 0;
 }
 
+/// Whether a terminal shows `character`, one of well-formed UTF-8, and does nothing else: false for control
+/// characters (C0, DEL and C1), ends of lines and paragraphs, and marks of direction.
+[[nodiscard]] constexpr bool is_visible(std::string_view character) noexcept {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
+    if (character.size() == 1)
+        return byte(0) >= 0x20 && byte(0) != 0x7F;
+    if (character.size() == 2) // U+0080 to U+009F, of which one begins escape sequences; U+061C
+        return !(byte(0) == 0xC2 && byte(1) < 0xA0) && !(byte(0) == 0xD8 && byte(1) == 0x9C);
+    // U+200E, U+200F, U+2028 to U+202E and U+2066 to U+2069: lines, paragraphs and directions.
+    if (byte(0) == 0xE2 && byte(1) == 0x80)
+        return !(byte(2) == 0x8E || byte(2) == 0x8F || (byte(2) >= 0xA8 && byte(2) <= 0xAE));
+    return !(byte(0) == 0xE2 && byte(1) == 0x81 && byte(2) >= 0xA6 && byte(2) <= 0xA9);
+}
+
 namespace detail {
 
 /// A text that a message shows as in_quotes does. Unlike the result of in_quotes it needs no string at the
@@ -70,17 +84,18 @@ using text_parts = std::initializer_list<text_part>;
     shown.append("'", 1);
     std::size_t used = 0;
     while (!text.empty() && used < limit) {
-        std::size_t length = utf8_sequence_length(text);
-        const auto first = static_cast<unsigned char>(text.front());
-        if (length == 0 || first < 0x20 || first == 0x7F) {
-            length = 1;
-            const char escape[] = {'\\', 'x', digits[first >> 4], digits[first & 15U]};
-            shown.append(escape, sizeof(escape));
-        } else {
-            shown.append(text.data(), length);
-        }
-        text.remove_prefix(length);
-        used += length;
+        const std::size_t length = utf8_sequence_length(text);
+        const std::string_view character = text.substr(0, length == 0 ? 1 : length);
+        if (length > 0 && is_visible(character))
+            shown.append(character.data(), character.size());
+        else
+            for (const char c : character) {
+                const auto byte = static_cast<unsigned char>(c);
+                const char escape[] = {'\\', 'x', digits[byte >> 4], digits[byte & 15U]};
+                shown.append(escape, sizeof(escape));
+            }
+        text.remove_prefix(character.size());
+        used += character.size();
     }
     const std::string_view end = text.empty() ? "'" : "…'";
     shown.append(end.data(), end.size());

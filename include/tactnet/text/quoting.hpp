@@ -25,6 +25,18 @@ constexpr bool is_utf8(std::string_view text) noexcept {
     return true;
 }
 
+/// Whether all of `text` is well-formed UTF-8 that a terminal shows (is_visible): what names from files must
+/// be.
+constexpr bool is_printable(std::string_view text) noexcept {
+    while (!text.empty()) {
+        const std::size_t length = utf8_sequence_length(text);
+        if (length == 0 || !is_visible(text.substr(0, length)))
+            return false;
+        text.remove_prefix(length);
+    }
+    return true;
+}
+
 namespace detail {
 
 /// Appends the character of a code of at most U+10FFFF.
@@ -47,8 +59,8 @@ namespace detail {
 
 } // namespace detail
 
-/// `text` in single quotes, safe to print on one line of a terminal: control characters and bytes that are
-/// not UTF-8 appear as `\xNN`. Text longer than `limit` bytes is cut.
+/// `text` in single quotes, safe to print on one line of a terminal: characters that are not visible and
+/// bytes that are not UTF-8 appear as `\xNN`. Text longer than `limit` bytes is cut.
 [[gnu::cold, gnu::noinline]] inline std::string in_quotes(std::string_view text, std::size_t limit = 80) {
     std::string shown;
     detail::append_quoted(shown, text, limit);

@@ -157,8 +157,8 @@ inline bool is_folder(const std::filesystem::directory_entry& entry) {
 /// Lists the images in the subfolders of `root`. Hidden entries, files beside the subfolders and folders
 /// within them are ignored. `extensions` are in lower case with the dot; the case of the files does not
 /// matter. Links are followed. Throws file_error when there is no such folder, there are fewer than two
-/// subfolders, a subfolder has no images, its name is not UTF-8 (weight files will store it), a subfolder or
-/// an image is a link to nothing, or an image is a pipe, a socket or a device.
+/// subfolders, a subfolder has no images, its name is not UTF-8 or has control characters (weight files will
+/// store it), a subfolder or an image is a link to nothing, or an image is a pipe, a socket or a device.
 [[gnu::cold]] inline image_folder
 list_image_folder(const std::filesystem::path& root,
                   std::span<const std::string_view> extensions = default_image_extensions) {
@@ -186,6 +186,9 @@ list_image_folder(const std::filesystem::path& root,
         if (!is_utf8(name))
             detail::throw_file_error(root.string(), {"subfolder ", in_quotes(name)}, {"a name in UTF-8"},
                                      {"other bytes"});
+        else if (!is_printable(name))
+            detail::throw_file_error(root.string(), {"subfolder ", in_quotes(name)},
+                                     {"a name without control characters"}, {"some"});
     if (folder.classes.size() == 1)
         detail::throw_file_error(root.string(), {}, {"at least two classes, a subfolder each"},
                                  {"only ", in_quotes(folder.classes.front())});

@@ -113,13 +113,14 @@ TEST_SUITE("program") {
 
     TEST_CASE("check: names are shown as text, and what is no folder of classes is refused") {
         const workshop shop;
-        fs::rename(shop.data() / "left", shop.data() / "le\x1B[31mft");
-        tactnet::write_file(shop.data() / "right/\nimage.png", std::string("no image"));
+        tactnet::write_file(shop.data() / "right/\nim\x1B[31mage.png", std::string("no image"));
         const outcome found = check(shop, shop.data());
         CHECK(found.status == 1);
-        CHECK(shows(found, "le\\x1b[31mft"));
-        CHECK(shows(found, "right/\\x0aimage.png: expected "));
+        CHECK(shows(found, "right/\\x0aim\\x1b[31mage.png: expected "));
         CHECK(!shows(found, "\x1B"));
+        fs::rename(shop.data() / "left", shop.data() / "le\x1B[31mft");
+        shop.refuses("check --data DATA",
+                     "subfolder 'le\\x1b[31mft': expected a name without control characters, found some");
         shop.refuses("check --data nowhere",
                      "nowhere: expected a folder with one subfolder a class, found nothing of that name");
         shop.refuses("check", "--data is required");
