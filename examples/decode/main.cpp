@@ -171,7 +171,7 @@ void decode(const arguments& asked) {
 } // namespace
 
 int main(int count, char** words) {
-    ignore_broken_pipes();
+    ignore_output_signals();
     try {
         const arguments asked = read_arguments(std::span(words + 1, words + std::max(count, 1)));
         if (asked.help) {

@@ -79,7 +79,7 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
 } // namespace
 
 int main(int count, char** arguments) {
-    ignore_broken_pipes();
+    ignore_output_signals();
     const bool own = count == 3 && std::strcmp(arguments[2], "own") == 0;
     const bool help =
         count == 2 && (std::strcmp(arguments[1], "--help") == 0 || std::strcmp(arguments[1], "-h") == 0);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -30,6 +31,7 @@ public:
                 if (in_step_)
                     fail({byte_ - 1, 0, frames() + 1, "'TN' in front of a packet", "other bytes"});
                 in_step_ = false;
+                last_.reset();
                 size_ = byte == start[0] ? 1 : 0;
                 packet_[0] = byte;
             }
@@ -58,6 +60,7 @@ private:
         size_ = 0;
         in_step_ = true;
         if (sum != std::byte{0}) {
+            last_.reset(); // of which packet it was nothing is known
             fail({byte_ - packet_.size(),
                   0,
                   frames() + 1,
@@ -66,6 +69,12 @@ private:
                   {}});
             return;
         }
+        // The cells of a packet after others that were lost, doubled or exchanged are good all the same.
+        const auto number = std::to_integer<unsigned>(packet_[start.size()]);
+        if (const unsigned next = last_ ? (*last_ + 1) % 256 : number; number != next)
+            fail({byte_ - packet_.size(), 0, frames() + 1, "packet number " + std::to_string(next),
+                  std::to_string(number)});
+        last_ = number;
         for (std::size_t i = 0; i < cells().size(); ++i)
             cells()[i] = static_cast<float>(packet_[start.size() + 1 + i]);
         emit(sink, frames() + 1, {});
@@ -74,5 +83,6 @@ private:
     std::array<std::byte, start.size() + 1 + rows * columns + 1> packet_{};
     std::size_t size_ = 0, byte_ = 0;
     bool in_step_ = false;
+    std::optional<unsigned> last_; ///< the number of the packet before
 };
 static_assert(tactnet::frame_decoder<own_device>);

@@ -18,9 +18,12 @@ namespace {
 
 } // namespace
 
-void ignore_broken_pipes() noexcept {
+void ignore_output_signals() noexcept {
 #if defined(SIGPIPE)
     std::signal(SIGPIPE, SIG_IGN);
+#endif
+#if defined(SIGXFSZ)
+    std::signal(SIGXFSZ, SIG_IGN);
 #endif
 }
 

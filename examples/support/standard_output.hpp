@@ -4,9 +4,9 @@
 
 // Standard output, where a full disk or a reader that has gone is an error and not silence.
 
-/// At the beginning of a program: writing to a reader that has gone then fails, and is told, where it would
-/// end the program without a word (SIGPIPE).
-void ignore_broken_pipes() noexcept;
+/// At the beginning of a program: writing to a reader that has gone, or to a file at its limit, then fails
+/// and is reported, where it would end the program without a word (SIGPIPE, SIGXFSZ).
+void ignore_output_signals() noexcept;
 
 /// To standard output. Throws tactnet::file_error when it does not take it.
 void print(std::string_view text);

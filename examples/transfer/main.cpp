@@ -142,7 +142,7 @@ std::size_t splits_in(std::string_view text) {
 } // namespace
 
 int main(int count, char** arguments) {
-    ignore_broken_pipes();
+    ignore_output_signals();
     if (count != 3 && count != 4) {
         std::fprintf(stderr, "tactnet_transfer: expected a folder of images, a file of weights and perhaps a "
                              "number of splits\n");

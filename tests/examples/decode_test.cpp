@@ -50,6 +50,18 @@ TEST_SUITE("decode") {
                             "missing cells: 1\nunit: pascal\nseconds: 0.3\n");
     }
 
+    TEST_CASE("decode: an output file at its limit is an error with its reason") {
+        std::string frames = recording.substr(0, recording.find("Frame 1"));
+        frames.replace(frames.find("END_FRAME 3"), 11, "END_FRAME 400");
+        for (int number = 1; number <= 400; ++number)
+            frames += "Frame " + std::to_string(number) + "\r\nB,0.5,0\r\n1,2,3\r\n";
+        const recording_file file(frames + "@@\r\n");
+        const std::string output = " >'" + (file / "output").string() + "'";
+        CHECK(run_program(program + " --csv" + file.quoted() + output).status == 0);
+        refuses("ulimit -f 2; " + program + " --csv" + file.quoted() + output,
+                "standard output: expected to write all results, found 'File too large'");
+    }
+
     TEST_CASE("decode: every frame as text") {
         const recording_file file(recording);
         const auto result = run_program(program + " --csv" + file.quoted());

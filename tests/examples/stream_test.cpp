@@ -11,6 +11,7 @@
 #include <string>
 #include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
+#include <utility>
 #include <vector>
 
 using support::run_program;
@@ -101,6 +102,27 @@ TEST_SUITE("stream") {
                 CHECK_MESSAGE(missed.error.find("expected 'TN' in front of a packet") != std::string::npos,
                               missed.error);
             }
+        // A packet that is lost, doubled or exchanged shows in the numbers of the others.
+        const auto packet = [&](std::size_t f, std::size_t number) {
+            std::string one = own.substr(f * own.size() / frames, own.size() / frames);
+            one.back() = static_cast<char>(one.back() ^ one[2] ^ static_cast<char>(number));
+            one[2] = static_cast<char>(number);
+            return one;
+        };
+        const std::pair<std::string, std::string> broken[] = {
+            {packet(0, 0) + packet(2, 2), "frame 2: expected packet number 1, found 2"},
+            {packet(0, 0) + packet(0, 0) + packet(1, 1), "frame 2: expected packet number 1, found 0"},
+            {packet(0, 0) + packet(2, 2) + packet(1, 1), "frame 3: expected packet number 3, found 1"}};
+        for (const auto& [stream, sentence] : broken) {
+            const auto found = run(" own", stream);
+            CHECK(found.status == 2);
+            CHECK(labels_of(found.out).size() == stream.size() / packet(0, 0).size());
+            CHECK_MESSAGE(found.error.find(sentence) != std::string::npos, found.error);
+        }
+        const auto around = run(" own", packet(0, 254) + packet(1, 255) + packet(2, 0));
+        CHECK(around.status == 0);
+        CHECK(labels_of(around.out) == expected);
+        CHECK(run(" own", packet(1, 7) + packet(2, 8)).status == 0); // joined late
         for (const std::string& none : {std::string(), std::string(10'000, '-')}) {
             const auto nothing = run(" own", none);
             CHECK(nothing.status == 2);
