@@ -5,7 +5,6 @@
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
-#include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,17 +15,20 @@
 
 namespace {
 
-int list(std::optional<std::size_t> classes) {
-    std::vector<std::vector<std::string>> rows{{"method", "size", "classes", "parameters", "multiply-adds",
-                                                "on pixels", "weights, bytes", "activations, bytes"}};
-    std::size_t most = 2; // that a network can tell apart
+/// The most classes that a network can tell apart.
+std::size_t most_classes() {
+    std::size_t most = 2;
     for (const auto& m : all_methods())
         if (m->is_network())
             most = std::max(most, m->capacity);
-    if (classes.value_or(0) > most)
-        refuse("--classes: expected at most {}, found {}", most, *classes);
+    return most;
+}
+
+int list(std::optional<std::size_t> classes) {
+    std::vector<std::vector<std::string>> rows{{"method", "size", "classes", "parameters", "multiply-adds",
+                                                "on pixels", "weights, bytes", "activations, bytes"}};
     for (const auto& m : all_methods()) {
-        const std::size_t k = classes.value_or(std::min(m->capacity, most));
+        const std::size_t k = classes.value_or(std::min(m->capacity, most_classes()));
         const method_costs c = m->costs(k);
         rows.push_back({m->name, fmt::format("{}x{}", m->rows, m->columns), fmt::to_string(k),
                         grouped(c.parameters), grouped(c.multiply_adds), grouped(c.multiply_adds_on_pixels),
@@ -43,6 +45,6 @@ command add_list(CLI::App& program) {
     auto classes = std::make_shared<std::optional<std::size_t>>();
     app->add_option("--classes", *classes,
                     "Classes to tell apart, 2 or more (default: as many as the program can)")
-        ->check(whole_number(2, 100'000));
+        ->check(whole_number(2, most_classes()));
     return [classes] { return list(*classes); };
 }

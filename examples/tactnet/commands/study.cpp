@@ -54,7 +54,8 @@ shard shard_of(const std::string& text) {
     const std::size_t slash = std::min(text.find('/'), text.size());
     const auto index = whole_number_of(std::string_view(text).substr(0, slash)),
                count = whole_number_of(std::string_view(text).substr(std::min(slash + 1, text.size())));
-    if (!index || !count || *index < 1 || *index > *count)
+    if (!index || !count || *index < 1 || *index > *count ||
+        text.find_first_not_of("0123456789/") != text.npos)
         refuse("--shard: expected a part of all such as 1/4, from 1 on, found '{}'", text);
     return {*index - 1, *count};
 }

@@ -168,6 +168,20 @@ std::string finish(const train_options& o, const output_files& files, const imag
     return line + '\n';
 }
 
+/// Whether a file holds the weights of a training with these settings, to the last byte.
+bool written(const std::filesystem::path& weights, const tactnet::file_metadata& settings) {
+    try {
+        const tactnet::safetensors file = tactnet::safetensors::read(weights);
+        return file.checksum() == tactnet::checksum_state::verified &&
+               std::ranges::all_of(settings, [&](const auto& setting) {
+                   const auto found = file.metadata().find(setting.first);
+                   return found != file.metadata().end() && found->second == setting.second;
+               });
+    } catch (const tactnet::file_error&) { // none, or half of one
+        return false;
+    }
+}
+
 /// Trains. Returns false if interrupted: what is there goes on with the same command.
 bool run(training_run& training, const train_options& o, std::size_t epochs,
          const checkpoint_options& checkpoint) {
@@ -225,7 +239,10 @@ int train(const train_options& o) {
     try {
         line = finish(o, files, data, *training, what, checkpoint.settings, seconds, threads);
     } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
-        if (auto* by_epochs = dynamic_cast<network_training*>(training.get()))
+        if (written(files.weights, checkpoint.settings))
+            tell("the weights are whole in {}; what failed is about them\n",
+                 printable(files.weights.string()));
+        else if (auto* by_epochs = dynamic_cast<network_training*>(training.get()))
             keep_unwritten(*by_epochs, checkpoint);
         throw;
     }

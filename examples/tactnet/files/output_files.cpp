@@ -49,6 +49,9 @@ void check_writable(const fs::path& path) {
     std::error_code code;
     if (path.filename().empty() || fs::is_directory(path, code))
         refuse("the name of a file to write", "a folder");
+    // Opening one waits for a reader, perhaps for ever. Those that a shell makes (/dev/fd) have one.
+    if (fs::is_fifo(path, code) && !fs::is_symlink(path, code))
+        refuse("a regular file", "a named pipe");
     const fs::path whole = fs::absolute(path).lexically_normal();
     fs::path folder = whole.parent_path();
     while (!fs::exists(folder, code) && folder != folder.parent_path())

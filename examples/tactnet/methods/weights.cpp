@@ -37,9 +37,14 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
         .add_option("--epsilon", o.epsilon,
                     "What batch norms add to a variance (default: the file's, else 1e-5)")
         ->check(positive_number());
-    command.add_option("--classes", o.classes,
-                       "Names of the classes: a text file with a line each, or a folder with a subfolder "
-                       "each (default: the file's, else class_00, class_01, ...)");
+    command
+        .add_option("--classes", o.classes,
+                    "Names of the classes: a text file with a line each, or a folder with a subfolder "
+                    "each (default: the file's, else class_00, class_01, ...)")
+        ->check([](const std::string& path) {
+            return path.empty() ? std::string("expected a file or a folder of names, found ''")
+                                : std::string();
+        });
 }
 
 namespace {

@@ -88,11 +88,13 @@ TEST_CASE("deployed_header: the folded numbers to the bit") {
 }
 
 TEST_CASE("deployed_header: names of namespaces") {
-    for (const char* good : {"a", "gripper", "gripper::tactile", "g2_x::y", "classes"})
+    for (const char* good :
+         {"a", "gripper", "gripper::tactile", "g2_x::y", "classes", "null", "asserts::x", "mains"})
         CHECK_MESSAGE(tactnet::is_namespace_name(good), good);
-    for (const char* bad : {"",       "2a", "a-b",  "a b",   "a::",    "::a", "a:b",
-                            "a:::b",  "_a", "a__b", "class", "a::int", "std", "tactnet::x",
-                            "a::std", "é",  "a\n",  "a;b",   "a:",     ":",   "static static_assert"})
+    for (const char* bad : {"",       "2a",  "a-b",    "a b",   "a::",    "::a",      "a:b",
+                            "a:::b",  "_a",  "a__b",   "class", "a::int", "std",      "tactnet::x",
+                            "a::std", "é",   "a\n",    "a;b",   "a:",     ":",        "static static_assert",
+                            "NULL",   "EOF", "assert", "posix", "main",   "a::errno", "INT_MAX"})
         CHECK_FALSE_MESSAGE(tactnet::is_namespace_name(bad), bad);
 }
 

@@ -159,6 +159,17 @@ TEST_SUITE("program") {
         says(trained.error, "'File too large'); the training goes on");
         CHECK(fs::exists(shop / "net"));
 
+        // Room for the weights and not for the history of so many epochs: what is safe is said.
+        const program_result half =
+            in_shell(shop, "ulimit -f 100 && " + training(shop, "--epochs 900 --output half"));
+        CHECK(half.status == 2);
+        says(half.error, "the weights are whole in half; what failed is about them");
+        says(half.error, "half.learning.jsonl: expected to write all bytes, found 'File too large'");
+        CHECK(half.error.find("no checkpoint of the finished") == std::string::npos);
+        REQUIRE(
+            shop.run({"classify", "--weights", "half", (shop.data() / "left/image0.png").string()}).status ==
+            0);
+
         // No room even for the weights: told, and no end by SIGXFSZ.
         const program_result full =
             in_shell(shop, "ulimit -f 10 && " + training(shop, "--epochs 2 --output full"));

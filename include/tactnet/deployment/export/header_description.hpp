@@ -35,7 +35,8 @@ struct header_description {
 };
 
 /// Whether a text is an identifier, or several with :: between, that a program may define: no keyword, no
-/// reserved name, and neither `tactnet` nor `std`, which would hide the real ones.
+/// reserved name, no macro of the standard library's, and neither `tactnet` nor `std`, which would hide the
+/// real ones.
 [[nodiscard]] inline bool is_namespace_name(std::string_view text) {
     constexpr std::string_view keywords =
         " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t "
@@ -45,8 +46,12 @@ struct header_description {
         "operator or or_eq private protected public register reinterpret_cast requires return short signed "
         "sizeof static static_assert static_cast struct switch template this thread_local throw true try "
         "typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq "
-        "std tactnet linux unix "; // the last two are macros of GCC and Clang unless told to keep to the
-                                   // standard
+        "main posix std tactnet linux unix " // the last two are macros of GCC and Clang by default
+        "BUFSIZ CHAR_BIT CHAR_MAX CHAR_MIN CLOCKS_PER_SEC EDOM EILSEQ EOF ERANGE EXIT_FAILURE EXIT_SUCCESS "
+        "FILENAME_MAX FLT_MAX FOPEN_MAX HUGE_VAL INFINITY INT_MAX INT_MIN LONG_MAX LONG_MIN MB_CUR_MAX NAN "
+        "NULL "
+        "RAND_MAX SEEK_CUR SEEK_END SEEK_SET SIGABRT SIGINT SIGTERM SIZE_MAX TMP_MAX UINT_MAX WEOF assert "
+        "errno offsetof setjmp stderr stdin stdout va_arg va_copy va_end va_start ";
     const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
     for (;;) {
         const std::string_view name = text.substr(0, text.find(':'));

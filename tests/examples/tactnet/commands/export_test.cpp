@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <sys/stat.h>
 #include <vector>
 
 using namespace support;
@@ -32,6 +33,13 @@ TEST_SUITE("program") {
         shop.refuses("export --weights net --output x.hpp --packing never", "--packing");
         shop.refuses("export --weights net --output x.hpp --namespace a-b",
                      "--namespace: expected a name such as gripper or gripper::tactile, found 'a-b'");
+        for (const std::string name : {"NULL", "EOF", "assert", "posix", "main"})
+            shop.refuses({"export", "--weights", "net", "--output", "x.hpp", "--namespace", name},
+                         "found '" + name + "'");
+        shop.refuses({"export", "--weights", "net", "--output", "x.hpp", "--classes", ""},
+                     "--classes: expected a file or a folder of names, found ''");
+        REQUIRE(::mkfifo((shop / "pipe").c_str(), 0600) == 0);
+        shop.refuses("export --weights net --output pipe", "expected a regular file, found a named pipe");
         shop.refuses("export --weights nothing --output x.hpp",
                      "nothing: expected a file, found nothing of that name");
         shop.refuses("export --weights net --output out", "found a folder");

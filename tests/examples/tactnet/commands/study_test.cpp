@@ -269,6 +269,7 @@ TEST_SUITE("program") {
         shop.refuses(study("s --shard 3/2"),
                      "--shard: expected a part of all such as 1/4, from 1 on, found '3/2'");
         shop.refuses(study("s --shard 0/2"), "found '0/2'");
+        shop.refuses(study("s --shard +1/2"), "found '+1/2'");
         shop.refuses(
             study("s --pretrained resnet=x"),
             "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'");
