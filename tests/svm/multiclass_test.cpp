@@ -39,7 +39,8 @@ TEST_CASE("multiclass: classes whose machines would not fit into memory are refu
         const std::string what = error.what();
         CAPTURE(what);
         CHECK(what.starts_with("support vector machines of 10000 classes from 20000 samples, one versus one: "
-                               "expected to need at most 4096 MiB of memory (memory_bytes), found "));
+                               "expected to need at most " +
+                               std::to_string(four_gibibytes) + " bytes of memory (memory_bytes), found "));
     }
     CHECK_THROWS_AS(require_training_memory(10'000, 20'000, multiclass::one_versus_rest, four_gibibytes),
                     std::invalid_argument);

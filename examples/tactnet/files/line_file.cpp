@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <exception>
 #include <fcntl.h>
@@ -64,7 +65,11 @@ void line_file::read_on(const std::string& expected, const std::function<void(co
                 throw std::runtime_error("a line without a checksum");
             take(line.text);
         } catch (const std::exception& error) {
-            throw tactnet::file_error(path_.string(), part, expected, fmt::format("'{}'", error.what()));
+            // The JSON library begins its sentences with a name of its own in brackets.
+            std::string_view found = error.what();
+            if (found.starts_with("[json.exception."))
+                found.remove_prefix(std::min(found.find("] ") + 2, found.size()));
+            throw tactnet::file_error(path_.string(), part, expected, fmt::format("'{}'", found));
         }
         ++lines_;
         bytes_ += end + 1;

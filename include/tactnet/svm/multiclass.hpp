@@ -158,13 +158,10 @@ inline void require_training_memory(std::size_t classes, std::size_t samples, mu
         static_cast<double>(costs) * (machines * of_machine + n * each * (4 + 3) * sizeof(double));
     if (needed <= static_cast<double>(bytes))
         return;
-    const auto mebibytes = [](double count) {
-        return std::to_string(static_cast<std::uint64_t>(std::min(count / (1 << 20), 1e18)) + 1) + " MiB";
-    };
-    detail::throw_invalid_argument({"support vector machines of ", classes, " classes from ", samples,
-                                    " samples, ", pairs ? "one versus one" : "one versus rest",
-                                    ": expected to need at most ", mebibytes(static_cast<double>(bytes)),
-                                    " of memory (memory_bytes), found ", mebibytes(needed)});
+    detail::throw_invalid_argument(
+        {"support vector machines of ", classes, " classes from ", samples, " samples, ",
+         pairs ? "one versus one" : "one versus rest", ": expected to need at most ", bytes,
+         " bytes of memory (memory_bytes), found ", static_cast<std::uintmax_t>(std::min(needed, 1e18))});
 }
 
 } // namespace detail

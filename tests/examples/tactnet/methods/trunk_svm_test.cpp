@@ -177,7 +177,8 @@ TEST_SUITE("program") {
             {"evaluate", "--data", shop.data().string(), "--weights", "net", "--pretrained", "p"},
             "--pretrained: expected a training, found --weights, whose file holds all that it needs");
         tactnet::write_file(shop / "pretrained", std::string_view("no such file"));
-        refuses("squeezenet-svm", "pretrained: expected a safetensors file, found text that begins with 'no such '");
+        refuses("squeezenet-svm",
+                "pretrained: expected a safetensors file, found text that begins with 'no such '");
 
         const auto write = [&](const auto& change) {
             write_pretrained<squeezenet>(shop / "pretrained", element_type::float32, change);
