@@ -29,7 +29,7 @@ void ignore_output_signals() noexcept {
 
 void print(std::string_view text) {
     errno = 0;
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+    if (!text.empty() && std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
         output_is_lost();
 }
 

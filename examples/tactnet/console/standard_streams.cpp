@@ -21,6 +21,7 @@ void prepare_standard_streams() noexcept {
 }
 
 void show(std::string_view text) noexcept {
-    static_cast<void>(std::fwrite(text.data(), 1, text.size(), stderr));
+    if (!text.empty())
+        static_cast<void>(std::fwrite(text.data(), 1, text.size(), stderr));
     static_cast<void>(std::fflush(stderr));
 }

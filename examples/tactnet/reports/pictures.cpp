@@ -29,7 +29,8 @@ namespace {
 class nameless_file {
 public:
     explicit nameless_file(std::string_view text = {}) : file_(std::tmpfile()) {
-        if (file_ && std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size())
+        if (file_ && !text.empty() &&
+            std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size()) // not of a null pointer
             std::fflush(file_.get());
         if (file_)
             std::rewind(file_.get());
