@@ -85,8 +85,12 @@ std::vector<std::string> load_class_names(const std::filesystem::path& path) {
     for (std::string line; std::getline(lines, line);) {
         if (line.ends_with('\r'))
             line.pop_back();
-        if (!line.empty())
-            names.push_back(line);
+        if (line.empty())
+            continue;
+        if (!tactnet::is_printable(line))
+            throw tactnet::file_error(path.string(), fmt::format("name {}", names.size() + 1),
+                                      "a name without control characters", tactnet::in_quotes(line));
+        names.push_back(line);
     }
     if (names.empty())
         throw tactnet::file_error(path.string(), "", "class names, a line each", "none");

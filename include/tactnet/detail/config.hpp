@@ -12,7 +12,7 @@
 // out where they may assume that there are no such numbers.
 #if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0
 #error                                                                                                       \
-    "tactnet checks for NaN and infinity: compile without -ffast-math, or add -fno-finite-math-only behind it"
+    "tactnet checks for NaN and infinity: compile without -ffast-math, or add -fno-finite-math-only after it"
 #endif
 
 // The instruction set names an inline namespace around the whole library, for example

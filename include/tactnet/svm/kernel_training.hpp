@@ -123,7 +123,7 @@ void gather_support(kernel_machine_parameters<Kernel>& parts, feature_rows<> row
 /// number of them. Throws std::invalid_argument for a feature that is not finite (with its row and column),
 /// for fewer than two classes or more than fit into `memory_bytes`, if the numbers of labels and rows differ,
 /// and for options without a meaning: a tolerance that is not above 0, weights of classes without samples,
-/// more parts to cross-validate with than samples.
+/// one part to cross-validate with. More parts than samples of a machine are one for each sample.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] kernel_training_result<Kernel, Features>
 train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> labels,

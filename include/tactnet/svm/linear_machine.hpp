@@ -132,7 +132,7 @@ using linear_training_result = svm_training_result<linear_machine<Features>>;
 /// Trains one machine for each class among the labels, on all threads; the result is bit-identical on any
 /// number of them. Throws std::invalid_argument for a feature that is not finite (with its row and column),
 /// for fewer than two classes, if the numbers of labels and rows differ, for a tolerance that is not above 0,
-/// and for weights of classes without samples. Features above about 10^15 leave the range of single
+/// and for weights of classes without samples. Features above about 10^21 leave the range of single
 /// precision: then converged() is false.
 template <std::size_t Features>
 [[nodiscard]] linear_training_result<Features>

@@ -38,6 +38,9 @@ TEST_SUITE("program") {
                          "found '" + name + "'");
         shop.refuses({"export", "--weights", "net", "--output", "x.hpp", "--classes", ""},
                      "--classes: expected a file or a folder of names, found ''");
+        tactnet::write_file(shop / "names", std::string("one\ntw\x1B[31mo\nthree\n"));
+        shop.refuses("export --weights net --output x.hpp --classes names",
+                     "names: name 2: expected a name without control characters, found 'tw\\x1b[31mo'");
         REQUIRE(::mkfifo((shop / "pipe").c_str(), 0600) == 0);
         shop.refuses("export --weights net --output pipe", "expected a regular file, found a named pipe");
         shop.refuses("export --weights nothing --output x.hpp",
