@@ -1,7 +1,7 @@
-// Checks within a minute whether the methods chosen for deployed networks suit this processor: prints for
-// each layer its method, its time among the others, its share of the core's peak, the source of its weights,
-// the time of the fastest other method, and the costs by which the method was chosen (in twentieths of a
-// multiply-add of a vector).
+// Checks within a minute whether the methods chosen for networks deployed in single precision suit this
+// processor: prints for each layer its method, its time among the others, its share of the core's peak, the
+// source of its weights, the time of the fastest other method, and the costs by which the method was chosen
+// (in twentieths of a multiply-add of a vector).
 //
 //     benchmark_plan [--networks=tactnet6/28x50,tactresnet/28x50] [--csv=FILE]
 //

@@ -132,7 +132,7 @@ public:
         return classes_.empty() ? outputs : classes_.size();
     }
 
-    /// A view of these weights, which must outlive the view.
+    /// A view of these weights, which must outlive the view, and of the number of classes as it is now.
     [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data(), class_count()); }
     view_type view() const&& = delete;
     operator view_type() const& noexcept { return view(); }

@@ -162,8 +162,8 @@ struct direct_gradient {
     }
 };
 
-/// The weight gradient by taps, one method of the list: both have as many multiply-adds, and channels in
-/// lanes are faster wherever they fill vectors. Tiles are compared with it before the list is.
+/// The weight gradient by taps, one method of the list: both have as many multiply-adds. Channels are in
+/// lanes wherever they fill vectors. Tiles are compared with it before the list is.
 template <batch_convolution C, class T>
 using tap_gradient =
     std::conditional_t<channel_gradient<C, T>::applicable, channel_gradient<C, T>, direct_gradient<C, T>>;

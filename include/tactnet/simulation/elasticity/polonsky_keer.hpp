@@ -24,7 +24,7 @@ namespace simulation {
 struct contact_accuracy {
     /// The largest gap under pressure, or overlap without, as a fraction of the depth.
     double tolerance = 1e-6;
-    std::size_t most_iterations = 500;
+    std::size_t most_iterations = 500; ///< then the report says that it has not converged
 };
 
 /// The solver of all models whose cells influence each other. Allocates only when constructed.
