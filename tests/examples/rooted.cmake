@@ -1,6 +1,6 @@
 # A network of one's own with roots and a softmax, through the program in 8 bits: trained, told in both forms, and
 # exported as a header that gives the same bits.
-#   cmake -Dprogram=FILE -Dfolder=FOLDER -Dcompiler=FILE -Doptions=a,b -Dincludes=a,b -Dsource=FILE -P rooted.cmake
+#   cmake -Dprogram=FILE -Dfolder=FOLDER -Dcompiler=FILE "-Doptions=a|b" "-Dincludes=a|b" -Dsource=FILE -P rooted.cmake
 cmake_minimum_required(VERSION 3.22)
 file(REMOVE_RECURSE "${folder}")
 file(MAKE_DIRECTORY "${folder}")
@@ -42,8 +42,9 @@ if(float_share LESS 150)
     message(FATAL_ERROR "Expected a probability that a softmax taken twice could not give")
 endif()
 
-string(REPLACE "," ";" options "${options}")
-string(REPLACE "," ";" includes "${includes}")
+string(REPLACE "|" ";" options "${options}")
+list(REMOVE_ITEM options "")
+string(REPLACE "|" ";" includes "${includes}")
 list(TRANSFORM includes PREPEND "-I")
 run("${compiler}" -std=c++20 -O1 -fno-exceptions -fno-rtti ${options} "-I${folder}" ${includes} "${source}" -o firmware)
 run("${folder}/firmware")

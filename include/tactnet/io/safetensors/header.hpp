@@ -182,6 +182,8 @@ throw_element_error(std::string_view file, std::string_view tensor, std::size_t 
 using tensor_order = std::vector<std::array<std::size_t, 3>>;
 [[gnu::cold, gnu::noinline]] inline void sort_tensors(tensor_order& order) {
     using keys = tensor_order::value_type;
+    if (order.empty())
+        return; // qsort takes no null pointer
     // Much less to compile than std::sort.
     std::qsort(order.data(), order.size(), sizeof(keys), [](const void* a, const void* b) {
         const keys &first = *static_cast<const keys*>(a), &second = *static_cast<const keys*>(b);
